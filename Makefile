@@ -41,7 +41,7 @@ bars: set-up  ## every bar, measured here: marks, slips, attacks, speed beside n
 mutants: set-up  ## every single change of a model solution, and whether the checks notice it (minutes)
 	@.venv/bin/python -P tests/mutants.py $(MUTANTS_ARGS)
 
-fuzz: set-up  ## hostile values, and mutated hand-ins, zip files, records and models (minutes)
+fuzz: set-up  ## hostile values, and mutated hand-ins, downloads, zip files, records and models (minutes)
 	@.venv/bin/python -P tests/fuzz.py $(FUZZ_ARGS)
 
 bench: set-up  ## labsid beside its peers, in one run; fetches the peers into build/bench

@@ -66,9 +66,12 @@ def course_release(
         typer.Option(metavar="FILE", help="Moodle's grading worksheet: individual data as a zip of feedback files."),
     ] = None,
 ) -> None:
-    """Write the student release: notebooks, data, labsid and its environment; with a secret, individual data."""
+    """Write the student release: notebooks, data, labsid and its environment.
+
+    With a secret, FILE.zip has no data; the individual data are written apart, beside it, as FILE-packages.
+    """
     from autograder.course.layout import find_course
-    from autograder.course.release import write_individual_releases, write_release
+    from autograder.course.release import write_individual_release, write_release
     from autograder.course.settings import read_settings
     from autograder.course.students import read_students
     from autograder.export.moodle_release import write_moodle_release
@@ -92,17 +95,19 @@ def course_release(
         print(f"Wrote {out}: {len(write_release(here, out, wanted, due))} files.")
         return
     key = read_secret(secret)
-    ids = None if students is None else [student.id for student in read_students(students)]
+    listed = None if students is None else read_students(students)
     if worksheet is None:
-        print(f"Wrote {out}: {len(write_individual_releases(here, out, key, ids or [], wanted, due))} files.")
-        return
-    done = write_moodle_release(here, out, key, read_worksheet(worksheet), ids, wanted, due)
+        done = write_individual_release(here, out, key, [one.id for one in listed or []], wanted, due)
+    else:
+        done = write_moodle_release(here, out, key, read_worksheet(worksheet), listed, wanted, due)
     for remark in done.remarks:
         print(remark)
-    print(
-        f"Wrote {done.packages}: packages of {done.students} students, for Moodle's 'Upload multiple feedback files'."
-    )
     print(f"Wrote {done.shared}: for everybody, the notebooks, labsid and its environment.")
+    if done.packages is None:
+        print("These assignments have no data files, so that there are no packages.")
+        return
+    how = "a zip file for each" if worksheet is None else "for Moodle's 'Upload multiple feedback files in a zip'"
+    print(f"Wrote {done.packages}: the data of {done.students} students, {how}. Give nobody the data of another.")
 
 
 @course.command("collect")
@@ -130,7 +135,8 @@ def course_collect(
     zone_name = timezone or settings.timezone
     zone = None if zone_name is None else time_zone(zone_name)
     sheet = None if worksheet is None else read_worksheet(worksheet)
-    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or ()):
+    known = _who_is_who(settings, here.students_file)
+    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known):
         print(line)
     owners = handed_in_by(here, out)
     counts = ", ".join(f"{name} {len(students)}" for name, students in owners.items() if students)
@@ -179,6 +185,7 @@ def course_grade(
     from autograder.course.layout import find_course
     from autograder.course.nbgrader_access import import_nbgrader_api
     from autograder.course.settings import read_settings
+    from autograder.course.students import STUDENTS_FILE, write_students
     from autograder.results import gradebook
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
@@ -192,7 +199,7 @@ def course_grade(
     rules = _late_rules(settings) if late is None else parse_rules(late)
     secret = secret or settings.secret
     key = None if secret is None else read_secret(secret)
-    students = _students(settings, submitted)
+    students = _who_is_who(settings, out / STUDENTS_FILE, submitted / STUDENTS_FILE)
     batch = find_batch(here, submitted, *(assignment or ()), due=settings.due_by(datetime.now(UTC)))
     for line in batch.remarks:
         _warn(line)
@@ -208,10 +215,13 @@ def course_grade(
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
     gradebook.enter_students(out, students)
+    if students:
+        write_students(out / STUDENTS_FILE, students)
     if settings.students is not None:
-        absent = [student.id for student in students if student.id not in batch.students]
+        listed = list(dict.fromkeys(student.id for student in students))
+        absent = [student for student in listed if student not in batch.students]
         if absent:
-            _warn(f"nothing handed in by {len(absent)} of {len(students)} students: {', '.join(absent)}")
+            _warn(f"nothing handed in by {len(absent)} of {len(listed)} students: {', '.join(absent)}")
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
     for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():
@@ -253,7 +263,6 @@ def course_export(
     ] = False,
 ) -> None:
     """Export the grades, including manual grades, as CSV or to Moodle."""
-    from autograder.course.students import read_students
     from autograder.export.grades_csv import export_csv
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
@@ -266,8 +275,7 @@ def course_export(
     if format == "csv":
         if worksheet is not None or assignment or scale or zero:
             raise ValueError("--worksheet, --assignment, --scale and --zero are for --format moodle.")
-        students = [] if settings.students is None else [one.id for one in read_students(settings.students)]
-        print(f"Wrote {export_csv(out, students)} and {out / 'grades.csv'}.")
+        print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
         return
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
@@ -375,15 +383,16 @@ def _late_rules(settings: "CourseSettings") -> "LateRules | None":
         raise ValueError(f"course.toml, late rules: {str(error).removeprefix('--late: ')}") from None
 
 
-def _students(settings: "CourseSettings", submitted: Path) -> "list[Student]":
-    """The students of the course's file and of the collected submissions."""
+def _who_is_who(settings: "CourseSettings", *tables: Path) -> "list[Student]":
+    """The students of the tables that exist and of the course's file; `ValueError` if it is not clear who is who."""
     from autograder.course.students import merge_students, read_students
-    from autograder.intake.collect import STUDENTS_FILE
+    from autograder.intake.identity import identify
 
-    collected = submitted / STUDENTS_FILE
-    lists = [read_students(collected)] if collected.is_file() else []
+    lists = [read_students(table) for table in tables if table.is_file()]
     lists += [read_students(settings.students)] if settings.students is not None else []
-    return merge_students(*lists)
+    students = merge_students(*lists)
+    identify(None, students)
+    return students
 
 
 def _warn(line: str) -> None:

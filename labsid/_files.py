@@ -4,7 +4,8 @@ import errno
 import io
 import json
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +72,33 @@ def write_text(path: Path, text: str) -> None:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     write_file(path, text.encode(errors="backslashreplace"))
+
+
+def csv_text(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table as CSV; text that a spreadsheet would evaluate as a formula gets an apostrophe.
+
+    Parameters
+    ----------
+    columns : iterable of str
+        The line of headings.
+    rows : iterable of iterable of str
+    """
+    import csv  # not at the top: every command imports this module
+
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([f"'{value}" if _is_formula(value) else value for value in row] for row in rows)
+    return text.getvalue()
+
+
+def without_apostrophe(text: str) -> str:
+    """A value of a table of `csv_text` as it was before it was written."""
+    return text[1:] if text.startswith("'") and _is_formula(text[1:]) else text
+
+
+def _is_formula(text: str) -> bool:
+    return text.lstrip()[:1] in ("=", "@", "+", "-") and not re.fullmatch(r"-?\d+(\.\d+)?", text)
 
 
 def zip_bytes(files: Mapping[str, bytes]) -> bytes:

@@ -1,4 +1,4 @@
-"""Hostile values, and mutated hand-ins, zip files, records and models: each is read, or refused in one line.
+"""Hostile values, and mutated hand-ins, downloads, zip files, records and models: each is read, or refused in one line.
 
 `make fuzz` runs many of them, a test a few. A case is repeated with its seed: ``--kind zips --seed 7 --cases 1``.
 """
@@ -30,7 +30,7 @@ from autograder.course.layout import Course, read_template
 from autograder.intake.collect import collect_submissions
 from autograder.intake.submission import read_submission
 from autograder.judge.redaction import redact, redact_reason
-from autograder.results.autograded import clean_markdown
+from autograder.results.prose import prose_for_notebook
 from autograder.results.similar import code_fingerprints
 from autograder.sandbox.channel import ChannelError, decode
 from labsid.checks.compare import as_array, as_matrix, as_number, as_system, as_vector, kind_of
@@ -161,7 +161,7 @@ def hand_ins(rng: np.random.Generator, ground: Ground) -> None:
         one_line(note)
     code_fingerprints(submission.cells, {cell.id: cell.source for cell in ground.template.cells})
     for cell in submission.cells:
-        clean_markdown(cell.source)
+        prose_for_notebook(cell.source)
 
 
 def zips(rng: np.random.Generator, ground: Ground) -> None:
@@ -178,6 +178,34 @@ def zips(rng: np.random.Generator, ground: Ground) -> None:
     with refused_in_one_line():
         for line in collect_submissions(ground.course, path, ground.folder / "submitted"):
             one_line(line)
+
+
+def downloads(rng: np.random.Generator, ground: Ground) -> None:
+    """A zip file in Moodle's zip file, with any method and changed headers: only its own student is affected."""
+    methods = [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA]
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for number in range(int(rng.integers(1, 4))):
+            content = mutate(rng, ground.notebook) if rng.integers(0, 2) else bytes(int(rng.integers(0, 10**7)))
+            name = f"{str(hostile(rng, 9))[:20]}/{number}{rng.choice(['.ipynb', '.zip', '.csv', ''])}"
+            archive.writestr(name, content, int(rng.choice(methods)))
+    inner = bytearray(packed.getvalue())
+    for _ in range(int(rng.integers(1, 5))):
+        signature = [b"PK\x03\x04", b"PK\x01\x02", b"PK\x05\x06"][int(rng.integers(0, 3))]
+        at = inner.find(signature) + int(rng.integers(4, 60))
+        inner[at : at + 4] = [rng.bytes(4), b"\xff" * 4, bytes(4), b"\xfe\xff\xff\xff"][int(rng.integers(0, 4))]
+    path = ground.folder / "moodle.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(f"Ada_1_assignsubmission_file_/{NAME}.ipynb", ground.notebook)
+        archive.writestr("Eve_2_assignsubmission_file_/hand-in.zip", bytes(inner))
+        archive.writestr("Eve_2_assignsubmission_file_/two.zip", mutate(rng, bytes(inner)))
+        archive.writestr(f"Zoe_3_assignsubmission_file_/{NAME}.ipynb", ground.notebook)
+    shutil.rmtree(ground.folder / "submitted", ignore_errors=True)
+    lines = list(collect_submissions(ground.course, path, ground.folder / "submitted"))
+    for line in lines:
+        one_line(line)
+    assert (lines[0], lines[2]) == (f"1 (Ada): {NAME}", f"3 (Zoe): {NAME}"), lines
+    assert lines[1].startswith("2 (Eve): "), lines
 
 
 def records(rng: np.random.Generator, ground: Ground) -> None:
@@ -242,7 +270,8 @@ def models(rng: np.random.Generator, ground: Ground) -> None:
         replay(path, ground.record)
 
 
-KINDS: dict[str, Case] = {one.__name__: one for one in (values, hand_ins, zips, records, texts, arrays, logs, models)}
+_CASES = (values, hand_ins, zips, downloads, records, texts, arrays, logs, models)
+KINDS: dict[str, Case] = {one.__name__: one for one in _CASES}
 
 
 def one_line(text: str) -> None:
@@ -258,12 +287,16 @@ def refused_in_one_line() -> Iterator[None]:
         one_line(" ".join(str(error).split()))
 
 
+class CaseTimeout(BaseException):
+    """A case takes too long; what is tested catches every `Exception` of a parser."""
+
+
 @contextmanager
 def time_limit(seconds: int) -> Iterator[None]:
-    """Raise `TimeoutError` after some seconds, where the system has alarms."""
+    """Raise `CaseTimeout` after some seconds, where the system has alarms."""
 
     def stop(*_: object) -> None:
-        raise TimeoutError(f"longer than {seconds} s")
+        raise CaseTimeout(f"longer than {seconds} s")
 
     if not hasattr(signal, "SIGALRM"):
         yield
@@ -284,7 +317,7 @@ def run(kind: str, cases: int, seed: int, ground: Ground) -> list[str]:
         try:
             with time_limit(SECONDS), np.errstate(all="ignore"):
                 KINDS[kind](np.random.default_rng([number, *kind.encode()]), ground)
-        except Exception as error:
+        except (Exception, CaseTimeout) as error:
             failed.append(f"{kind}, seed {number}: {type(error).__name__}: {str(error)[:300]}")
     return failed
 

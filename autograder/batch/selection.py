@@ -45,13 +45,15 @@ def find_batch(course: Course, submitted: Path, *wanted: str, due: Sequence[str]
     Raises
     ------
     ValueError
-        If the folder does not exist, or contains no submission of these assignments.
+        If the folder does not exist, or contains no submission of these assignments, or two students' folders differ
+        only in case.
     """
     if not submitted.is_dir():
         raise ValueError(f"{submitted} is not a folder. Expected <student>/<assignment>/<assignment>.ipynb below it.")
     folders = sorted(path.name for path in submitted.iterdir() if path.is_dir() and not path.name.startswith("."))
     students = [name for name in folders if _is_unicode(name)]
     ignored = [ascii(name)[1:-1] for name in folders if not _is_unicode(name)]
+    _refuse_equal_names(submitted, students)
     selected = course.select(wanted)
     if students and wanted:
         return Batch(submitted, tuple(students), tuple(selected), tuple(ignored))
@@ -69,6 +71,17 @@ def find_batch(course: Course, submitted: Path, *wanted: str, due: Sequence[str]
         )
     remarks = _selection_remarks(owners, graded, due)
     return Batch(submitted, tuple(students), tuple(graded), tuple(ignored), tuple(remarks))
+
+
+def _refuse_equal_names(submitted: Path, students: Sequence[str]) -> None:
+    first: dict[str, str] = {}
+    for name in students:
+        other = first.setdefault(name.casefold(), name)
+        if other != name:
+            raise ValueError(
+                f"the folders {other} and {name} of {submitted} differ only in upper and lower case. Rename one of "
+                "them to the ID of its student."
+            )
 
 
 def handed_in_by(course: Course, submitted: Path) -> dict[str, list[str]]:

@@ -57,6 +57,11 @@ class Course:
         return self.root / "autograder" / "data"
 
     @property
+    def students_file(self) -> Path:
+        """Who is who, as decided by ``labsid course release`` when it gave out individual data."""
+        return self.root / "autograder" / "students.csv"
+
+    @property
     def record(self) -> Path:
         """The lab's record for students without an individual one."""
         return self.data / RECORD_FILE

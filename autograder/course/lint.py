@@ -34,8 +34,8 @@ def lint_metadata(cell: Any) -> Iterator[str]:
     if unknown:
         yield f"{short['grade_id']}: unknown metadata {', '.join(sorted(unknown))}"
     points = short.get("points", 1)
-    if not isinstance(points, int | float) or not 0 < points < math.inf:
-        yield f"{short['grade_id']}: points must be positive, got {points}"
+    if not isinstance(points, int | float) or not 0 <= points < math.inf:
+        yield f"{short['grade_id']}: points must not be negative, got {points}"
 
 
 def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
@@ -37,8 +38,8 @@ The start page, `start.ipynb`, says the same as the text below.
 
 _NO_DATA = "No notebook needs a data file."
 _SEPARATE = (
-    "Your own data come separately, as a folder of yours. Copy what is in it into this folder before you begin, so "
-    "that each file is beside its notebook: {files}."
+    "Your own data come separately, as a zip file. Unpack it into this folder before you begin, so that each file is "
+    "beside its notebook: {files}."
 )
 
 
@@ -85,23 +86,44 @@ def release_files(
     return shared_files(course, assignments, data, due)
 
 
-def write_individual_releases(
+@dataclass(frozen=True, slots=True)
+class IndividualRelease:
+    """The files written by a release with individual data, and remarks for the instructor.
+
+    Attributes
+    ----------
+    shared : Path
+        Zip file for everybody.
+    packages : Path or None
+        For each student apart: a folder of zip files, or a zip file for a learning platform; None without data files.
+    students : int
+        Number of packages.
+    remarks : tuple of str
+    """
+
+    shared: Path
+    packages: Path | None
+    students: int
+    remarks: tuple[str, ...] = ()
+
+
+def write_individual_release(
     course: Course,
     out: Path,
     secret: bytes,
     students: Sequence[str],
     assignments: Sequence[str] = (),
     due: Mapping[str, str] | None = None,
-) -> list[str]:
-    """Write the release with individual data: one folder for each student, for the instructor to distribute.
+) -> IndividualRelease:
+    """Write a release with individual data: a zip file for everybody, and apart from it one for each student.
 
     Parameters
     ----------
     course : Course
         Built.
     out : Path
-        The zip file: ``for-everybody/`` contains the shared files, ``students/<ID>/`` the data of one student, each
-        file in the folder of its assignment.
+        The zip file for everybody, which has nothing of any student. The packages are ``<ID>.zip`` in the folder
+        ``<out>-packages`` beside it; each has one student's data, each file in the folder of its assignment.
     secret : bytes
     students : sequence of str
         IDs.
@@ -110,23 +132,26 @@ def write_individual_releases(
     due : mapping, optional
         When an assignment is due, as text, by its name.
 
-    Returns
-    -------
-    list of str
-        The names of its files.
-
     Raises
     ------
     ValueError
         If the course has not been built, it has no such assignment, or an ID is unusable.
     """
     shared = shared_files(course, assignments, due=due, data_come_apart=True)
-    files = {f"for-everybody/{name}": content for name, content in shared.items()}
-    for student in students:
-        for name, content in individual_files(course, secret, student, assignments).items():
-            files[f"students/{student}/{name}"] = content
-    write_file(out, zip_bytes(files))
-    return sorted(files)
+    own = {student: individual_files(course, secret, student, assignments) for student in students}
+    packages = packages_beside(out)
+    write_file(out, zip_bytes(shared))
+    if not any(own.values()):
+        return IndividualRelease(out, None, 0)
+    packages.mkdir(exist_ok=True)
+    for student, files in own.items():
+        write_file(packages / f"{student}.zip", zip_bytes(files))
+    return IndividualRelease(out, packages, len(own))
+
+
+def packages_beside(out: Path) -> Path:
+    """Where the packages of single students are written: beside the zip file for everybody."""
+    return out.with_name(f"{out.stem}-packages")
 
 
 def individual_files(course: Course, secret: bytes, student: str, assignments: Sequence[str] = ()) -> dict[str, bytes]:

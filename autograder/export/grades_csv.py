@@ -1,25 +1,24 @@
 """Export of the marks as CSV."""
 
-from collections.abc import Iterable
 from decimal import Decimal
 from pathlib import Path
 
 from autograder.course.plain_text import plain_decimal
+from autograder.course.students import known_students
 from autograder.results import gradebook, grades, result_files
 from autograder.results.grades import write_grades
 
 COLUMNS = ("student", "assignment", "score", "max_score", "waiting", "status", "late_penalty")
 
 
-def export_csv(out: Path, students: Iterable[str] = ()) -> Path:
+def export_csv(out: Path) -> Path:
     """Write ``OUT/export.csv``, one row for each student and assignment, and update ``OUT/grades.csv``.
 
     Parameters
     ----------
     out : Path
-        A folder that ``labsid course grade`` wrote.
-    students : iterable of str, optional
-        IDs of the class. Who is in it and has no result at all has 0 marks and the status ``missing``.
+        A folder that ``labsid course grade`` wrote. Who is in its table of students and has no result at all has 0
+        marks and the status ``missing``.
 
     Returns
     -------
@@ -47,9 +46,9 @@ def export_csv(out: Path, students: Iterable[str] = ()) -> Path:
     most: dict[str, Decimal] = {}
     for row in rows:
         most[row["assignment"]] = max(Decimal(row["max_score"]), most.get(row["assignment"], Decimal(0)))
-    known = {row["student"].casefold() for row in rows}
-    for student in students:
-        if student.casefold() not in known:
+    graded = {row["student"] for row in rows}
+    for student in dict.fromkeys(one.id for one in known_students(out, graded)):
+        if student not in graded:
             rows += [_without_hand_in(student, name, marks) for name, marks in most.items()]
     write_grades(out)
     path = out / "export.csv"

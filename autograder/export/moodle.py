@@ -12,6 +12,8 @@ from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 from pathlib import Path
 
 from autograder.course.plain_text import one_line, plain_decimal
+from autograder.course.students import known_students
+from autograder.intake.identity import identify
 from autograder.intake.worksheet import (
     CHANGEABLE,
     FEEDBACK,
@@ -19,7 +21,7 @@ from autograder.intake.worksheet import (
     MAXIMUM,
     Worksheet,
     participant_folder,
-    possible_ids,
+    participant_number,
     worksheet_text,
 )
 from autograder.results import gradebook, grades, result_files
@@ -83,7 +85,7 @@ def export_moodle(
     ------
     ValueError
         If OUT has no results of an assignment, the worksheet lacks the columns to fill in, or its maximum is not the
-        sum of the marks and they are not to be scaled.
+        sum of the marks and they are not to be scaled, or it is not clear who is who.
     """
     missing = [column for column in (GRADE, FEEDBACK) if column not in sheet.columns]
     if missing:
@@ -99,13 +101,13 @@ def export_moodle(
     stored = [one for one in everything if not assignments or one.assignment in assignments]
     factors = _factors(stored, weights or {})
     maximum = sum((most * factor for most, factor in factors.values()), Decimal(0))
+    who = identify(sheet, known_students(out, {one.student for one in everything}))
     if not scale:
         _require_maximum(out, sheet, assignments, factors, maximum)
     manual = gradebook.read_manual_grades(out).scores
     by_student: dict[str, list[StoredResult]] = {}
     for one in stored:
         by_student.setdefault(one.student, []).append(one)
-    names = {student.casefold(): student for student in by_student}
     pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out)}
     rows: list[dict[str, str]] = []
     files: dict[str, bytes] = {}
@@ -113,10 +115,11 @@ def export_moodle(
     without: list[str] = []
     remarks: list[str] = []
     for row in sheet.rows:
-        student = next((names[one.casefold()] for one in possible_ids(row) if one.casefold() in names), None)
-        if student is None:
-            is_empty = not row[GRADE].strip(" -") and not _is_locked(row)
-            without += [next(possible_ids(row), "")] if is_empty else []
+        participant = who.students.get(participant_number(row) or "")
+        student = None if participant is None else participant.id
+        if student not in by_student:
+            is_empty = participant is not None and not row[GRADE].strip(" -") and not _is_locked(row)
+            without += [str(student)] if is_empty else []
             rows.append({**row, GRADE: "0", FEEDBACK: _NOTHING} if zero and is_empty else row)
             continue
         found.add(student)

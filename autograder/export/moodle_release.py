@@ -1,37 +1,17 @@
 """Individual packages for students, in the layout of Moodle's "Upload multiple feedback files in a zip"."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from autograder.course.layout import Course
-from autograder.course.release import individual_files, shared_files
-from autograder.intake.worksheet import Worksheet, participant_folder, participant_number, possible_ids
+from autograder.course.release import IndividualRelease, individual_files, packages_beside, shared_files
+from autograder.course.students import Student, merge_students, read_students, write_students
+from autograder.intake.identity import identify
+from autograder.intake.worksheet import Worksheet, participant_folder, participant_number
 from labsid._files import write_file, zip_bytes
 
 PACKAGE = "my-data.zip"
 """Name of each student's file; its folders are those of the notebooks."""
-
-
-@dataclass(frozen=True, slots=True)
-class MoodleRelease:
-    """The files written, and remarks for the instructor.
-
-    Attributes
-    ----------
-    packages : Path
-        Zip file to upload as feedback files.
-    shared : Path
-        Zip file for everybody.
-    students : int
-        Number of packages.
-    remarks : tuple of str
-    """
-
-    packages: Path
-    shared: Path
-    students: int
-    remarks: tuple[str, ...]
 
 
 def write_moodle_release(
@@ -39,10 +19,10 @@ def write_moodle_release(
     out: Path,
     secret: bytes,
     sheet: Worksheet,
-    students: Sequence[str] | None = None,
+    students: Sequence[Student] | None = None,
     assignments: Sequence[str] = (),
     due: Mapping[str, str] | None = None,
-) -> MoodleRelease:
+) -> IndividualRelease:
     """Write each participant's data files, and the release without data for everybody.
 
     Parameters
@@ -50,13 +30,13 @@ def write_moodle_release(
     course : Course
         Built.
     out : Path
-        The zip file with a folder ``Full Name_123456_assignsubmission_file_`` for each participant. What is the same
-        for everybody is written beside it, as ``<out>-for-everybody.zip``.
+        The zip file for everybody, which has nothing of any student. The packages are written beside it, as
+        ``<out>-packages.zip`` with a folder ``Full Name_123456_assignsubmission_file_`` for each participant.
     secret : bytes
     sheet : Worksheet
         Grading worksheet of the Moodle assignment with which the packages are distributed.
     students : sequence of str, optional
-        IDs; without them, every row of the worksheet is a student, with the ID that ``labsid course collect`` gives.
+        The class; without it, every row of the worksheet is a student.
     assignments : sequence of str, optional
         The assignments to release; default all.
     due : mapping, optional
@@ -64,29 +44,26 @@ def write_moodle_release(
 
     Returns
     -------
-    MoodleRelease
+    IndividualRelease
 
     Raises
     ------
     ValueError
         If no row of the worksheet is a student, the assignments have no data files, the course has not been built, or
-        an ID is unusable.
+        an ID is unusable, or it is not clear who is who; nothing is written then.
     """
     shared = shared_files(course, assignments, due=due, data_come_apart=True)
-    known = None if students is None else {student.casefold(): student for student in students}
+    table = course.students_file
+    before = read_students(table) if table.is_file() else []
+    who = identify(sheet, merge_students(before, students or []))
+    listed = None if students is None else {student.id for student in students}
     packages: dict[str, bytes] = {}
     found: set[str] = set()
     for row in sheet.rows:
-        if participant_number(row) is None:
+        number = participant_number(row)
+        if number is None or (listed is not None and who.students[number].id not in listed):
             continue
-        ids = possible_ids(row)
-        student = (
-            next(ids, None)
-            if known is None
-            else next((known[i.casefold()] for i in ids if i.casefold() in known), None)
-        )
-        if student is None:
-            continue
+        student = who.students[number].id
         found.add(student)
         own = individual_files(course, secret, student, assignments)
         if not own:
@@ -96,8 +73,9 @@ def write_moodle_release(
         packages[f"{participant_folder(row)}/{PACKAGE}"] = zip_bytes(own)
     if not packages:
         raise ValueError(f"{sheet.path} has no row of a student. Check the IDs in the students file.")
-    beside = out.with_name(f"{out.stem}-for-everybody.zip")
-    write_file(beside, zip_bytes(shared))
-    write_file(out, zip_bytes(packages))
-    remarks = tuple(f"{student}: not in the worksheet" for student in students or () if student not in found)
-    return MoodleRelease(out, beside, len(packages), remarks)
+    beside = packages_beside(out).with_suffix(".zip")
+    write_file(out, zip_bytes(shared))
+    write_file(beside, zip_bytes(packages))
+    write_students(table, merge_students(before, list(who.students.values())))
+    remarks = tuple(f"{one.id}: not in the worksheet" for one in students or () if one.id not in found)
+    return IndividualRelease(out, beside, len(packages), remarks)

@@ -2,12 +2,14 @@
 
 import json
 import stat
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import nbformat
 
+from autograder.course.plain_text import one_line
 from autograder.intake.untrusted_json import read_json
 from labsid.checks.cells import Template, has_work
 from labsid.checks.given_lines import put_back
@@ -17,6 +19,13 @@ MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
 MAX_TEXT_CHARACTERS = 10_000_000
 """Text and code of all cells; outputs and attached pictures do not count."""
 
+VERSIONS_FILE = "versions.txt"
+"""Beside a notebook: why it may not be the latest copy that was handed in; written by `collect`."""
+
+MAX_CELLS = 5_000
+"""Cells of a notebook; the longest released one has 104."""
+
+MAX_NOTES, MAX_NOTE_CHARACTERS = 50, 500
 
 UNTOUCHED = "the notebook is as it was released: no answer was submitted"
 
@@ -88,22 +97,37 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
         if any(path.is_symlink() for path in (folder.parent, folder, found[0])):
             raise ValueError("it is a symbolic link, or is below one: submit the file itself")
         cells = _read_cells(found[0])
-    except (ValueError, OSError, RecursionError, MemoryError) as error:
+        notes += _note_on_versions(folder)
+    except Exception as error:  # of what students hand in, no list of errors is complete
         return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
         return quarantined_submission(student, template.assignment, f"{name} contains no cell of {template.assignment}")
     if not has_work(((cell["id"], cell["source"]) for cell in cells), template):
         return Submission(student, template.assignment, "missing", (), (UNTOUCHED,))
     aligned, repairs = _align_cells(cells, template)
-    return Submission(student, template.assignment, "ready", aligned, tuple(notes + repairs))
+    return Submission(student, template.assignment, "ready", aligned, _limited(notes + repairs))
+
+
+def _limited(notes: list[str]) -> tuple[str, ...]:
+    """Notes, shortened, and how many were left out."""
+    shown = [_shortened(note) for note in notes[:MAX_NOTES]]
+    return (*shown, f"and {len(notes) - MAX_NOTES} more") if len(notes) > MAX_NOTES else tuple(shown)
+
+
+def _shortened(note: str) -> str:
+    return note if len(note) <= MAX_NOTE_CHARACTERS else f"{note[:MAX_NOTE_CHARACTERS]} ..."
 
 
 def is_untouched(content: bytes, template: Template) -> bool:
     """Whether a notebook has no answer and no cell that is not in the release; False if it cannot be read."""
     try:
-        cells = _parse_cells(content)
-    except (ValueError, RecursionError, MemoryError):
+        return is_as_released(cells_of(read_notebook(content)), template)
+    except Exception:  # of what students hand in, no list of errors is complete
         return False
+
+
+def is_as_released(cells: Sequence[Mapping[str, Any]], template: Template) -> bool:
+    """Whether cells, as `cells_of` reads them, are of an assignment but have no answer and no cell of their own."""
     known = {cell.id for cell in template.cells}
     return any(cell["id"] in known for cell in cells) and not has_work(
         ((cell["id"], cell["source"]) for cell in cells), template
@@ -127,6 +151,14 @@ def is_plain_file(path: Path, max_bytes: int) -> bool:
     return stat.S_ISREG(found.st_mode) and found.st_size <= max_bytes
 
 
+def _note_on_versions(folder: Path) -> list[str]:
+    """What `collect` noted on several copies of the notebook."""
+    path = folder / VERSIONS_FILE
+    if not is_plain_file(path, MAX_NOTES * MAX_NOTE_CHARACTERS):
+        return []
+    return [one_line(path.read_text(encoding="utf-8", errors="replace"))]
+
+
 def quarantined_submission(student: str, assignment: str, why: str) -> Submission:
     """A submission that cannot be graded, with the reason."""
     return Submission(student, assignment, "quarantined", (), (why,))
@@ -146,19 +178,31 @@ def _find_notebook(folder: Path, assignment: str) -> tuple[Path, list[str]] | No
 def _read_cells(path: Path) -> list[dict[str, Any]]:
     if path.stat().st_size > MAX_NOTEBOOK_BYTES:
         raise ValueError(f"it is larger than {MAX_NOTEBOOK_BYTES // 2**20} MiB")
-    return _parse_cells(path.read_bytes())
+    return cells_of(read_notebook(path.read_bytes()))
 
 
-def _parse_cells(content: bytes) -> list[dict[str, Any]]:
+def read_notebook(content: bytes) -> Any:
+    """The JSON of a notebook; `ValueError` if it is not JSON or has too many parts."""
     try:
-        raw = read_json(content.decode("utf-8-sig").encode())
+        return read_json(content.decode("utf-8-sig").encode())
     except json.JSONDecodeError as error:
         raise ValueError(f"it is not a notebook (broken JSON at line {error.lineno})") from None
     except UnicodeDecodeError:
         raise ValueError("it is not text in UTF-8") from None
+
+
+def cells_of(raw: Any) -> list[dict[str, Any]]:
+    """The cells of a notebook that was read from JSON: for each whether it is code, its text and its grade_id.
+
+    Raises
+    ------
+    ValueError
+        If it is not a notebook, or too large.
+    """
     if not isinstance(raw, dict) or type(raw.get("nbformat")) is not int:
         raise ValueError("it is JSON but not a notebook")
     if raw["nbformat"] < 4:
+        _refuse_many(sheet.get("cells") for sheet in _dicts(raw.get("worksheets")))
         try:
             raw = nbformat.convert(nbformat.from_dict(raw), 4)
         except Exception:  # the errors of the converter are not documented
@@ -166,10 +210,21 @@ def _parse_cells(content: bytes) -> list[dict[str, Any]]:
     cells = raw.get("cells")
     if not isinstance(cells, list):
         raise ValueError("it has no cells")
-    plain = [_plain_cell(cell) for cell in cells if isinstance(cell, dict)]
+    _refuse_many([cells])
+    plain = [_plain_cell(cell) for cell in _dicts(cells)]
     if sum(len(cell["source"]) for cell in plain) > MAX_TEXT_CHARACTERS:
         raise ValueError(f"its cells have more than {MAX_TEXT_CHARACTERS // 10**6} million characters of text")
     return plain
+
+
+def _refuse_many(lists: Iterable[Any]) -> None:
+    count = sum(len(cells) for cells in lists if isinstance(cells, list))
+    if count > MAX_CELLS:
+        raise ValueError(f"it has {count} cells; at most {MAX_CELLS} are graded")
+
+
+def _dicts(values: Any) -> list[dict[str, Any]]:
+    return [value for value in values if isinstance(value, dict)] if isinstance(values, list) else []
 
 
 def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import csv
 import io
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,7 +12,8 @@ from pathlib import Path
 IDENTIFIER, FULL_NAME, EMAIL = "Identifier", "Full name", "Email address"
 GRADE, MAXIMUM, CHANGEABLE = "Grade", "Maximum Grade", "Grade can be changed"
 FEEDBACK, SUBMITTED = "Feedback comments", "Last modified (submission)"
-ID_COLUMNS = ("ID number", "Username", EMAIL)
+USERNAME = "Username"
+ID_COLUMNS = ("ID number", USERNAME, EMAIL)
 """Columns with the student ID, in order of preference; the participant number is used if all are empty."""
 
 _TIMES = ("%A, %d %B %Y, %I:%M %p", "%A, %d %B %Y, %H:%M", "%d %B %Y, %I:%M %p", "%d %B %Y, %H:%M", "%Y-%m-%d %H:%M:%S")
@@ -91,17 +92,6 @@ def participant_folder(row: Mapping[str, str]) -> str:
     """
     name = re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "", row.get(FULL_NAME, "")).replace("_", " ").strip(". ")
     return f"{name or 'Participant'}_{participant_number(row)}_assignsubmission_file_"
-
-
-def possible_ids(row: Mapping[str, str]) -> Iterator[str]:
-    """Possible IDs of a row's student in the course, in order of preference."""
-    for column in ID_COLUMNS:
-        name = folder_name(row.get(column, ""))
-        if name is not None:
-            yield name
-    number = participant_number(row)
-    if number is not None:
-        yield number
 
 
 def folder_name(student: str) -> str | None:

@@ -6,6 +6,7 @@ refused. The pages run one script, which comes from here; text of students is Ma
 
 import json
 import secrets
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -230,7 +231,14 @@ def make_server(app: MarkingApp, port: int = 0) -> ThreadingHTTPServer:
         def log_message(self, format: str, *values: object) -> None:
             """Write nothing: the address contains the token."""
 
-    server = ThreadingHTTPServer((HOST, port), Handler)
+    class Server(ThreadingHTTPServer):
+        """Says nothing of connections that a browser closes before it has its answer."""
+
+        def handle_error(self, request: Any, client_address: Any) -> None:
+            if not isinstance(sys.exception(), ConnectionError | TimeoutError):
+                super().handle_error(request, client_address)
+
+    server = Server((HOST, port), Handler)
     server.daemon_threads = True
     return server
 

@@ -1,13 +1,13 @@
 """Notebooks for formgrader: the student's cells with their output, and the judged figures.
 
-formgrader shows Markdown as HTML without cleaning it, in the browser of the instructor, who is logged in. What could
-run a script there is made plain text when the notebook is written.
+formgrader shows Markdown as HTML without cleaning it, in the browser of the instructor, who is logged in. What students
+write is therefore rendered when the notebook is written, see `autograder.results.prose`, as HTML that runs no script.
 """
 
 import base64
 import json
-import re
-from collections.abc import Mapping
+import time
+from collections.abc import Collection, Mapping
 from copy import deepcopy
 from functools import lru_cache
 from pathlib import Path
@@ -16,29 +16,11 @@ from typing import Any
 from autograder.course.layout import Course
 from autograder.judge.execution import ExecutedCell
 from autograder.judge.outcome import SubmissionResult
+from autograder.results.prose import SECONDS, prose_for_notebook
 from labsid._files import write_text
 
-_TAG = re.compile(r"<(?=[A-Za-z/!?])")
-_ENTITY = re.compile(r"&(?=[A-Za-z#])")
-_BLANKS = r"[\x00-\x20]*"  # browsers ignore some of them in the name of a scheme
-_SCHEME = re.compile(
-    "("
-    + "|".join(map(_BLANKS.join, ("javascript", "vbscript")))
-    + f"|data(?={_BLANKS}:{_BLANKS}(?:text|application)/))"
-    f"{_BLANKS}:",
-    re.IGNORECASE,
-)
-_MATHJAX = re.compile(r"\\+(?=(?:href|mmlToken|require|cssId|class|style|htmlData|unicode)(?![A-Za-z]))")
-
-
-def clean_markdown(text: str) -> str:
-    """Markdown without HTML tags, entities, links that run a script, and macros of MathJax that write HTML.
-
-    Blanks are inserted, so that formulas such as ``a<b`` look the same.
-    """
-    for pattern, replacement in ((_TAG, "< "), (_ENTITY, "& "), (_MATHJAX, ""), (_SCHEME, r"\1 :")):
-        text = pattern.sub(replacement, text)
-    return text
+MAX_TEXT_CHARACTERS, MAX_TEXT_SECONDS = 1_000_000, 3.0
+"""Text of a student in one notebook, and the processor time in which it is rendered; the rest is left out or plain."""
 
 
 def write_autograded(course: Course, out: Path, result: SubmissionResult) -> None:
@@ -51,9 +33,10 @@ def write_autograded(course: Course, out: Path, result: SubmissionResult) -> Non
     released = {cell["id"]: cell for cell in notebook["cells"]}
     pictures = {question.question: question.figures for question in result.results}
     cells: list[dict[str, Any]] = []
+    texts = _Texts({"".join(cell["source"]).strip() for cell in notebook["cells"] if cell["cell_type"] == "markdown"})
     for index, executed in enumerate(result.cells):
         # cells without a grade_id come from the submission, text of the course included
-        cell = _as_cell(executed, released, f"extra-{index}")
+        cell = _as_cell(executed, released, f"extra-{index}", texts)
         if executed.cell.code:
             cell["outputs"] = [*_outputs(executed), *map(_picture, pictures.get(executed.cell.id or "", ()))]
         cells.append(cell)
@@ -68,7 +51,26 @@ def _released(path: Path, changed: int) -> dict[str, Any]:
     return read
 
 
-def _as_cell(executed: ExecutedCell, released: Mapping[str, dict[str, Any]], extra_id: str) -> dict[str, Any]:
+class _Texts:
+    """The texts of one student in one notebook, within limits for all of them together."""
+
+    def __init__(self, released: Collection[str]) -> None:
+        self._released = released
+        self._characters = MAX_TEXT_CHARACTERS
+        self._until = time.thread_time() + MAX_TEXT_SECONDS
+
+    def rendered(self, text: str) -> str:
+        """A text as HTML; one of the course as it is."""
+        if text.strip() in self._released:
+            return text
+        shown = text[: self._characters]
+        self._characters -= len(shown)
+        return prose_for_notebook(shown, SECONDS if time.thread_time() < self._until else 0.0)
+
+
+def _as_cell(
+    executed: ExecutedCell, released: Mapping[str, dict[str, Any]], extra_id: str, texts: _Texts
+) -> dict[str, Any]:
     own = executed.cell
     if own.id is not None:
         cell = deepcopy(released[own.id])
@@ -77,7 +79,7 @@ def _as_cell(executed: ExecutedCell, released: Mapping[str, dict[str, Any]], ext
         if own.code:
             cell["execution_count"] = None
     by_student = own.kind in ("manual", "extra") and not own.code
-    cell["source"] = clean_markdown(own.source) if by_student else own.source
+    cell["source"] = texts.rendered(own.source) if by_student else own.source
     return cell
 
 

@@ -18,8 +18,14 @@ from autograder.results.result_files import StoredResult
 from labsid._files import write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
-_MARKS = {"right": "✓", "partial": "◐", "wrong": "✗", "wait": "…"}
-_WORDS = {"right": "right", "partial": "partly right", "wrong": "wrong", "wait": "not yet graded"}
+_MARKS = {"right": "✓", "partial": "◐", "wrong": "✗", "wait": "…", "none": "·"}
+_WORDS = {
+    "right": "right",
+    "partial": "partly right",
+    "wrong": "wrong",
+    "wait": "not yet graded",
+    "none": "without marks",
+}
 
 
 def write_feedback(out: Path, course: str = "") -> Iterator[Path]:
@@ -112,9 +118,11 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
 
 
 def look_of(score: Decimal | None, max_score: Decimal) -> str:
-    """How a question is shown: ``right``, ``partial``, ``wrong`` or ``wait``."""
+    """How a question is shown: ``right``, ``partial``, ``wrong``, ``wait``, or ``none`` if it has no marks."""
     if score is None:
         return "wait"
+    if not max_score:
+        return "none"
     return "right" if score >= max_score else "partial" if score > 0 else "wrong"
 
 

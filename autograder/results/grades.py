@@ -1,8 +1,5 @@
 """Marks of submissions, and the table ``grades.csv``."""
 
-import csv
-import io
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
@@ -13,7 +10,7 @@ from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, result_files
 from autograder.results.gradebook import ManualGrades
 from autograder.results.result_files import StoredResult
-from labsid._files import write_text
+from labsid._files import csv_text, write_text
 
 GRADE_COLUMNS = (
     "student", "assignment", "question", "score", "max_score", "status", "reason", "isolation", "seconds",
@@ -99,16 +96,8 @@ def reason_shown(question: QuestionResult, key: gradebook.Key, manual: ManualGra
 
 def write_csv(path: Path, columns: Iterable[str], rows: Iterable[Mapping[str, str]]) -> None:
     """Write a table atomically; text that a spreadsheet would evaluate as a formula gets an apostrophe."""
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, list(columns), lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: f"'{value}" if _is_formula(value) else value for key, value in row.items()})
-    write_text(path, text.getvalue())
-
-
-def _is_formula(text: str) -> bool:
-    return text.lstrip()[:1] in ("=", "@", "+", "-") and not re.fullmatch(r"-?\d+(\.\d+)?", text)
+    names = list(columns)
+    write_text(path, csv_text(names, ([row[name] for name in names] for row in rows)))
 
 
 def write_grades(out: Path) -> None:

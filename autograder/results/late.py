@@ -12,7 +12,7 @@
     most=50%                 largest penalty; default 100%
 
 Durations are a number and one of m, h, d. A rule without the name of an assignment applies to all assignments without a
-rule of their own. A submission whose time is unknown is not late.
+rule of their own. A submission whose time is unknown is not late, and the report says that it is unknown.
 """
 
 import re
@@ -92,6 +92,7 @@ class LatePenalty:
 
 
 ON_TIME = LatePenalty(Decimal(0), "")
+TIME_UNKNOWN = "The time of the hand-in is not known; nothing was deducted."
 
 
 def parse_rules(text: str) -> LateRules:
@@ -128,6 +129,8 @@ def late_penalty(rules: LateRules, assignment: str, submitted: datetime | None, 
         All marks of the assignment.
     """
     rule = rules.get(assignment, rules.get(""))
+    if rule is not None and submitted is None:
+        return LatePenalty(Decimal(0), TIME_UNKNOWN)
     if rule is None or submitted is None or submitted <= rule.due + rule.grace:
         return ON_TIME
     lateness = submitted - rule.due

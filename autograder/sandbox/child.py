@@ -31,6 +31,7 @@ from autograder.sandbox.channel import (
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from autograder.sandbox.replacing import Replacement, run_replacing, set_right
 from autograder.sandbox.served_calls import ServedCalls
+from labsid.checks.grading_rules import follow_rules
 from labsid.checks.permitted import is_reference
 from labsid.checks.stops import packed, stop_of
 from labsid.checks.values import plain
@@ -57,6 +58,7 @@ def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge's requests until it closes the channel."""
     block_reference()
     _CALLS.append(ServedCalls(sock, lambda request: _answer(shell, request)))
+    follow_rules(shell)
     while True:
         try:
             request = receive(sock)
@@ -94,6 +96,8 @@ def block_reference() -> None:
 
 class NoChecks:
     """Replacement of ``notebook_checks`` while grading: the judge checks instead, and nothing is skipped."""
+
+    __module__ = "labsid.checks.notebook"  # cells may import it, and nothing of the grader
 
     def __init__(self, assignment: str, variables: Any, record: Any = None) -> None:
         pass

@@ -42,6 +42,8 @@ _FORBIDDEN_CALLS = (
     "pidfd_send_signal", "rt_sigqueueinfo", "rt_tgsigqueueinfo",
     # other programs: a new Python interpreter would run without the import hook that blocks the reference
     "execve", "execveat",
+    # locks and watches on files that several sandboxes read: they pass messages between two that run at a time
+    "flock", "inotify_init", "inotify_init1", "inotify_add_watch",
     # memory that no limit counts and that may outlive its process
     "memfd_create", "memfd_secret", "shmget", "msgget", "semget", "mq_open", "add_key", "keyctl", "request_key",
     # rarely used parts of the kernel
@@ -59,6 +61,9 @@ _OWNER_CALLS = (
     "lremovexattr", "fremovexattr", "removexattrat", "file_setattr",
 )  # fmt: skip
 """Calls that change the owner or attributes of a file: refused outside a sandbox."""
+
+_LOCKING_COMMANDS = (5, 6, 7, 36, 37, 38, 1024, 1025, 1026)
+"""Commands of fcntl: get and set locks (5 to 7, those of open files 36 to 38) and leases (1024, 1025), watch (1026)."""
 
 _FS_IOC_SETFLAGS, _FS_IOC_FSSETXATTR = 0x40086602, 0x401C5820
 
@@ -189,6 +194,8 @@ def make_syscall_filter(protected: tuple[int, ...]) -> Any:
     refuse("clone3", errno.ENOSYS)  # a filter cannot read its flags; callers fall back on clone
     for flag in (_CLONE_NEWUSER, _CLONE_NEWNS, _CLONE_NEWUTS, _CLONE_NEWIPC, _CLONE_NEWPID, _CLONE_NEWNET, 0x2000000):
         refuse("clone", args=[(0, masked, flag, flag)])
+    for command in _LOCKING_COMMANDS:
+        refuse("fcntl", args=[(1, masked, command, 0xFFFFFFFF)])
     refuse("prlimit64", args=[(0, different, 0)])
     for process in protected:
         for target in (process, -process):
@@ -258,7 +265,8 @@ def _reset_environment(folder: str) -> None:
     threads = {name: value for name, value in os.environ.items() if name.endswith("_NUM_THREADS")}
     os.environ.clear()
     folders = dict.fromkeys(("HOME", "TMPDIR", "MPLCONFIGDIR", "IPYTHONDIR"), folder)
-    os.environ.update(threads | folders | {"MPLBACKEND": "Agg", "LANG": "C.UTF-8", "PATH": ""})
+    user = dict.fromkeys(("USER", "LOGNAME"), "student")  # getpass.getuser() cannot read the list of users
+    os.environ.update(threads | folders | user | {"MPLBACKEND": "Agg", "LANG": "C.UTF-8", "PATH": ""})
     sys.path.insert(0, folder)
 
 

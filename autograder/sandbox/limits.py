@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECONDS
+from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, MEMORY_BYTES, SUBMISSION_SECONDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Limits:
     call_seconds: float = CALL_SECONDS
     submission_seconds: float = SUBMISSION_SECONDS
     cells: int = 1000
-    memory_bytes: int = 2 * 1024**3
+    memory_bytes: int = MEMORY_BYTES
     file_bytes: int = 64 * 1024**2
     disk_bytes: int = 128 * 1024**2
     processes: int = 64

@@ -12,7 +12,7 @@ ALLOWED_PACKAGES = ("records", "rig.lab")
 
 ALLOWED_MODULES = (
     "_arrays", "checks", "checks.causes", "checks.cell_names", "checks.cell_runs", "checks.cells", "checks.compare",
-    "checks.given_lines", "checks.hints", "checks.line_values", "checks.matlab_syntax", "checks.notebook",
+    "checks.given_lines", "checks.grading_rules", "checks.hints", "checks.line_values", "checks.matlab_syntax", "checks.notebook",
     "checks.notebook_ask", "checks.notebook_file", "checks.origin_of_values", "checks.permitted",
     "checks.python_errors", "checks.question", "checks.relations", "checks.stops", "checks.summary",
     "checks.time_limit", "checks.values", "checks.verdict", "plots", "plots.block_diagrams", "plots.captions",
@@ -27,14 +27,20 @@ RULE = (
     "rig of the lab (`labsid.rig`) and the block diagrams (`labsid.plots`: `figure_2` to `figure_4`). The rest of "
     "labsid, the functions that do a step of the lab or of a lecture and the figures of its results, is the reference: "
     "grading refuses it, and so do the checks in the notebook. While a notebook is graded nothing can be installed, no "
-    "program can be started and there is no network; a cell may take up to {seconds:g} seconds."
+    "program can be started and there is no network: lines such as `!ls` and `%pip install` are skipped. A cell may "
+    "take up to {seconds:g} seconds, and a notebook 2 GB of memory."
 )
 """The rule as students read it on the start page."""
 
 WRITE_YOURSELF = "write the step yourself (the start page says what may be used of labsid)"
 
-_PROGRAM = re.compile(r"!|\w+\s*=\s*!|%+(pip|conda|mamba|uv|sx|system|bash|sh|script)\b")
-"""A line that starts a program: a shell escape, or a magic command that installs or runs something."""
+SKIPPED_MAGICS = (
+    "pip", "conda", "mamba", "micromamba", "uv", "sx", "system", "bash", "sh", "script", "cmd", "perl", "ruby",
+)  # fmt: skip
+"""Magic commands that install or start something."""
+
+_PROGRAM = re.compile(rf"!|\w+\s*=\s*!|%+({'|'.join(SKIPPED_MAGICS)})\b")
+"""A line that starts a program: a shell escape, or such a magic command."""
 
 
 def is_reference(module: str) -> bool:
@@ -61,13 +67,13 @@ def refused_lines(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
     str
         What the line does, why it fails at grading, and what to do.
     """
-    for line in filter(_PROGRAM.match, map(str.strip, source.splitlines())):
-        yield (
-            f"`{line}` stops the cell while the notebook is graded: no program can be started there, and nothing "
-            "installed. Remove the line, and use the packages that the notebook imports."
-        )
     for name in _taught_names(source, variables):
         yield f"it uses `{name}`, which is the taught function itself. Grading refuses it: {WRITE_YOURSELF}."
+
+
+def skipped_lines(source: str) -> Iterator[str]:
+    """The lines of a cell that start a program; they do nothing while a notebook is graded and in ``labsid submit``."""
+    yield from filter(_PROGRAM.match, map(str.strip, source.splitlines()))
 
 
 def is_taught(value: object) -> bool:
@@ -86,11 +92,11 @@ def _taught_names(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
             yield from (alias.name for alias in node.names if is_reference(alias.name))
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             yield from (
-                f"{node.module}.{alias.name}" for alias in node.names if _is_taught_import(node.module, alias.name)
+                f"{node.module}.{alias.name}" for alias in node.names if is_taught_import(node.module, alias.name)
             )
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             owner = variables.get(node.value.id)
-            if isinstance(owner, ModuleType) and _is_taught_import(owner.__name__, node.attr):
+            if isinstance(owner, ModuleType) and is_taught_import(owner.__name__, node.attr):
                 yield f"{node.value.id}.{node.attr}"
         elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
             named = node.args[0].value
@@ -99,7 +105,7 @@ def _taught_names(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
                 yield named
 
 
-def _is_taught_import(module: str, name: str) -> bool:
+def is_taught_import(module: str, name: str) -> bool:
     """Whether ``from module import name`` needs a module of the reference."""
     if module.partition(".")[0] not in ("labsid", "autograder"):
         return False

@@ -1,4 +1,4 @@
-"""Limits of time on students' cells and functions, the same in the notebook and at grading."""
+"""Limits of time and memory on students' cells and functions, the same in the notebook and at grading."""
 
 import contextlib
 import signal
@@ -14,6 +14,9 @@ CALL_SECONDS = 10.0
 
 SUBMISSION_SECONDS = 300.0
 """Longest run of all cells of a notebook, in seconds."""
+
+MEMORY_BYTES = 2 * 1024**3
+"""Address space of the process that runs a notebook."""
 
 
 class OutOfTime(BaseException):

@@ -159,8 +159,11 @@ def diagnose_batch(
 
 
 @gap.command("limits")
+@reads_log
 def show_limits(
     record: RecordPath,
+    *,
+    how: "Reading",
     sim: Annotated[
         Path | None,
         typer.Option(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION or FILE.fmu."),
@@ -184,9 +187,6 @@ def show_limits(
         str | None, typer.Option(metavar="U,Y", help="Units of input and output for the table, such as V,mm.")
     ] = None,
     seed: Seed = 0,
-    output: Output = "noise-reduced",
-    columns: Columns = None,
-    Ts: SamplingTime = None,
 ) -> None:
     """Show the smallest effects that a record could have shown, or a planned one will."""
     from labsid._files import check_writable, write_json
@@ -194,14 +194,14 @@ def show_limits(
     from labsid.gap.reports.text_report import format_limits
     from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.planned_input import load_planned_input
-    from labsid.records.record import load_record
+    from labsid.records.record import read_record
     from labsid.simulators.sources import source_file
 
     if json_file is not None:
         check_writable(json_file)
         _refuse_overwriting(json_file, [record, planned, None if sim is None else source_file(sim)])
     stated = None if units is None else _units(units)
-    loaded = load_record(record, output=output, columns=columns, Ts=Ts, allow_jitter=True)
+    loaded = read_record(record, how)
     following = None if planned is None else load_planned_input(planned)
     with _progress() as progress:
         found = diagnosis.find_limits(

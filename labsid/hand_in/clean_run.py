@@ -16,6 +16,7 @@ from typing import Any
 
 from labsid.checks.cells import Cell, Template, grade_id_of
 from labsid.checks.notebook import find_assignment
+from labsid.checks.permitted import skipped_lines
 from labsid.checks.summary import FAILED, PASSED, QuestionState, states_of
 from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECONDS
 from labsid.hand_in.kernel import CellOutcome, NotebookKernel
@@ -129,6 +130,13 @@ def _remark(source: str, outcome: CellOutcome) -> str:
     )
 
 
+def _remark_on_skipped(line: str) -> str:
+    return (
+        f"`{shorten(line, 60)}` was skipped, as it is when the notebook is graded: nothing can be installed there and "
+        "no program started. The rest of the cell was run."
+    )
+
+
 class _Runner:
     """Runs steps in a kernel; one that ends is replaced by one that has run the steps before, without the last."""
 
@@ -164,6 +172,8 @@ class _Runner:
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
         outcome = self._run(step.source, step.cell_id, min(left, allowed))
         self.found.update((one["question"], one["state"]) for one in outcome.outcomes)
+        if kind != "question":
+            self.remarks += map(_remark_on_skipped, skipped_lines(step.source))
         if step.known is None and outcome.error:
             self.remarks.append(_remark(step.source, outcome))
         if not question:
@@ -195,5 +205,5 @@ class _Runner:
 
     def _open(self) -> NotebookKernel:
         if self._kernel is None:
-            self._kernel = self._stack.enter_context(NotebookKernel(self._folder))
+            self._kernel = self._stack.enter_context(NotebookKernel(self._folder, as_graded=True))
         return self._kernel

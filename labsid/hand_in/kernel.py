@@ -12,6 +12,12 @@ from typing import Any
 _START_SECONDS = 60.0
 _INTERRUPT_SECONDS = 5.0
 _POLL_SECONDS = 0.5
+_FOLLOW_RULES = """
+import labsid.checks.grading_rules
+labsid.checks.grading_rules.limit_process()
+labsid.checks.grading_rules.follow_rules(get_ipython())
+del labsid
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +52,8 @@ class NotebookKernel:
     ----------
     folder : Path
         Its working folder.
+    as_graded : bool
+        Whether the cells follow the rules of grading.
 
     Raises
     ------
@@ -53,7 +61,7 @@ class NotebookKernel:
         If Jupyter is not installed, or the kernel does not start.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, as_graded: bool = False) -> None:
         try:
             from jupyter_client.manager import KernelManager
         except ModuleNotFoundError:
@@ -68,6 +76,8 @@ class NotebookKernel:
         except RuntimeError as error:
             self.close()
             raise ValueError(f"the notebook's kernel does not start: {error}") from None
+        if as_graded:
+            self.run(_FOLLOW_RULES, None, _START_SECONDS)
 
     def __enter__(self) -> "NotebookKernel":
         return self

@@ -257,11 +257,12 @@ due = 2999-01-01T00:00:00
     assert main(["course", "release", "--out", "r.zip", "--assignment", LAB]) == 0
     with zipfile.ZipFile("r.zip") as archive:
         names = archive.namelist()
-    assert f"for-everybody/{LAB}/{LAB}.ipynb" in names
-    assert f"for-everybody/{PRELAB}/{PRELAB}.ipynb" not in names
-    assert [name for name in names if name.startswith("students/")] == [
-        f"students/{student}/{LAB}/SysIdenData_StudentVersion.mat" for student in ("z1", "z2", "z3")
-    ]
+    assert f"{LAB}/{LAB}.ipynb" in names
+    assert f"{PRELAB}/{PRELAB}.ipynb" not in names
+    assert not [name for name in names if name.endswith(".mat") or re.search(r"z\d", name)]
+    for student in ("z1", "z2", "z3"):
+        with zipfile.ZipFile(Path("r-packages", f"{student}.zip")) as archive:
+            assert archive.namelist() == [f"{LAB}/SysIdenData_StudentVersion.mat"]
 
     with zipfile.ZipFile("moodle.zip", "w") as packed:
         for who in ("Jürgen Öz_1", "Li, Mei_2"):
@@ -345,7 +346,7 @@ def test_a_term_is_as_the_readme_prints_it(
     for command in commands:
         assert main(command.split()) == 0, (command, capsys.readouterr().err)
     assert len(opened) == 1
-    for name in ("release.zip", "packages.zip", "packages-for-everybody.zip", "OUT/report.html", "OUT/export.csv"):
+    for name in ("release.zip", "release-packages.zip", "release-packages/z1.zip", "OUT/report.html", "OUT/export.csv"):
         assert Path(name).is_file()
     assert "Participant 1,Ada Öz,z1," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
     assert ",0.95,1.00," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
@@ -377,19 +378,19 @@ def test_packages_come_in_the_layout_of_moodles_feedback_files(
     ]
     assert main([*release, "--students", "class.csv"]) == 0
     assert capsys.readouterr().out.splitlines()[0] == "z3: not in the worksheet"
-    with zipfile.ZipFile("r.zip") as archive:
+    with zipfile.ZipFile("r-packages.zip") as archive:
         folders = ("Jürgen Öz_7_assignsubmission_file_", "Li Mei_8_assignsubmission_file_")
         assert archive.namelist() == [f"{folder}/my-data.zip" for folder in folders]
         with zipfile.ZipFile(io.BytesIO(archive.read(archive.namelist()[1]))) as package:
             record = f"{LAB}/SysIdenData_StudentVersion.mat"
             assert package.namelist() == [record]
             assert package.read(record) == individual_file("SysIdenData_StudentVersion.mat", "z2", SECRET)
-    with zipfile.ZipFile("r-for-everybody.zip") as archive:
+    with zipfile.ZipFile("r.zip") as archive:
         assert "environment.yml" in archive.namelist()
         assert f"{LAB}/{LAB}.ipynb" in archive.namelist()
         assert not [name for name in archive.namelist() if name.endswith(".mat")]
     assert main(release) == 0
-    with zipfile.ZipFile("r.zip") as archive:
+    with zipfile.ZipFile("r-packages.zip") as archive:
         assert len(archive.namelist()) == 3
     line = complaint(capsys, [PRELAB if word == LAB else word for word in release])
     assert "these assignments have no data files" in line

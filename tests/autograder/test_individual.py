@@ -20,7 +20,7 @@ from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
 from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template
 from autograder.course.own_secret import PUBLIC_SECRET
-from autograder.course.release import labsid_wheel, write_individual_releases, write_release
+from autograder.course.release import labsid_wheel, write_individual_release, write_release
 from autograder.course.students import Student, read_students
 from autograder.results.result_files import load, result_path
 from autograder.sandbox.isolation import ProcessLauncher
@@ -214,15 +214,26 @@ def test_the_wheel_is_whole(tmp_path: Path) -> None:
                 assert digest == f"sha256={found}"
 
 
-def test_an_individual_release_has_a_folder_for_each(complete: Course, tmp_path: Path) -> None:
-    files = write_individual_releases(complete, tmp_path / "a.zip", SECRET, ["ann", "bob"])
+def test_an_individual_release_has_nothing_of_anybody_for_everybody(complete: Course, tmp_path: Path) -> None:
+    done = write_individual_release(complete, tmp_path / "a.zip", SECRET, ["ann", "bob"])
+    assert (done.shared, done.packages, done.students) == (tmp_path / "a.zip", tmp_path / "a-packages", 2)
+    assert sorted(path.name for path in tmp_path.glob("a*/*")) == ["ann.zip", "bob.zip"]
+    own = {name: individual_file(RECORD_FILE, name, SECRET) for name in ("ann", "bob")}
+    for student, record in own.items():
+        with zipfile.ZipFile(tmp_path / "a-packages" / f"{student}.zip") as archive:
+            assert archive.read(f"{LAB}/{RECORD_FILE}") == archive.read(f"{STEP}/{RECORD_FILE}") == record
     with zipfile.ZipFile(tmp_path / "a.zip") as archive:
-        assert archive.read(f"students/ann/{LAB}/{RECORD_FILE}") == individual_file(RECORD_FILE, "ann", SECRET)
-        assert archive.read(f"students/bob/{STEP}/{RECORD_FILE}") == individual_file(RECORD_FILE, "bob", SECRET)
-    assert not any(name.startswith("for-everybody/") and name.endswith(".mat") for name in files)
+        assert f"{LAB}/{LAB}.ipynb" in archive.namelist()
+        for name in archive.namelist():
+            assert not name.endswith((".mat", ".csv"))
+            assert not {"ann", "bob"} & set(name.split("/"))
+            assert archive.read(name) not in own.values()
+    none = write_individual_release(complete, tmp_path / "n.zip", SECRET, ["ann"], ["prelab-sinusoids"])
+    assert none.packages is None
+    assert not (tmp_path / "n-packages").exists()
     for student in ("../x", "a/b", " ann", ""):
         with pytest.raises(ValueError, match="student"):
-            write_individual_releases(complete, tmp_path / "b.zip", SECRET, [student])
+            write_individual_release(complete, tmp_path / "b.zip", SECRET, [student])
     assert not (tmp_path / "b.zip").exists()
 
 

@@ -20,7 +20,7 @@ def test_a_skip_beside_a_right_answer_does_not_stop_its_cell(grade_code) -> None
 
 def test_what_the_notebook_refuses_is_refused_at_grading(grade_code) -> None:
     right = "t = np.linspace(0, 100, 1001).reshape(-1, 1)"
-    for line in ("from labsid import find_offsets", "!pip install nosuch", "from labsid import plots; plots.figure_5"):
+    for line in ("from labsid import find_offsets", "from labsid import plots; plots.figure_5"):
         result = grade_code("prelab-sinusoids", {"prelab-1-time-answer": f"{line}\n{right}"})["prelab-1-time"]
         assert result.score == 0, line
         assert "Your cell stopped in line 1 with" in result.reason

@@ -1,11 +1,11 @@
 """The summary of a batch as CSV and as text, from the JSON reports alone."""
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+from labsid._files import csv_text
 
 COLUMNS = ("stem", "verdict", "effects", "probability", "closed", "error")
 MAX_ERRORS = 5  # in the printed summary
@@ -13,11 +13,7 @@ MAX_ERRORS = 5  # in the printed summary
 
 def csv_summary(reports: Mapping[str, dict[str, Any]]) -> str:
     """One row for each report, in order of the stems, with the header `COLUMNS`."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows(_row(stem, reports[stem]) for stem in sorted(reports))
-    return text.getvalue()
+    return csv_text(COLUMNS, (_row(stem, reports[stem]) for stem in sorted(reports)))
 
 
 def _row(stem: str, report: dict[str, Any]) -> Iterator[str]:

@@ -29,7 +29,7 @@ from autograder.judge.ask import ProcessAsk
 from autograder.judge.execution import ExecutedCell
 from autograder.judge.outcome import QuestionResult, SubmissionResult
 from autograder.results import gradebook, grades, result_files
-from autograder.results.autograded import clean_markdown, write_autograded
+from autograder.results.autograded import write_autograded
 from autograder.results.feedback import printable, write_feedback
 from autograder.results.grades import write_csv, write_grades
 from autograder.results.result_files import StoredResult
@@ -462,6 +462,13 @@ def test_nbgraders_own_commands_find_their_way_in_the_folder(graded: Class, monk
     assert config.db_url == gradebook.database_url(graded.out)
 
 
+def test_folders_whose_names_differ_only_in_case_are_refused(course: Course, tmp_path: Path) -> None:
+    for student in ("ada", "Ada", "ben"):
+        (tmp_path / "submitted" / student).mkdir(parents=True)
+    with pytest.raises(ValueError, match=r"the folders Ada and ada of .* differ only in upper and lower case"):
+        find_batch(course, tmp_path / "submitted", PRELAB)
+
+
 # ---- autograded notebooks
 
 
@@ -479,7 +486,7 @@ def test_autograded_notebooks_show_what_was_handed_in_and_what_came_of_it(graded
             if "nbgrader" in given.metadata:
                 assert cell.id == given.id
             else:
-                assert cell.source == (given.source if cell.cell_type == "code" else clean_markdown(given.source))
+                assert cell.source == given.source
     ben = nbformat.read(graded.out / "autograded" / "ben" / LAB / f"{LAB}.ipynb", as_version=4)
     cells = {cell.id: cell for cell in ben.cells}
     assert "y_offset = np.mean(y_act)" in cells["lab-1c-offsets-answer"].source
@@ -507,7 +514,12 @@ def test_added_cells_errors_and_deaths_are_in_the_autograded_notebook(graded: Cl
     write_autograded(course, tmp_path, result)
     notebook = nbformat.read(tmp_path / "autograded" / "ann" / PRELAB / f"{PRELAB}.ipynb", as_version=4)
     nbformat.validate(notebook)
-    assert [cell.source for cell in notebook.cells] == ["before", first.source, "a *note*", "end()"]
+    assert [cell.source for cell in notebook.cells] == [
+        "before",
+        first.source,
+        '<div class="labsid-answer"><p>a <em>note</em></p>&#10;</div>',
+        "end()",
+    ]
     assert [cell.id for cell in notebook.cells] == ["extra-0", first.id, "extra-2", "extra-3"]
     assert notebook.cells[0].outputs[0].text == "said \ud800"
     assert notebook.cells[1].outputs[0].ename == "NameError"

@@ -206,11 +206,10 @@ def question(points: str, source: str = 'check("t")') -> str:
                      r"Write Question\(\"t\", judge\), with a function judge\(ask\) that returns a Verdict: write "
                      r"labsid/checks/assignments/tiny/__init__.py, with ASSIGNMENT = Assignment\('tiny', ",
                      id="a question without a check"),
-        pytest.param(question("points: 0"), "t: points must be positive, got 0", id="zero points"),
-        pytest.param(question("points: -1"), "t: points must be positive", id="negative points"),
-        pytest.param(question("points: .inf"), "t: points must be positive", id="infinite points"),
-        pytest.param(question("points: .nan"), "t: points must be positive", id="points NaN"),
-        pytest.param(question("points: many"), "points must be positive, got many",
+        pytest.param(question("points: -1"), "t: points must not be negative", id="negative points"),
+        pytest.param(question("points: .inf"), "t: points must not be negative", id="infinite points"),
+        pytest.param(question("points: .nan"), "t: points must not be negative", id="points NaN"),
+        pytest.param(question("points: many"), "points must not be negative, got many",
                      id="points of text"),
         pytest.param(question("point: 1"), "t: unknown metadata point", id="point"),
         pytest.param(cell("{grade_id: t u, locked: true}", "a = 3"), "needs a grade_id of letters", id="id with space"),
@@ -231,6 +230,14 @@ def test_every_mistake_of_a_notebook_is_said_at_once(write: Callable) -> None:
     course = write(ANSWER + ANSWER + cell("{grade_id: t, points: 1}", "pass"))
     with pytest.raises(ValueError, match=r"twice; .*nothing else, or .*; .*no check"):
         list(build_course(course))
+
+
+def test_a_question_may_be_worth_nothing(write: Callable) -> None:
+    """As practice, or to be marked with extra credit."""
+    built = write(f"{ANSWER}\n{question('points: 0', 'assert a == 3')}")
+    list(build_course(built))
+    (worth,) = (one for one in read_template(built, "tiny").questions if one.id == "t")
+    assert worth.points == 0
 
 
 def test_an_answer_may_have_several_regions(write: Callable) -> None:

@@ -185,3 +185,19 @@ def test_due_dates_are_said_in_the_time_of_the_course(settings: Callable[[str], 
         "two": "01 December 2026, 19:00 (Australia/Sydney)",
         "one": "30 November 2026, 23:59 (Australia/Sydney)",
     }
+
+
+def test_ids_that_differ_only_in_case_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "s.csv").write_text("z1,Ada\nZ1,Ben\n", encoding="utf-8")
+    with pytest.raises(
+        ValueError, match=r"names Ada \(z1\) and Ben \(Z1\), whose IDs differ only in upper and lower case"
+    ):
+        read_students(tmp_path / "s.csv")
+
+
+def test_a_name_that_a_spreadsheet_would_evaluate_is_kept_apart(tmp_path: Path) -> None:
+    students = [Student("@z1", "=cmd|' /C calc'!A0", "+a@x", "-ada", "7"), Student("z2", "'O")]
+    write_students(tmp_path / "s.csv", students)
+    text = (tmp_path / "s.csv").read_text(encoding="utf-8")
+    assert text.splitlines()[1] == "'@z1,'=cmd|' /C calc'!A0,'+a@x,'-ada,7"
+    assert read_students(tmp_path / "s.csv") == students

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from autograder.course.layout import RECORD_FILE, Course
-from autograder.course.release import write_individual_releases, write_release
+from autograder.course.release import write_individual_release, write_release
 from labsid.checks.permitted import RULE
 from labsid.checks.time_limit import CELL_SECONDS
 from labsid.checks.timetable import HOURS
@@ -43,13 +43,8 @@ def shared(complete: Course, tmp_path_factory: pytest.TempPathFactory) -> dict[s
 def individual(complete: Course, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """The files for everybody of the release with individual data."""
     path = tmp_path_factory.mktemp("release") / "release.zip"
-    write_individual_releases(complete, path, SECRET, ["ann"])
-    everybody = "for-everybody/"
-    return {
-        name.removeprefix(everybody): content
-        for name, content in contents(path.read_bytes()).items()
-        if name.startswith(everybody)
-    }
+    write_individual_release(complete, path, SECRET, ["ann"])
+    return contents(path.read_bytes())
 
 
 def contents(archive: bytes) -> dict[str, bytes]:

@@ -17,7 +17,7 @@ from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import Graded, grade_batch
 from autograder.batch.selection import find_batch
 from autograder.course.layout import Course
-from autograder.course.students import Student
+from autograder.course.students import Student, write_students
 from autograder.export.grades_csv import export_csv
 from autograder.export.moodle import export_moodle
 from autograder.intake.submission import NotebookCell
@@ -120,6 +120,33 @@ def test_the_worksheet_comes_back_with_grades_and_nothing_else_changed(out: Path
     assert read_worksheet(done.worksheet).columns == sheet.columns  # and it can be read again
 
 
+@pytest.mark.parametrize("username", ["ada", "ADA", "eve"])
+def test_a_username_that_is_anothers_id_gets_nothing_of_the_other(out: Path, sheet: Worksheet, username: str) -> None:
+    """Fay, who handed in nothing, and whose username is the ID of another student."""
+    rows = [{**row, "Username": username if row["Full name"] == "Fay" else ""} for row in sheet.rows]
+    with_names = Worksheet((*sheet.columns, "Username"), tuple(rows), "", sheet.path)
+    with pytest.raises(ValueError, match=rf"(?i){username} is the ID of .* and the username of Fay \(fay\)"):
+        export_moodle(out, with_names)
+    assert not (out / "moodle").exists()
+    # a worksheet of Fay alone, after the other has left: the stored table knows whose the ID is
+    stored = [Student("ada", "Lovelace, Ada", participant="1001"), Student("eve", "", "eve@x.edu", participant="1005")]
+    write_students(out / "students.csv", stored)
+    alone = Worksheet((*sheet.columns, "Username"), (rows[-1] | {"ID number": ""},), "", sheet.path)
+    with pytest.raises(ValueError, match=r"participant 100\d and Fay .* have the same ID"):
+        export_moodle(out, alone)
+
+
+def test_the_stored_table_says_who_is_who(out: Path, sheet: Worksheet) -> None:
+    """Whatever stands in the columns of the worksheet that is filled in."""
+    write_students(out / "students.csv", [Student("eve", participant="1001"), Student("ada", participant="1005")])
+    rows = tuple({**row, "ID number": "", "Email address": ""} for row in sheet.rows if row["Full name"] != "Eve")
+    done = export_moodle(out, Worksheet(sheet.columns, rows, "", sheet.path))
+    with zipfile.ZipFile(done.feedback) as archive:
+        page = archive.read("Lovelace, Ada_1001_assignsubmission_file_/feedback.html").decode()
+    assert "eve" in page
+    assert "ada" not in page
+
+
 def test_the_feedback_zip_has_moodles_layout_and_the_same_bytes(out: Path, sheet: Worksheet) -> None:
     done = export_moodle(out, sheet)
     first = done.feedback.read_bytes()
@@ -176,10 +203,11 @@ def test_who_handed_in_nothing_is_named_and_gets_0_only_if_asked(out: Path, shee
 
 def test_the_csv_has_a_row_of_0_for_who_of_the_class_handed_in_nothing(out: Path) -> None:
     def rows(*students: str) -> list[dict[str, str]]:
-        return list(csv.DictReader(io.StringIO(export_csv(out, students).read_text(encoding="utf-8"))))
+        write_students(out / "students.csv", [Student(one) for one in students])
+        return list(csv.DictReader(io.StringIO(export_csv(out).read_text(encoding="utf-8"))))
 
-    *others, fay = rows("ADA", "fay")
-    assert others == rows()
+    *others, fay = rows("ada", "fay")
+    assert others == rows("ada")
     expected = {"student": "fay", "assignment": "tiny", "score": "0", "max_score": "2", "status": "missing"}
     assert fay == {**expected, "waiting": "0", "late_penalty": "0"}
 

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from autograder.course import archive
 from autograder.course.layout import Course
+from autograder.course.students import Student, read_students
 from autograder.intake.collect import collect_submissions
 from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
 from labsid.hand_in.saved_work import read_saved
@@ -197,11 +198,11 @@ def test_links_bombs_and_paths_that_lead_out_are_left_alone(
 def test_one_students_flood_costs_nobody_else_anything(
     course: Course, notebooks: Mapping[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("autograder.intake.collect.MAX_PARTICIPANT_BYTES", 1_000_000)
+    monkeypatch.setattr("autograder.intake.collect.MOST", 1_000_000)
     flood = [(entry(f"{ADA}/{index}.ipynb"), bytes(300_000)) for index in range(5)]
     path = moodle(tmp_path / "m.zip", [*flood, (entry(f"{BEN}/x.ipynb"), notebooks[LAB])])
     ada, ben = collect_submissions(course, path, tmp_path / "out")
-    assert "3.ipynb: it is too large" in ada
+    assert ada.startswith("1001 (Ada Lovelace): no notebook of this course; not everything was read: its files take")
     assert ben == f"1002 (Ben O'Neil): {LAB}"
 
 
@@ -254,7 +255,7 @@ def test_the_worksheet_gives_ids_and_times(course: Course, notebooks: Mapping[st
              "Email address": "ada@x.edu", "Last modified (submission)": "Friday, 20 November 2026, 4:05 PM"},
             {"Identifier": "Participant 1002", "Full name": "Ben O'Neil", "ID number": "../evil",
              "Email address": "ben@x.edu", "Last modified (submission)": "-"},
-            {"Identifier": "Participant 3", "Full name": "Cat", "ID number": "Z5000001"},
+            {"Identifier": "Participant 3", "Full name": "Cat", "Username": "cat3"},
         ],
     )  # fmt: skip
     files = [(entry(f"{folder}/x.ipynb"), notebooks[LAB]) for folder in (ADA, BEN)]
@@ -264,7 +265,7 @@ def test_the_worksheet_gives_ids_and_times(course: Course, notebooks: Mapping[st
     assert lines == [
         f"z5000001 (Ada Lovelace): {LAB}",
         f"ben@x.edu (Ben O'Neil): {LAB}",
-        f"3 (Cat): {LAB}; another participant has the same ID: the participant number is the ID",
+        f"cat3 (Cat): {LAB}",
         f"4 (Dan): {LAB}; not in the worksheet: the participant number is the ID",
     ]
     assert (out / "z5000001" / LAB / "timestamp.txt").read_text(encoding="utf-8") == "2026-11-20 16:05:00 UTC\n"
@@ -362,21 +363,54 @@ def test_a_name_with_the_marker_of_another_participant_reaches_nobody_else(
     assert lines[-1].startswith("files of no participant: Eve_1001")
 
 
-def test_an_id_that_is_the_number_of_another_participant_overwrites_nothing(
-    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
-) -> None:
-    ids = {"1": "2", "2": "", "3": "2"}
+def test_without_a_clear_id_nothing_is_written(course: Course, notebooks: Mapping[str, bytes], tmp_path: Path) -> None:
+    ids = {"1": "2", "2": ""}
     sheet = worksheet(
         tmp_path / "w.csv",
         [{"Identifier": f"Participant {n}", "Full name": f"S{n}", "ID number": id} for n, id in ids.items()],
     )
     files = [(entry(f"S{n}_{n}_assignsubmission_file_/x.ipynb"), with_mark(notebooks[LAB], f"of {n}")) for n in ids]
-    lines = list(collect_submissions(course, moodle(tmp_path / "m.zip", files), tmp_path / "out", sheet, UTC))
-    found = {path.parts[-3]: path.read_text(encoding="utf-8") for path in (tmp_path / "out").rglob("*.ipynb")}
-    assert set(found) == {"2", "participant-2-1", "3"}
-    for student, number in (("2", 1), ("participant-2-1", 2), ("3", 3)):
-        assert f"of {number}" in found[student]
-    assert lines[1] == f"participant-2-1 (S2): {LAB}; another participant has the same ID: participant-2-1 is the ID"
+    packed = moodle(tmp_path / "m.zip", files)
+    with pytest.raises(ValueError, match=r"S1 \(2\), participant 1 and S2 \(2\), participant 2 have the same ID"):
+        list(collect_submissions(course, packed, tmp_path / "out", sheet, UTC))
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_id_stays_as_it_was_decided(course: Course, notebooks: Mapping[str, bytes], tmp_path: Path) -> None:
+    """Whatever worksheet comes later, and for a participant of another assignment by the username."""
+    out, files = tmp_path / "out", [(entry(f"{ADA}/x.ipynb"), notebooks[LAB])]
+    row = {"Identifier": "Participant 1001", "Full name": "=Ada", "Username": "ada", "ID number": "+z1"}
+    packed = moodle(tmp_path / "m.zip", files)
+    list(collect_submissions(course, packed, out, worksheet(tmp_path / "w.csv", [row])))
+    assert "\n'+z1,'=Ada,,ada,1001\n" in (out / "students.csv").read_text(encoding="utf-8")  # no formula
+    assert read_students(out / "students.csv") == [Student("+z1", "=Ada", "", "ada", "1001")]
+    for changed in ({"ID number": ""}, {"ID number": "z2"}, {"Identifier": "Participant 7", "ID number": "z2"}):
+        again = worksheet(tmp_path / "w.csv", [{**row, **changed}])
+        number = again.rows[0]["Identifier"].split()[1]
+        packed = moodle(tmp_path / "m.zip", [(entry(f"Ada_{number}_assignsubmission_file_/x.ipynb"), notebooks[LAB])])
+        (line,) = collect_submissions(course, packed, out, again)
+        assert line.startswith("+z1 (Ada")
+    (line,) = collect_submissions(course, moodle(tmp_path / "m.zip", files), out)
+    assert line.startswith("+z1 (Ada Lovelace)")
+
+
+def test_a_hand_in_whose_time_is_not_known_does_not_keep_that_of_another(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    times = ("Friday, 20 November 2026, 4:05 PM", "-")
+    first, second = (
+        worksheet(tmp_path / f"{n}.csv", [{"Identifier": "Participant 1001", "Last modified (submission)": when}])
+        for n, when in enumerate(times)
+    )
+    out, stamp = tmp_path / "out", tmp_path / "out" / "1001" / LAB / "timestamp.txt"
+    packed = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/x.ipynb"), notebooks[LAB])])
+    list(collect_submissions(course, packed, out, first, UTC))
+    list(collect_submissions(course, packed, out, second, UTC))
+    assert stamp.is_file()  # the same hand-in
+    moodle(packed, [(entry(f"{ADA}/x.ipynb"), with_mark(notebooks[LAB], "late"))])
+    (line,) = collect_submissions(course, packed, out, second, UTC)
+    assert "the time of the hand-in is not known, that of the one before was removed" in line
+    assert not stamp.exists()
 
 
 def test_a_participant_who_is_twice_in_the_worksheet_is_said(

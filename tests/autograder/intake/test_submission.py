@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
@@ -12,8 +13,12 @@ import pytest
 
 from autograder.course.layout import Course, read_template
 from autograder.intake.submission import (
+    MAX_CELLS,
+    MAX_NOTE_CHARACTERS,
     MAX_NOTEBOOK_BYTES,
+    MAX_NOTES,
     UNTOUCHED,
+    VERSIONS_FILE,
     NotebookCell,
     Submission,
     is_handed_in,
@@ -352,3 +357,45 @@ def test_fields_that_are_missing_do_no_harm(tmp_path: Path) -> None:
     submission = hand_in(tmp_path, [{}, {"metadata": {"nbgrader": {"grade_id": "q-answer"}}}, *cells()[2:]])
     assert submission.status == "ready"
     assert sources(submission)["q-answer"] == ""
+
+
+def test_a_notebook_with_very_many_cells_is_refused_before_anything_is_run(tmp_path: Path) -> None:
+    many = [{"cell_type": "code", "source": f"x = {n}", "metadata": {}} for n in range(MAX_CELLS + 1)]
+    found = hand_in(tmp_path / "a", [*cells(), *many])
+    assert found.status == "quarantined"
+    assert found.notes == (f"tiny.ipynb cannot be read: it has {len(many) + 6} cells; at most {MAX_CELLS} are graded",)
+    old = {"nbformat": 3, "nbformat_minor": 0, "metadata": {}, "worksheets": [{"cells": many[:3000]}] * 2}
+    assert "it has 6000 cells" in hand_in(tmp_path / "b", json.dumps(old)).notes[0]
+    for count in (300_000, 900_000):
+        text = '{"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": [' + "{}," * count + "{}]}"
+        began = time.process_time()
+        assert hand_in(tmp_path / "c", text).status == "quarantined"
+        assert time.process_time() - began < 3
+
+
+def test_the_notes_are_limited(tmp_path: Path) -> None:
+    twice = [cell("q-answer", f"a = {n}") for n in range(1000)]
+    found = hand_in(tmp_path / "a", [*cells(), *twice])
+    assert found.status == "ready"
+    assert len(found.notes) == MAX_NOTES + 1
+    assert found.notes[-1] == f"and {1000 - MAX_NOTES} more"
+    assert max(map(len, found.notes)) <= MAX_NOTE_CHARACTERS + 4
+
+
+@pytest.mark.parametrize("error", [KeyError, MemoryError, RecursionError, AssertionError, OverflowError])
+def test_whatever_a_parser_raises_is_a_quarantine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
+) -> None:
+    def broken(*_: object) -> None:
+        raise error("bad")
+
+    monkeypatch.setattr("autograder.intake.submission.read_json", broken)
+    found = hand_in(tmp_path / "a", cells())
+    assert found.status == "quarantined"
+    assert found.notes[0].startswith("tiny.ipynb cannot be read: ")
+
+
+def test_what_collect_noted_on_copies_is_a_note(tmp_path: Path) -> None:
+    hand_in(tmp_path / "a", cells())
+    (tmp_path / "a" / VERSIONS_FILE).write_text("x.ipynb has a\nlater time", encoding="utf-8")
+    assert read_submission(tmp_path / "a", "s", TEMPLATE).notes == ("x.ipynb has a later time",)

@@ -7,8 +7,11 @@ import os
 import re
 import shutil
 import signal
+import socket
+import struct
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -71,6 +74,7 @@ class Client:
 
     app: MarkingApp
     port: int
+    server: Any = None
 
     def __call__(
         self, method: str, path: str, body: Any = None, raw: bytes | None = None, **headers: str
@@ -101,7 +105,7 @@ def client(out: Path, course: Course) -> Iterator[Client]:
     server = make_server(app)
     thread = Thread(target=server.serve_forever, daemon=True)
     thread.start()
-    yield Client(app, server.server_port)
+    yield Client(app, server.server_port, server)
     server.shutdown()
     server.server_close()
 
@@ -313,6 +317,25 @@ def test_the_command_serves_on_loopback_and_writes_the_table_when_it_ends(out: P
     assert re.search(
         rf"^bob,{PRELAB},{OPEN},0.05,0.05,manual,marked by Eve on 20", (out / "grades.csv").read_text(), re.M
     )
+
+
+def test_a_browser_that_goes_away_prints_nothing(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    for sent in (f"GET {client.question} HTTP/1.1\r\nHost: 127.0.0.1:{client.port}\r\n\r\n", "GET / HT", ""):
+        with socket.create_connection(("127.0.0.1", client.port)) as connection:
+            connection.sendall(sent.encode())
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # reset, not closed
+    assert client("GET", client.question)[0] == 200
+    time.sleep(0.5)
+    assert capsys.readouterr().err == ""
+
+
+def test_other_errors_of_a_request_are_printed(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    for error, is_printed in ((BrokenPipeError(), False), (TimeoutError(), False), (KeyError("x"), True)):
+        try:
+            raise error
+        except Exception:
+            client.server.handle_error(None, ("127.0.0.1", 1))
+        assert ("Traceback" in capsys.readouterr().err) is is_printed
 
 
 # ---- students' Markdown

@@ -54,6 +54,9 @@ def test_the_student_is_told_how_late_and_what_it_costs() -> None:
 
 def test_a_hand_in_without_a_time_is_not_late() -> None:
     assert penalty(RULE, None) == 0
+    found = late_penalty(parse_rules(RULE), "lab", None, Decimal(2))
+    assert found.reason == "The time of the hand-in is not known; nothing was deducted."
+    assert late_penalty({}, "lab", None, Decimal(2)).reason == ""
 
 
 def test_an_assignment_may_have_its_own_rule() -> None:

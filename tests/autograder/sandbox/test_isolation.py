@@ -310,6 +310,41 @@ def ended(student: StudentProcess, code: str) -> str:
     return (reply.error or {}).get("kind", "")
 
 
+LOCKS = """
+import ctypes, fcntl, os, struct
+import numpy
+libc = ctypes.CDLL(None, use_errno=True)
+file = open(numpy.__file__)
+lock = struct.pack("hhqqi4x", fcntl.F_RDLCK, 0, 0, 0, 0)
+ways = {
+    "flock": lambda: fcntl.flock(file, fcntl.LOCK_SH),
+    "lockf": lambda: fcntl.lockf(file, fcntl.LOCK_SH),
+    "who locks": lambda: fcntl.fcntl(file, fcntl.F_GETLK, lock),
+    "lock of the open file": lambda: fcntl.fcntl(file, fcntl.F_OFD_SETLK, lock),
+    "lease": lambda: fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_RDLCK),
+    "its state": lambda: fcntl.fcntl(file, fcntl.F_GETLEASE),
+}
+possible = []
+for name, way in ways.items():
+    try:
+        way()
+        possible.append(name)
+    except PermissionError:
+        pass
+possible += ["inotify"] if libc.inotify_init1(0) >= 0 else []
+said = ", ".join(possible) or "none"
+flags = fcntl.fcntl(file, fcntl.F_GETFD)  # other commands work
+"""
+
+
+def test_no_lock_or_watch_passes_a_message_to_another_sandbox(student: StudentProcess) -> None:
+    """Through a file that all may read."""
+    reply = student.run(LOCKS)
+    assert reply.ok, reply.error
+    assert student.value("said").value == "none"
+    assert student.value("flags").value == 1
+
+
 def test_memory_of_one_process(student: StudentProcess) -> None:
     reply = student.run("block = bytearray(1 << 30)")
     assert reply.error is not None

@@ -103,7 +103,7 @@ def test_a_taught_function_and_a_pip_line_are_told_in_the_notebook(jupyter) -> N
     jupyter.edit("prelab-4-function-answer", "from labsid import cut_off")
     assert "`cut_off` is the taught function itself" in jupyter.run("prelab-4-function-answer", "prelab-4-function")
     shown = jupyter.answer(CHECK, f"%pip --version\n{TIME}")
-    assert "`%pip --version` stops the cell while the notebook is graded: no program can be started there" in shown
+    assert shown.startswith("✓")  # grading skips the line, too
 
 
 def test_deleted_given_lines_are_told(released: Course, jupyter) -> None:

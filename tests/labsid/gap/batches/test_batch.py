@@ -16,6 +16,7 @@ from gap_reports import report as gap_report
 
 from labsid.gap.batches import batch
 from labsid.gap.batches.batch import diagnose_folder
+from labsid.gap.batches.batch_summary import csv_summary
 from labsid.gap.reports.html_report import render_html
 
 LABSID = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
@@ -310,3 +311,9 @@ def test_an_interrupted_run_keeps_finished_reports(tmp_path, rig_record, write_r
     kept = sorted(out.iterdir())
     assert 1 <= len(kept) < 6
     assert all(json.loads(path.read_text())["verdict"] == "none" for path in kept)
+
+
+def test_no_name_of_a_file_is_a_formula_in_the_summary():
+    reports = {name: gap_report(verdict="none") for name in ("=cmd|' /C calc'!A0", "-1+2", "plain")}
+    rows = list(csv.DictReader(csv_summary(reports).splitlines()))
+    assert [row["stem"] for row in rows] == ["'-1+2", "'=cmd|' /C calc'!A0", "plain"]

@@ -1,0 +1,216 @@
+"""The zip file of Moodle's "Download all submissions": whose is which file, and what the files of one participant are.
+
+Moodle makes a folder ``Full Name_123456_assignsubmission_file_`` for each participant or, with folders disabled, files
+with this prefix; 123456 is the participant number. Students choose the names of their files, and what is in them.
+"""
+
+import re
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+from autograder.course.archive import (
+    ArchiveEntry,
+    Budget,
+    OverBudgetError,
+    entry_name,
+    read_entries,
+    read_packed,
+)
+from autograder.course.plain_text import shortened
+from autograder.intake.submission import cells_of, is_as_released, read_notebook
+from autograder.intake.untrusted_json import reading_work
+from autograder.intake.versions import Version
+from labsid.checks.cells import Template
+from labsid.checks.notebook import find_assignment
+
+_MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
+_FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
+_FILE = re.compile(rf"(?P<name>[^/]*?){_MARKER}(?P<rest>[^/]+)", re.ASCII)
+_ONE_MARKER = re.compile(r"_\d{1,18}_assignsubmission_", re.ASCII)
+
+
+@dataclass(frozen=True, slots=True)
+class Participant:
+    """One participant of a download.
+
+    Attributes
+    ----------
+    name, number : str
+    entries : list of (ZipInfo, str)
+        Entries of the download, and the path of each below the participant's folder.
+    """
+
+    name: str
+    number: str
+    entries: list[tuple[zipfile.ZipInfo, str]] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class HandIn:
+    """What one participant handed in.
+
+    Attributes
+    ----------
+    versions : dict
+        Copies of the notebook of each assignment, without those that are as they were released.
+    untouched : set of str
+        Assignments of which there is a notebook as it was released.
+    data : dict
+        Copies of each data file, by its name.
+    skipped : list of str
+        Files that were not taken, and why.
+    problem : str
+        Why not everything was read; otherwise empty.
+    """
+
+    versions: dict[str, list[Version]] = field(default_factory=dict)
+    untouched: set[str] = field(default_factory=set)
+    data: dict[str, list[Version]] = field(default_factory=dict)
+    skipped: list[str] = field(default_factory=list)
+    problem: str = ""
+
+
+def list_participants(archive: zipfile.ZipFile) -> tuple[dict[str, Participant], list[str]]:
+    """The participants of a download by number, and the files of none."""
+    participants: dict[str, Participant] = {}
+    strays: list[str] = []
+    for info in archive.infolist():
+        name = entry_name(info)
+        owner, below = _match_owner(name)
+        if owner is None:
+            strays += [] if name.endswith("/") else [below]
+            continue
+        number = owner["number"].lstrip("0") or "0"
+        participants.setdefault(number, Participant(owner["name"], number)).entries.append((info, below))
+    return participants, strays
+
+
+def read_hand_in(
+    archive: zipfile.ZipFile, participant: Participant, templates: Mapping[str, Template], budget: Budget
+) -> HandIn:
+    """Read the files of one participant; whatever goes wrong is a remark."""
+    found = HandIn()
+    paths = {id(info): path for info, path in participant.entries}
+    try:
+        for info, _ in participant.entries:
+            for entry in read_entries(archive, [info], budget):
+                _add_outer(found, entry, paths[id(info)], templates, budget)
+    except OverBudgetError as error:
+        found.problem = f"not everything was read: {error}"
+    except Exception as error:  # of what students hand in, no list of errors is complete
+        found.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
+    return found
+
+
+def _add_outer(
+    found: HandIn, entry: ArchiveEntry, path: str, templates: Mapping[str, Template], budget: Budget
+) -> None:
+    """Add a file of the download, or the files in it if it is a zip file."""
+    if entry.problem or not path.lower().endswith(".zip"):
+        _add_file(found, path, entry, None, templates, budget)
+        return
+    try:
+        for inner in read_packed(entry.data, path, budget):
+            _add_file(found, f"{path}/{inner.name}", inner, entry, templates, budget)
+    except OverBudgetError:
+        raise
+    except Exception as error:  # of what students hand in, no list of errors is complete
+        found.skipped.append(shortened(str(error).rstrip(".")) or f"{shortened(path)}: {type(error).__name__}")
+
+
+def _match_owner(path: str) -> tuple[re.Match[str] | None, str]:
+    """Match the participant in a path, a folder at any depth or a file prefix; also returns the path below it.
+
+    Students choose their names and those of their files, so that these may contain the marker of another participant.
+    In the name of a folder, which ends with it, the last marker is Moodle's; a file with several has no known owner.
+    """
+    parts = [part for part in path.split("/") if part not in ("", ".")]
+    for index, part in enumerate(parts if path.endswith("/") else parts[:-1]):
+        found = _FOLDER.fullmatch(part)
+        if found is not None:
+            return found, "/".join(parts[index + 1 :])
+    found = _FILE.fullmatch(parts[-1]) if parts and len(_ONE_MARKER.findall(parts[-1])) == 1 else None
+    return found, path if found is None else found["rest"]
+
+
+def _add_file(
+    found: HandIn,
+    path: str,
+    entry: ArchiveEntry,
+    packed_in: ArchiveEntry | None,
+    templates: Mapping[str, Template],
+    budget: Budget,
+) -> None:
+    """Add a file to a hand-in: a notebook of an assignment, a data file, or skipped."""
+    base = path.rpartition("/")[2]
+    if "__MACOSX" in path or base.startswith(".") or ".ipynb_checkpoints" in path:
+        return
+    times = (entry.modified, None) if packed_in is None else (packed_in.modified, entry.modified)
+    if entry.problem:
+        found.skipped.append(f"{shortened(path)}: {entry.problem}")
+    elif base.lower().endswith(".ipynb"):
+        over: OverBudgetError | None = None
+        try:
+            budget.charge(reading_work(entry.data))
+            name, work, is_untouched = _recognise(entry.data, path, templates)
+        except OverBudgetError as error:  # unread, but handed in
+            over, name, work, is_untouched = error, _named_in(path, templates), entry.data, False
+        if name is None:
+            found.skipped.append(f"{shortened(path)}: not a notebook of this course")
+        elif is_untouched:
+            found.untouched.add(name)
+        else:
+            found.versions.setdefault(name, []).append(Version(path, name, *times, work, entry.data))
+        if over is not None:
+            raise over
+    elif base in _data_files(tuple(templates)):
+        stem = base.rpartition(".")[0]
+        found.data.setdefault(base, []).append(Version(path, stem, *times, entry.data, entry.data))
+    else:
+        found.skipped.append(shortened(path))
+
+
+@cache
+def _data_files(assignments: tuple[str, ...]) -> frozenset[str | None]:
+    return frozenset(find_assignment(name).record_file for name in assignments)
+
+
+def _recognise(content: bytes, path: str, templates: Mapping[str, Template]) -> tuple[str | None, object, bool]:
+    """The assignment of a notebook, what the student wrote in it, and whether that is nothing.
+
+    The assignment is the one whose cells it contains; if it cannot be read, the one that its path names.
+    """
+    try:
+        raw = read_notebook(content)
+        ids = {_grade_id(cell) for cell in raw["cells"]} if isinstance(raw, dict) and "cells" in raw else set()
+    except Exception:  # of what students hand in, no list of errors is complete
+        return _named_in(path, templates), content, False
+    shared = {name: len(ids & {cell.id for cell in template.cells}) for name, template in templates.items()}
+    largest = max(shared.values(), default=0)
+    if largest:
+        name = next(name for name, count in shared.items() if count == largest)
+    elif (named := _named_in(path, templates)) is not None:
+        name = named
+    else:
+        return None, content, False
+    try:
+        cells = cells_of(raw)
+        work: Sequence[tuple[Any, Any]] = [(cell["id"], cell["source"]) for cell in cells]
+        return name, work, is_as_released(cells, templates[name])
+    except Exception:  # of what students hand in, no list of errors is complete
+        return name, content, False
+
+
+def _named_in(path: str, templates: Mapping[str, Template]) -> str | None:
+    named = [name for name in templates if name in path.lower()]
+    return max(named, key=len) if named else None
+
+
+def _grade_id(cell: Any) -> str | None:
+    try:
+        return str(cell["metadata"]["nbgrader"]["grade_id"])
+    except (KeyError, TypeError, IndexError):
+        return None

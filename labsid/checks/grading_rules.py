@@ -1,0 +1,117 @@
+"""The rules of grading in the process that runs a notebook: the same code for `labsid submit` and for grading.
+
+While grading, the sandbox also keeps programs, other processes and the network away, limits the memory, and blocks the
+reference for all code. `labsid submit` runs on the student's machine, where `limit_process` has these effects.
+"""
+
+import builtins
+import sys
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+from labsid.checks.permitted import SKIPPED_MAGICS, is_reference, is_taught, is_taught_import
+from labsid.checks.time_limit import MEMORY_BYTES
+
+_AT_START_BYTES = 600 * 1024**2  # address space of a student's process at its start, of which MEMORY_BYTES is the limit
+_PROGRAMS = ("subprocess.", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.startfile", "pty.")
+_NETWORK = (
+    "socket.connect",
+    "socket.bind",
+    "socket.getaddrinfo",
+    "socket.gethostby",
+    "socket.sendto",
+    "socket.sendmsg",
+)
+
+
+def follow_rules(shell: Any) -> None:
+    """Make the cells of an IPython shell follow the rules of imports, and skip what starts a program.
+
+    Parameters
+    ----------
+    shell : InteractiveShell
+    """
+    builtins.__import__ = _import_for_cells(shell.user_ns, builtins.__import__)
+    shell.system = lambda command: _skip(f"!{command}")
+    shell.getoutput = _no_output
+    for name in SKIPPED_MAGICS:
+        shell.register_magic_function(
+            lambda line, cell=None, name=name: _skip(f"%{name} {line}"), magic_kind="line_cell", magic_name=name
+        )
+
+
+def limit_process() -> None:
+    """Refuse programs, other processes and the network in the first thread, and limit the memory, where possible."""
+    sys.addaudithook(_refuse)
+    try:
+        import resource
+
+        with open("/proc/self/statm", encoding="ascii") as file:
+            size = int(file.read().split()[0]) * resource.getpagesize()
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        resource.setrlimit(resource.RLIMIT_AS, (size + MEMORY_BYTES - _AT_START_BYTES, hard))
+    except (ImportError, OSError, ValueError):  # not on this system
+        return
+
+
+def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
+    if not event.startswith((*_PROGRAMS, *_NETWORK)) or threading.current_thread() is not threading.main_thread():
+        return
+    what = "there is no network" if event.startswith(_NETWORK) else "no program and no other process can be started"
+    raise PermissionError(f"while a notebook is graded {what}")
+
+
+def _no_output(command: str, *_: Any, **__: Any) -> list[str]:
+    _skip(f"!{command}")
+    return []
+
+
+def _skip(line: str) -> None:
+    print(f"Skipped: {line.strip()} (nothing is installed and no program started while a notebook is graded)")
+
+
+def _import_for_cells(variables: Mapping[str, object], usual: Callable[..., Any]) -> Callable[..., Any]:
+    """`__import__` with a rule for cells: without the reference; of labsid, a star stands for what may be used."""
+
+    def import_(
+        name: str,
+        global_names: Mapping[str, object] | None = None,
+        local_names: Mapping[str, object] | None = None,
+        fromlist: Sequence[str] | None = (),
+        level: int = 0,
+    ) -> Any:
+        wanted = fromlist or ()
+        if global_names is not variables or level or name.partition(".")[0] not in ("labsid", "autograder"):
+            return usual(name, global_names, local_names, fromlist, level)
+        named = [f"{name}.{one}" for one in wanted if is_taught_import(name, one)]
+        taught = [name] if is_reference(name) else named
+        if taught:
+            raise ImportError(
+                f"{_first_reference(taught[0])} is the reference: it cannot be used in an exercise that is being graded. "
+                "Write the step yourself."
+            )
+        if "*" not in wanted:
+            return usual(name, global_names, local_names, fromlist, level)
+        module = usual(name, global_names, local_names, ("__name__",), level)  # a star would load all of its names
+        names = dict(_permitted_names(module))
+        return SimpleNamespace(**names, __all__=list(names))
+
+    return import_
+
+
+def _first_reference(name: str) -> str:
+    """The part of a dotted name that belongs to the reference, as Python's own import would meet it."""
+    parts = name.split(".")
+    return next(before for n in range(len(parts)) if is_reference(before := ".".join(parts[: n + 1])))
+
+
+def _permitted_names(module: ModuleType) -> Iterator[tuple[str, object]]:
+    for name in getattr(module, "__all__", [one for one in vars(module) if not one.startswith("_")]):
+        try:
+            value = getattr(module, name)
+        except ImportError:  # of the reference, while grading
+            continue
+        if not is_taught(value):
+            yield name, value

@@ -1,0 +1,85 @@
+"""What `labsid submit` calls right, grading calls right: honest hand-ins in odd styles, in both."""
+
+import json
+from collections.abc import Callable, Iterator
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+from course_work import GradeCode
+
+from autograder.course.layout import Course
+from autograder.judge.outcome import QuestionResult
+from autograder.sandbox.isolation import open_launcher
+from labsid.hand_in.clean_run import CleanRun
+from labsid.hand_in.saved_work import read_saved
+from labsid.hand_in.submission_file import run_notebook
+
+PRELAB = "prelab-sinusoids"
+ANSWER = "prelab-1-time-answer"
+QUESTION = "prelab-1-time"
+RIGHT = "t = np.linspace(0, 100, 1001).reshape(-1, 1)"
+
+SAME = {
+    "star of labsid": f"from labsid import *\n{RIGHT}",
+    "star of labsid.plots": f"from labsid.plots import *\nfigure_2\n{RIGHT}",
+    "a name of the star": f"from labsid import *\nload_record\n{RIGHT}",
+    "!pip": f"!pip install numpy\n{RIGHT}",
+    "%pip": f"%pip install numpy\n{RIGHT}",
+    "output of a program": f"files = !ls\n{RIGHT}",
+    "getuser": f"import getpass\nname = getpass.getuser()\n{RIGHT}",
+    "display": f"display(3)\n{RIGHT}",
+    "threads": f"from concurrent.futures import ThreadPoolExecutor\nlist(ThreadPoolExecutor(2).map(abs, [1]))\n{RIGHT}",
+}
+"""Answers that are right in both."""
+
+SAID = {
+    "a taught name of the star": f"from labsid import *\nfit_arx\n{RIGHT}",
+    "a taught name": f"from labsid import fit_arx\n{RIGHT}",
+    "a taught module": f"import labsid.lab.arx\n{RIGHT}",
+    "subprocess": f"import subprocess\nsubprocess.run(['ls'], check=True)\n{RIGHT}",
+    "multiprocessing": f"import multiprocessing\nmultiprocessing.Pool(2).map(abs, [1, 2])\n{RIGHT}",
+    "socket": f"import socket\nsocket.create_connection(('127.0.0.1', 9), 1)\n{RIGHT}",
+    "3 GB": f"big = np.zeros(3 * 2**27)\n{RIGHT}",
+}
+"""Answers that are wrong in both, as the student reads before handing in."""
+
+
+Grade = Callable[[str], QuestionResult]
+
+
+@pytest.fixture(scope="module")
+def at_grading(released: Course) -> Iterator[Grade]:
+    """The first question, graded in the sandbox."""
+    with open_launcher("best") as launcher:
+        grade = GradeCode(released, launcher)
+        yield lambda source: grade(PRELAB, {ANSWER: source})[QUESTION]
+
+
+def at_submit(course: Course, folder: Path, source: str) -> CleanRun:
+    path = folder / PRELAB / f"{PRELAB}.ipynb"
+    path.parent.mkdir()
+    notebook = json.loads((course.release / PRELAB / f"{PRELAB}.ipynb").read_bytes())
+    for cell in notebook["cells"]:
+        if cell["id"] == ANSWER:
+            cell["source"] = source
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+    run = run_notebook(read_saved(path))
+    assert run is not None
+    return run
+
+
+def state(run: CleanRun) -> str:
+    return next(one.state for one in run.states if one.question.id == QUESTION)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("style", [*SAME, *SAID])
+def test_submit_and_grading_agree(released: Course, at_grading: Grade, tmp_path: Path, style: str) -> None:
+    source = {**SAME, **SAID}[style]
+    run = at_submit(released, tmp_path, source)
+    graded = at_grading(source)
+    assert (state(run) == "right") is (style in SAME), run.reasons.get(QUESTION)
+    assert (graded.score == graded.max_score != Decimal(0)) is (style in SAME), graded.reason
+    if source.startswith(("!", "%")):
+        assert any("was skipped, as it is when the notebook is graded" in remark for remark in run.remarks)
