@@ -826,7 +826,7 @@ VARIANTS: list[Right | Wrong] = [
         "calls counted",
         "calls = []\n" + define("is_unique(Phi)", "calls.append(0)\nreturn len(calls) % 4 in (1, 2)"),
         None,
-        "says True for a Phi of .* and rank",
+        "says (True|False) for a Phi of .* and rank",
     ),
     wrong(UNIQUE, "always", define("is_unique(Phi)", "return True"), "always unique", "every Phi"),
     wrong(
