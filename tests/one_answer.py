@@ -35,6 +35,8 @@ NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
 SECRET = b"a secret of the tests"
 SECONDS = 5.0
 """Time of an answer and its check."""
+END = "end"
+"""Key of the variables after the last cell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +118,20 @@ class Solved:
         first = next((i + 1 for i in range(at - 1, -1, -1) if ids[i] in questions), 0)
         return tuple(one for one in ids[first:at] if one.endswith("-answer"))
 
+    def run_before(self, cell: str) -> dict[str, Any]:
+        """The variables before a cell; after the last one if there is no such cell."""
+        kept = self.kept[cell if cell in self.kept else END]
+        return kept.variables(["plt"])
+
+    def names_read(self, question: str) -> set[str]:
+        """The variables that a question's check reads of the model solution; none if there is no such question."""
+        if question not in {one.id for one in self.assignment.questions}:
+            return set()
+        ask = self._ask(question, self.kept[question].variables(["plt"]))
+        with quietly():
+            self.assignment.question(question).verdict(ask)
+        return set(ask.names)
+
     def run(self, question: str, replaced: Mapping[str, str]) -> dict[str, Any]:
         """The variables when a question is judged, with some cells replaced; raises what a cell raises."""
         ids = list(self.cells)
@@ -156,8 +172,11 @@ class Solved:
 
 
 @lru_cache(maxsize=2)
-def solve(name: str, student: str = "z5000001") -> Solved:
-    """Run the model solution of an assignment on a student's record; demonstrations are left out."""
+def solve(name: str, student: str = "z5000001", content: bytes | None = None) -> Solved:
+    """Run the model solution of an assignment on a student's record; demonstrations are left out.
+
+    With the `content` of a data file it runs on that record, of which no origin is known.
+    """
     assignment = load_assignment(name)
     notebook = jupytext.read(NOTEBOOKS / name / f"{name}.md", fmt="md:myst")
     cells = {
@@ -169,9 +188,9 @@ def solve(name: str, student: str = "z5000001") -> Solved:
         record = None
         if assignment.record_file is not None:
             path = folder / assignment.record_file
-            path.write_bytes(individual_file(path.name, student, SECRET))
+            path.write_bytes(individual_file(path.name, student, SECRET) if content is None else content)
             record = load_record(path)
-        solved = Solved(assignment, record, Origin(student, SECRET), cells)
+        solved = Solved(assignment, record, Origin(student, SECRET) if content is None else None, cells)
         variables: dict[str, Any] = {}
         known: dict[str, Value] = {}
         questions = {question.id: question for question in assignment.questions}
@@ -182,6 +201,7 @@ def solve(name: str, student: str = "z5000001") -> Solved:
                 known.update(given_values(questions[one], solved._ask(one, variables), passed=True))
             else:
                 exec(compile(source, one, "exec"), variables)
+        solved.kept[END] = Kept.of(variables)
     return solved
 
 

@@ -18,6 +18,8 @@ from labsid.checks.cells import Template
 JUDGING = (
     "autograder.intake.submission",
     "autograder.judge.judging",
+    "labsid.checks.other_records.other_tanks",
+    "labsid.checks.other_records.other_withheld_rig",
     "autograder.batch.wrong_record",
     "autograder.sandbox.child",
     "autograder.sandbox.fork_server",

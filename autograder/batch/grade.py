@@ -19,6 +19,7 @@ from autograder.batch.judge_process import JudgePool
 from autograder.batch.selection import Batch
 from autograder.batch.tasks import Executor
 from autograder.course.layout import Course, read_template
+from autograder.course.settings import read_settings
 from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.outcome import SubmissionResult
 from autograder.results import gradebook, result_files
@@ -90,7 +91,7 @@ def grade_batch(
         previous = {(one.student, one.assignment): one for one in result_files.load_valid(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
-        data_store = DataStore(course, secret, out / "records")
+        data_store = DataStore(course, secret, out / "records", read_settings(course).without_second_record)
         with contextlib.closing(JudgePool()) as judges:
             grader = _BatchGrader(course, batch, out, executor, judges, data_store, late or {}, templates, previous)
             yield from grader.run(gradebook.read_manual_grades(out))
@@ -186,7 +187,7 @@ class _BatchGrader:
         stored = result_files.to_stored(judged.result, template.title, headings, fingerprint)
         if judged.try_again:
             stored = replace(stored, fingerprint={**fingerprint, "environment": ""})
-        return _NewResult(judged.result, replace(stored, work=judged.work))
+        return _NewResult(judged.result, replace(stored, work=judged.work, copied=judged.copied))
 
 
 def _to_review(previous: StoredResult, new: StoredResult, by_hand: gradebook.ManualGrades) -> tuple[str, ...]:

@@ -53,11 +53,14 @@ class DataStore:
         The secret of individual records; None if everybody works on the course's own records.
     folder : Path
         Cache of the generated records.
+    without_second_record : frozenset of str
+        Assignments whose hand-ins are not run on other records.
     """
 
     course: Course
     secret: bytes | None
     folder: Path
+    without_second_record: frozenset[str] = frozenset()
 
     @property
     def seed(self) -> bytes:
@@ -84,7 +87,8 @@ def inputs_for(data_store: DataStore, template: Template, student: str) -> Gradi
         return GradingInputs(Assets(template, assignment, None, data_store.seed, functions=functions, tests=tests), {})
     path = record_path(data_store, assignment.record_file, student)
     origin = data_store.shared_origin if data_store.secret is None else Origin(student, data_store.secret)
-    assets = Assets(template, assignment, load_record(path), data_store.seed, origin, functions, tests)
+    second = template.assignment not in data_store.without_second_record
+    assets = Assets(template, assignment, load_record(path), data_store.seed, origin, functions, tests, second)
     return GradingInputs(assets, {assignment.record_file: path})
 
 
@@ -118,6 +122,7 @@ def record_path(data_store: DataStore, name: str, student: str) -> Path:
 def data_hash(data_store: DataStore, inputs: GradingInputs) -> str:
     """Fingerprint of the data files and of the hidden inputs' seed; it does not reveal the secret."""
     digest = hashlib.sha256(hmac.new(data_store.seed, b"inputs", hashlib.sha256).digest())
+    digest.update(b"" if inputs.assets.second_record else b"no second record")
     for name, path in sorted(inputs.files.items()):
         digest.update(name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()

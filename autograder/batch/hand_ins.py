@@ -11,6 +11,7 @@ from autograder.batch.tasks import Executor, Task, refused_result
 from autograder.batch.wrong_record import flag_wrong_record
 from autograder.intake.submission import Submission, read_submission
 from autograder.judge.outcome import SubmissionResult, ungraded_result
+from autograder.results.copied import Copied, find_copied
 from autograder.results.similar import code_fingerprints
 from autograder.sandbox.isolation import MachineError
 from labsid.checks.cells import Template
@@ -55,12 +56,15 @@ class Judged:
     result : SubmissionResult
     work : mapping
         Fingerprint and size of the student's normalised code, by question.
+    copied : Copied
+        Code of labsid, and code that is carried as text.
     try_again : bool
         Whether the next run judges it again, because no machine could.
     """
 
     result: SubmissionResult
     work: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    copied: Copied = field(default_factory=Copied)
     try_again: bool = False
 
 
@@ -102,9 +106,9 @@ def _judge(
         result = ungraded_result(submission, template, executor.level)
     comparison = _Comparison(result, submission, inputs, data_store, hand_in.folder, students)
     seconds = CPU_SECONDS + CPU_SECONDS_PER_RECORD * len(students)
-    flagged, work = judge.call(compare_with_others, comparison, cpu_seconds=seconds)
+    flagged, work, copied = judge.call(compare_with_others, comparison, cpu_seconds=seconds)
     # the workers of a cluster return a result without cells if none of them could grade it
-    return Judged(flagged, work, try_again=submission.status == "ready" and not result.cells)
+    return Judged(flagged, work, copied, try_again=submission.status == "ready" and not result.cells)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +123,9 @@ class _Comparison:
     students: tuple[str, ...]
 
 
-def compare_with_others(it: _Comparison) -> tuple[SubmissionResult, dict[str, tuple[str, int]]]:
-    """The result with flags if it was made on another student's record, and the fingerprints of its code."""
+def compare_with_others(it: _Comparison) -> tuple[SubmissionResult, dict[str, tuple[str, int]], Copied]:
+    """The result, with flags if it was made on another student's record, and what to look at in its code."""
     released = {cell.id: cell.source for cell in it.inputs.assets.template.cells}
     work = code_fingerprints(it.submission.cells, released)
-    return flag_wrong_record(it.result, it.inputs, it.data_store, it.folder, it.students), work
+    copied = find_copied(it.submission.cells, released.values())
+    return flag_wrong_record(it.result, it.inputs, it.data_store, it.folder, it.students), work, copied

@@ -17,6 +17,7 @@
     due = 2026-11-30T23:59:00
     weight = 20                          # marks in the total of the course; default those of the notebook
     late = { per-day = "5%" }            # takes the place of single values of [late]
+    second-record = false                # grade on the student's own record alone; default true
 """
 
 import tomllib
@@ -34,7 +35,7 @@ FILE_NAME = "course.toml"
 LATE_KEYS = ("grace", "per-day", "most")
 LEARNING_PLATFORMS = ("moodle",)
 _KEYS = ("title", "timezone", "secret", "students", "lms", "late", "assignments")
-_ASSIGNMENT_KEYS = ("due", "weight", "late")
+_ASSIGNMENT_KEYS = ("due", "weight", "late", "second-record")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +50,14 @@ class AssignmentSettings:
         Marks in the total of the course; None for those of the notebook.
     late : mapping
         Values of the late rule, by key of ``--late``.
+    second_record : bool
+        Whether hand-ins are run on other records, too, on which typed-in values are wrong.
     """
 
     due: datetime | None = None
     weight: Decimal | None = None
     late: Mapping[str, str] = field(default_factory=dict)
+    second_record: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +88,11 @@ class CourseSettings:
     def weights(self) -> dict[str, Decimal]:
         """The weights that are set, by assignment."""
         return {name: one.weight for name, one in self.assignments.items() if one.weight is not None}
+
+    @property
+    def without_second_record(self) -> frozenset[str]:
+        """The assignments that are graded on the student's own record alone."""
+        return frozenset(name for name, one in self.assignments.items() if not one.second_record)
 
     def due_texts(self) -> dict[str, str]:
         """Due dates for students, in the time zone of the course, by assignment."""
@@ -164,7 +173,8 @@ def _assignment(table: Any, name: str, zone: tzinfo, late: Mapping[str, str]) ->
     rule = {**late, **_late(table.get("late", {}), f"late of {where}")}
     if rule and due is not None and "per-day" not in rule:
         raise ValueError(f'the late rule of {where} needs per-day, such as per-day = "10%".')
-    return AssignmentSettings(due, _value(table, "weight", _weight, where), rule)
+    second = _value(table, "second-record", _switch, where)
+    return AssignmentSettings(due, _value(table, "weight", _weight, where), rule, second is not False)
 
 
 def _late(table: Any, where: str) -> dict[str, str]:
@@ -199,6 +209,12 @@ def _text(value: Any) -> str:
 def _moment(value: Any) -> datetime:
     if not isinstance(value, datetime):
         raise TypeError("a date and time such as 2026-11-30T23:59:00, without quotation marks")
+    return value
+
+
+def _switch(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError("true or false")
     return value
 
 

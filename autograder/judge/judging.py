@@ -1,13 +1,14 @@
 """Judge one submission: run and judge its notebook, and make a result of every question.
 
-The student's processes run the cells. Only this process holds the checks, the reference and the hidden inputs on which
-functions are tested.
+An answer that follows from the record is then tried on records that nobody has seen. The student's processes run the
+cells. Only this process holds the checks, the reference and the hidden inputs on which functions are tested.
 """
 
 from pathlib import Path
 
 from autograder.intake.submission import Submission
-from autograder.judge.notebook import Assets, judge_notebook
+from autograder.judge.hidden_records import confirm_on_hidden_records, second_record_of
+from autograder.judge.notebook import Assets, JudgedNotebook, judge_notebook
 from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.sandbox.isolation import ProcessLauncher
 
@@ -38,12 +39,20 @@ def judge_submission(
     if submission.status != "ready":
         return ungraded_result(submission, assets.template, launcher.level)
     judged = judge_notebook(submission, assets, launcher, folder, pictures)
+    state = second_record_of(assets)
+
+    def judge_on(part: Submission, hidden: Assets, other: Path) -> JudgedNotebook:
+        return judge_notebook(part, hidden, launcher, other, pictures=False)
+
+    confirmed = confirm_on_hidden_records(submission, judged, assets, judge_on) if state == "run" else None
     return SubmissionResult(
         submission.student,
         submission.assignment,
-        judged.results(),
+        judged.results() if confirmed is None else confirmed.results,
         judged.executed,
         submission.notes,
         launcher.level,
         judged.wrong_values(),
+        () if confirmed is None else confirmed.flags,
+        state,
     )

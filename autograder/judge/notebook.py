@@ -53,6 +53,8 @@ class Assets:
         Source of the right functions, by the question that asks for them.
     tests : mapping
         Source of the test cells of nbgrader that have hidden tests, by question.
+    second_record : bool
+        Whether the course tries answers on records that nobody has seen.
     """
 
     template: Template
@@ -62,6 +64,7 @@ class Assets:
     origin: Origin | None = None
     functions: Mapping[str, str] = field(default_factory=dict)
     tests: Mapping[str, str] = field(default_factory=dict, repr=False)
+    second_record: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,6 +71,8 @@ class SubmissionResult:
         The student's values that were replaced after a wrong answer, by question and name.
     flags : tuple of str
         Remarks for the instructor only.
+    second_record : {"", "run", "off"}
+        Whether its answers were tried on another record; empty if nothing in it follows from the record.
     """
 
     student: str
@@ -81,6 +83,7 @@ class SubmissionResult:
     isolation: str
     wrong_values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
+    second_record: str = ""
 
 
 def ungraded_result(submission: Submission, template: Template, level: str) -> SubmissionResult:

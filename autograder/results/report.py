@@ -1,7 +1,7 @@
 """The class report: one self-contained HTML file, made from the stored results and the manual grades."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -101,12 +101,32 @@ def report_page(
             }
             for pair in pairs
         ],
+        "copied": [one for result in stored for one in _copied(result)],
     }
 
 
 def _person(student: str, assignment: str) -> dict[str, str]:
     """A student as the report shows one: ID, and the address of the feedback page."""
     return {"id": printable(student), "page": f"feedback/{quote(student, errors='replace')}/{assignment}.html"}
+
+
+def _copied(result: StoredResult) -> Iterator[dict[str, Any]]:
+    """Answers whose code is that of labsid, and answers that carry code as text: to be looked at, without marks."""
+    who = _person(result.student, result.assignment)
+    for question, function in result.copied.same_as.items():
+        what = f"the same as {function}; it may have been derived"
+        yield {"who": who, "assignment": result.assignment, "question": question, "what": what}
+    for question in result.copied.code_as_text:
+        what = "code as text: a long literal is decoded, unpacked, executed or imported"
+        yield {"who": who, "assignment": result.assignment, "question": question, "what": what}
+
+
+def _second_record(stored: Sequence[StoredResult]) -> str:
+    """A sentence on the second record; empty if nothing in the assignment follows from a record."""
+    found = Counter(result.second_record for result in stored)
+    if found["off"]:
+        return "The second record is switched off in course.toml: values that were typed in count like computed ones."
+    return "What follows from the record was also tried on records that nobody has seen." if found["run"] else ""
 
 
 def _class_list(
@@ -140,6 +160,7 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
         "title": printable(stored[0].title),
         "handed_in": len(handed_in),
         "refused": len(stored) - len(handed_in),
+        "second_record": _second_record(handed_in),
         "late": sum(one.penalty > 0 for one in totals),
         "max_score": plain_decimal(max_score),
         "mean": plain_decimal((sum(scores, Decimal(0)) / len(scores)).quantize(Decimal("0.01"))) if scores else "–",

@@ -14,10 +14,11 @@ from typing import Any
 
 from autograder.course.layout import to_json
 from autograder.judge.outcome import QuestionResult, SubmissionResult
+from autograder.results.copied import Copied
 from labsid._files import write_text
 from labsid.checks.timetable import in_course_order
 
-SCHEMA = "labsid.result/2"
+SCHEMA = "labsid.result/3"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +48,10 @@ class StoredResult:
         Explanation of the penalty; empty if the submission was on time.
     work : mapping
         Fingerprint and size of the student's normalised code, by question.
+    copied : Copied
+        Code of labsid, and code that is carried as text.
+    second_record : {"", "run", "off"}
+        Whether the answers were tried on another record; empty if nothing follows from the record.
     """
 
     student: str
@@ -63,6 +68,8 @@ class StoredResult:
     penalty: Decimal = Decimal(0)
     late: str = ""
     work: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    copied: Copied = field(default_factory=Copied)
+    second_record: str = ""
 
     @property
     def is_refused(self) -> bool:
@@ -84,6 +91,7 @@ def to_stored(
         result.isolation,
         fingerprint,
         result.flags,
+        second_record=result.second_record,
     )
 
 
@@ -109,6 +117,9 @@ def store(out: Path, stored: StoredResult) -> None:
         "penalty": str(stored.penalty),
         "late": stored.late,
         "work": {question: list(work) for question, work in stored.work.items()},
+        "same_as": dict(stored.copied.same_as),
+        "code_as_text": list(stored.copied.code_as_text),
+        "second_record": stored.second_record,
         "headings": dict(stored.headings),
         "questions": questions,
     }
@@ -143,6 +154,8 @@ def load(path: Path) -> StoredResult:
             penalty=Decimal(document["penalty"]),
             late=document["late"],
             work={question: (str(digest), int(size)) for question, (digest, size) in document["work"].items()},
+            copied=Copied(dict(document["same_as"]), tuple(document["code_as_text"])),
+            second_record=str(document["second_record"]),
         )
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValueError(

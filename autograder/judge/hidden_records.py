@@ -1,0 +1,212 @@
+"""Runs of a notebook on records that nobody has seen: an answer that follows from the data is right on these, too.
+
+A value that was typed in is right on the student's own record and wrong on another. An answer that is wrong on the
+second record is tried on a third, so that honest code is not refused by bad luck. A hidden run never raises a mark, and
+nothing of it is shown but the number of the line that stopped.
+"""
+
+import hashlib
+import hmac
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from functools import partial
+from pathlib import Path
+
+from autograder.intake.submission import NotebookCell, Submission
+from autograder.judge.answer import Answer
+from autograder.judge.needed_cells import draws_known_values, needed_cells
+from autograder.judge.notebook import Assets, JudgedNotebook
+from autograder.judge.outcome import QuestionResult
+from autograder.sandbox.workdirs import temporary_workdir
+from labsid.checks.other_records import another_record, can_be_drawn
+from labsid.checks.question import FollowsFrom
+from labsid.plots.figure_values import FigureValue
+from labsid.records.record import load_record
+
+TYPED_IN = "This value fits your record only: compute it from the record."
+STOPPED = "On another record your code for this step stops{line}: it must work on any record of this kind."
+SECOND, THIRD = 2, 3
+
+JudgeOn = Callable[[Submission, Assets, Path], JudgedNotebook]
+"""Judges a notebook on another record, with the files of a folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Confirmed:
+    """The results of a submission after its hidden runs.
+
+    Attributes
+    ----------
+    results : tuple of QuestionResult
+    runs : int
+        Hidden records on which it ran.
+    flags : tuple of str
+        Remarks for the instructor.
+    """
+
+    results: tuple[QuestionResult, ...]
+    runs: int = 0
+    flags: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What a hidden run found of one answer: right, or wrong for a reason."""
+
+    is_right: bool
+    reason: str
+
+
+def second_record_of(assets: Assets) -> str:
+    """Whether answers are tried on hidden records: "run", "off", or empty if none take the place of the student's."""
+    name = assets.assignment.record_file
+    if assets.record is None or name is None or not can_be_drawn(name):
+        return ""
+    return "run" if assets.second_record else "off"
+
+
+def confirm_on_hidden_records(
+    submission: Submission, judged: JudgedNotebook, assets: Assets, judge_on: JudgeOn
+) -> Confirmed:
+    """Run a judged notebook on hidden records, and refuse the answers that are right on the student's own record alone.
+
+    Parameters
+    ----------
+    submission : Submission
+    judged : JudgedNotebook
+        On the student's own record.
+    assets : Assets
+        With which it was judged. The secret seeds the records: the same for the same hand-in, others for every other.
+    judge_on : callable
+
+    Returns
+    -------
+    Confirmed
+    """
+    results = judged.results()
+    at_stake = {answer.question.id for answer in judged.answers if _is_at_stake(answer)}
+    refused: dict[str, _Found] = {}
+    asked, runs = at_stake, 0
+    flags: tuple[str, ...] = ()
+    seconds = dict.fromkeys(at_stake, 0.0)
+    for number in (SECOND, THIRD):
+        if not asked:
+            break
+        began = time.monotonic()
+        seed = record_seed(assets.secret, submission, number)
+        try:
+            content = _hidden_file(assets, seed)
+        except ValueError as error:
+            refused, flags = {}, (*flags, f"not run on another record: {error}")
+            break
+        runs += 1
+        wrong = _wrong(submission, judged, asked, partial(_run, content, seed, assets, judge_on))
+        for question in asked:
+            seconds[question] += (time.monotonic() - began) / len(asked)
+        lucky = [one.question for one in results if one.question in refused and one.question not in wrong]
+        if lucky:
+            flags += (f"right on a third record, not on the second: {', '.join(lucky)}",)
+        refused, asked = wrong, set(wrong)
+    lost = [one.question for one in results if one.question in refused]
+    if lost:
+        flags += (f"right on the student's own record alone: {', '.join(lost)}",)
+    return Confirmed(tuple(_with(one, refused, seconds) for one in results), runs, flags)
+
+
+def record_seed(secret: bytes, submission: Submission, number: int) -> bytes:
+    """The seed of a hidden record: HMAC(secret, student, assignment, hash of the hand-in, number)."""
+    work = hashlib.sha256()
+    for cell in submission.cells:
+        if cell.code and cell.kind in ("answer", "extra"):
+            source = cell.source.encode(errors="surrogatepass")
+            work.update(f"{cell.id or ''}\0{len(source)}\0".encode(errors="surrogatepass") + source)
+    identity = f"another record\0{submission.student}\0{submission.assignment}\0{work.hexdigest()}\0{number}"
+    return hmac.digest(secret, identity.encode(errors="surrogatepass"), hashlib.sha256)
+
+
+def _is_at_stake(answer: Answer) -> bool:
+    """Whether an answer is right on the student's own record, and its check read a variable that follows from it."""
+    return answer.is_right and answer.question.follows_from is FollowsFrom.DATA and bool(answer.asked.values)
+
+
+def _hidden_file(assets: Assets, seed: bytes) -> bytes:
+    """The data file of a hidden record; `ValueError` if none can be drawn in the place of the student's own."""
+    if assets.record is None or assets.assignment.record_file is None:
+        raise ValueError("this assignment has no record")
+    return another_record(assets.assignment.record_file, assets.record, int.from_bytes(seed, "big"))
+
+
+def _whole(judged: JudgedNotebook, asked: set[str]) -> tuple[NotebookCell, ...]:
+    """The cells up to the last question that is asked for, without those that ended the student's process before."""
+    cells: list[NotebookCell] = []
+    length = 0
+    for done in judged.executed:
+        if done.failure is None and done.cell.kind not in ("manual", "tests"):
+            cells.append(done.cell)
+        if done.cell.kind == "question" and done.cell.id in asked:
+            length = len(cells)
+    return tuple(cells[:length])
+
+
+def _shortened(judged: JudgedNotebook, asked: set[str]) -> tuple[NotebookCell, ...] | None:
+    """The cells on which these questions depend; None if an answer is wrong, after which right values go on."""
+    if not all(answer.is_right for answer in judged.answers):
+        return None
+    read = {answer.question.id: tuple(answer.asked.values) for answer in judged.answers}
+    cells = _whole(judged, asked)
+    figures = {answer.question.id for answer in judged.answers if _is_figure(answer)} & asked
+    known = {name for question in asked - figures for name in read[question]}
+    drawn = {question for question in figures if draws_known_values(cells, question, known)}
+    needed = asked - drawn
+    for answer in reversed(judged.answers):
+        if answer.question.id in needed:
+            needed |= set(answer.question.uses)
+    return needed_cells(cells, needed, read)
+
+
+def _is_figure(answer: Answer) -> bool:
+    return any(isinstance(value, FigureValue) for value in answer.asked.values.values())
+
+
+def _wrong(
+    submission: Submission, judged: JudgedNotebook, asked: set[str], run: Callable[[Submission], Mapping[str, _Found]]
+) -> dict[str, _Found]:
+    """The questions that are wrong on a hidden record: after a shortened run, and then after a whole one."""
+    shortened = _shortened(judged, asked)
+    if shortened is not None and all(one.is_right for one in run(replace(submission, cells=shortened)).values()):
+        return {}
+    found = run(replace(submission, cells=_whole(judged, asked)))
+    wrong = {question: found.get(question, _Found(False, TYPED_IN)) for question in asked}
+    return {question: one for question, one in wrong.items() if not one.is_right}
+
+
+def _run(
+    content: bytes, seed: bytes, assets: Assets, judge_on: JudgeOn, submission: Submission
+) -> Mapping[str, _Found]:
+    """Judge on one hidden record, in a work folder of its own; what the hidden run found, by question."""
+    with temporary_workdir() as folder:
+        path = folder / (assets.assignment.record_file or "")
+        path.write_bytes(content)
+        # other inputs of functions, too: the seed takes the place of the secret
+        hidden = replace(assets, record=load_record(path), secret=seed, origin=None)
+        answers = judge_on(submission, hidden, folder).answers
+    return {answer.question.id: _Found(answer.is_right, _reason(answer)) for answer in answers}
+
+
+def _reason(answer: Answer) -> str:
+    """Why an answer is refused: a fixed sentence, and the number of the line that stopped."""
+    stopped = next((done for done in answer.asked.cells if done.failure or done.reply.error is not None), None)
+    if stopped is None:
+        return TYPED_IN
+    line = (stopped.reply.error or {}).get("line")
+    is_line = isinstance(line, int) and 1 <= line <= stopped.cell.source.count("\n") + 1
+    return STOPPED.format(line=f" in line {line}" if is_line else "")
+
+
+def _with(result: QuestionResult, refused: Mapping[str, _Found], seconds: Mapping[str, float]) -> QuestionResult:
+    result = replace(result, seconds=result.seconds + seconds.get(result.question, 0.0))
+    if result.question not in refused:
+        return result
+    return replace(result, score=Decimal(0), reason=refused[result.question].reason, slip=None)
