@@ -57,6 +57,7 @@ class GradeCode:
 
     course: Course
     launcher: ProcessLauncher
+    second_record: bool = True
 
     def __call__(
         self, name: str, replaced: Mapping[str, str], record: Path | None = None, student: str = "s"
@@ -72,7 +73,8 @@ class GradeCode:
             for cell in template.cells
         )
         inputs = shared_inputs(self.course, name)
-        assets = inputs.assets if record is None else replace(inputs.assets, record=load_record(record))
+        assets = replace(inputs.assets, second_record=self.second_record)
+        assets = assets if record is None else replace(assets, record=load_record(record))
         with tempfile.TemporaryDirectory() as bench:
             for file, path in inputs.files.items():
                 shutil.copyfile(record or path, Path(bench) / file)

@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from functools import partial
 from pathlib import Path
 
 from autograder.intake.submission import NotebookCell, Submission
@@ -102,7 +101,10 @@ def confirm_on_hidden_records(
             refused, flags = {}, (*flags, f"not run on another record: {error}")
             break
         runs += 1
-        wrong = _wrong(submission, judged, asked, partial(_run, content, seed, assets, judge_on))
+        # the second run is shortened, as it finds most answers right; the third, which decides, is whole
+        cells = (_shortened(judged, asked) if number == SECOND else None) or _whole(judged, asked)
+        found = _run(content, seed, assets, judge_on, replace(submission, cells=cells))
+        wrong = {question: one for question, one in found.items() if question in asked and not one.is_right}
         for question in asked:
             seconds[question] += (time.monotonic() - began) / len(asked)
         lucky = [one.question for one in results if one.question in refused and one.question not in wrong]
@@ -168,18 +170,6 @@ def _shortened(judged: JudgedNotebook, asked: set[str]) -> tuple[NotebookCell, .
 
 def _is_figure(answer: Answer) -> bool:
     return any(isinstance(value, FigureValue) for value in answer.asked.values.values())
-
-
-def _wrong(
-    submission: Submission, judged: JudgedNotebook, asked: set[str], run: Callable[[Submission], Mapping[str, _Found]]
-) -> dict[str, _Found]:
-    """The questions that are wrong on a hidden record: after a shortened run, and then after a whole one."""
-    shortened = _shortened(judged, asked)
-    if shortened is not None and all(one.is_right for one in run(replace(submission, cells=shortened)).values()):
-        return {}
-    found = run(replace(submission, cells=_whole(judged, asked)))
-    wrong = {question: found.get(question, _Found(False, TYPED_IN)) for question in asked}
-    return {question: one for question, one in wrong.items() if not one.is_right}
 
 
 def _run(
