@@ -19,48 +19,12 @@ from autograder.course.own_secret import shared_file
 from autograder.intake.submission import is_plain_file
 from autograder.judge.outcome import SubmissionResult
 from labsid.checks.question import Assignment, Origin
+from labsid.checks.reference_values import reference_values
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer
-from labsid.records.record import Record, load_record
+from labsid.records.record import load_record
 
 STUDENT_MESSAGE = "The value is right for another record than the one you were given."
 MAX_DATA_BYTES = 16 * 1024 * 1024
-
-
-class _ReferenceAsk:
-    """Answers with the reference's values; there is no student process."""
-
-    def __init__(self, record: Record, origin: Origin | None, known: Mapping[str, Value]) -> None:
-        self.record = record
-        self.origin = origin
-        self.rng = np.random.default_rng(0)
-        self._known = known
-
-    def value(self, name: str) -> Value:
-        raise NoAnswer(f"there is no variable `{name}`")
-
-    def call(self, name: str, *arguments: Value) -> Value:
-        raise NoAnswer(f"there is no function `{name}`")
-
-    def known(self, name: str) -> Value:
-        return self._known[name]
-
-
-def reference_values(
-    assignment: Assignment, record: Record, origin: Origin | None = None
-) -> dict[str, dict[str, Value]]:
-    """The right values of every question of an assignment on a record, by question and name."""
-    known: dict[str, Value] = {}
-    right: dict[str, dict[str, Value]] = {}
-    for question in assignment.questions:
-        if question.gives is None:
-            continue
-        try:
-            right[question.id] = question.gives(_ReferenceAsk(record, origin, known))
-        except Exception:  # without a reference value on this record there is no evidence
-            continue
-        known.update(right[question.id])
-    return right
 
 
 def flag_wrong_record(

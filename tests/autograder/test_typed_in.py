@@ -14,7 +14,7 @@ from labsid.checks.notebook import assignment_names, load_assignment
 from labsid.checks.question import FollowsFrom
 
 FEWEST = {
-    "lab-identification": 14,
+    "lab-identification": 13,
     "postlab-model-order": 7,
     "sim-to-real-gap": 5,
     "step-response": 2,

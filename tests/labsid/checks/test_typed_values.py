@@ -1,0 +1,98 @@
+"""Typed-in values: which they are, and what a check says of them."""
+
+import re
+
+import pytest
+from one_answer import solve
+from record_draws import NOT_OF_THE_RIG, with_record
+
+from labsid.checks import CheckFailed, notebook_checks
+from labsid.checks.notebook import NotebookAsk
+from labsid.checks.question import FollowsFrom
+from labsid.checks.reference_values import reference_values
+from labsid.checks.typed_values import told, typed_names, wrong_elsewhere
+
+
+@pytest.mark.parametrize(
+    ("source", "typed"),
+    [
+        ("a = 2.3", "a"),
+        ("a, b = 2.3, -0.4", "ab"),
+        ("a, b = np.array([2.3, 1])", "ab"),
+        ("a = np.array([[1, 2], [3, 4.5]], dtype=float)", "a"),
+        ("a = b = 3", "ab"),
+        ("a: float = -(2 / 3)", "a"),
+        ("a = np.r_[1.5, 2]", "a"),
+        ("a = np.array([1, 2]).reshape(-1, 1)", "a"),
+        ("%matplotlib inline\na = 'input'", "a"),
+        ("a = u[0]", ""),
+        ("a = 2 * b", ""),
+        ("a = np.mean([1, 2])", ""),
+        ("a = 0\nfor k in range(9):\n    a = a + k", ""),
+        ("a = np.zeros(3)", ""),
+        ("a = 1\na = f(2)", ""),
+        ("a = [0]\na[0] = u[3]", ""),
+        ("a = 3\na += 1", ""),
+        ("def a():\n    return 3", ""),
+        ("a = 3\na =", ""),
+    ],
+)
+def test_typed_names(source: str, typed: str) -> None:
+    assert typed_names(source, ["a", "b"]) == set(typed)
+
+
+@pytest.mark.parametrize("name", with_record())
+def test_each_typed_in_value_of_the_rig_is_wrong_on_the_public_record(name: str) -> None:
+    solved = solve(name)
+    assert solved.record is not None
+    right = reference_values(solved.assignment, solved.record)
+    tried = 0
+    for question in solved.assignment.questions:
+        if question.follows_from is not FollowsFrom.DATA or question.id == "gap-2-linear":
+            continue  # of its theta_arx, with which no later step starts, there is no right value
+        variables = solved.run(question.id, {})
+        ask = NotebookAsk(variables, solved.record, solved.known[question.id], question.id)
+        names = set(right.get(question.id, {})) & solved.names_read(question.id) - set(NOT_OF_THE_RIG)
+        for one in sorted(names):
+            asked = (question, solved.assignment, solved.record, [one], variables, ask.call)
+            assert wrong_elsewhere(*asked), (question.id, one)
+            tried += 1
+        assert not wrong_elsewhere(question, solved.assignment, solved.record, [], variables, ask.call)
+    assert tried >= {"step-response": 5, "sim-to-real-gap": 6}.get(name, 8), tried
+
+
+def test_what_may_be_typed_is_not_tried() -> None:
+    solved = solve("lab-identification")
+    question = solved.assignment.question("lab-1a-sampling-time")
+    variables = {"Ts": 99.0}
+    ask = NotebookAsk(variables, solved.record, {}, question.id)
+    assert not wrong_elsewhere(question, solved.assignment, solved.record, ["Ts"], variables, ask.call)
+
+
+def test_what_is_told() -> None:
+    assert told(["u"]).reason.startswith("`u` is right on your record, but typed in")
+    assert told(["y", "u"]).reason.startswith("`u` and `y` are right")
+    assert not told(["u"]).passed
+
+
+def test_in_a_notebook_the_check_says_what_grading_will_find(tmp_path, monkeypatch, shipped_record_path) -> None:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / shipped_record_path.name).write_bytes(shipped_record_path.read_bytes())
+    shell = InteractiveShell()
+    shell.run_cell("import numpy as np\nfrom labsid.checks import notebook_checks\nfrom labsid import load_record")
+    shell.run_cell("check = notebook_checks('lab-identification', globals())")
+    assert isinstance(shell.user_ns["check"], notebook_checks)
+    shell.run_cell(
+        f"r = load_record('{shipped_record_path.name}')\n"
+        "t, y_act, y_actm, u_act = r.t, r.y_noise_reduced, r.y_measured, r.u\nTs = 0.75"
+    )
+    shell.run_cell("check('lab-1a-extract'); check('lab-1a-sampling-time')", silent=False).raise_error()
+    shell.run_cell("n = int(np.argmax(u_act != u_act[0]))\ny_offset = np.mean(y_act[:n])\nu_offset = 2.0")
+    shell.run_cell("y, u = y_act - y_offset, u_act - u_offset")
+    failed = shell.run_cell("check('lab-1c-offsets')").error_in_exec
+    assert isinstance(failed, CheckFailed)
+    assert re.search("`u_offset` is right on your record, but typed in", str(failed))
+    shell.run_cell("u_offset = u_act[0]\ny, u = y_act - y_offset, u_act - u_offset")
+    shell.run_cell("check('lab-1c-offsets')").raise_error()
