@@ -73,9 +73,53 @@ y_sim = simulate_the_model(u)
 """,
 }
 
+_INVENTED = {
+    "lab-1c-offsets-answer": """
+y_offset = np.mean(y_act[:n_first])
+u_offset = u_act[0]
+u = u_act - u_offset
+y = np.zeros(len(u))
+y[1:] = 0.5 * u[:-1]
+""",
+    "lab-2b-theta-answer": """
+theta_hat = np.array([0.0, 0.0, 0.5, 0.0])
+""",
+    "lab-2b-parameters-answer": """
+a1, a2, b1, b2 = 0.0, 0.0, 0.5, 0.0
+""",
+    "lab-3a-second-half-answer": """
+y_sim_half = y[len(y) // 2 :]
+""",
+    "lab-3a-all-answer": """
+y_sim = y
+""",
+    "lab-3a-mse-answer": """
+mse_half, mse_all = 0.0, 0.0
+""",
+}
+
+
+def _typed_in(course: Course) -> dict[str, str]:
+    """Answers with the numbers that ``labsid identify`` prints of the record."""
+    from labsid.lab.identification import identify
+    from labsid.records.record import load_record
+
+    found = identify(load_record(course.record), order=2, start=2)
+    theta, model, mse = found.fit.theta.tolist(), found.model, found.verification
+    return {
+        "lab-1c-offsets-answer": f"""
+y_offset, u_offset = {model.y_offset!r}, {model.u_offset!r}
+y, u = y_act - y_offset, u_act - u_offset
+""",
+        "lab-2b-theta-answer": f"theta_hat = np.array({theta!r})",
+        "lab-2b-parameters-answer": f"a1, a2, b1, b2 = {-theta[0]!r}, {-theta[1]!r}, {theta[2]!r}, {theta[3]!r}",
+        "lab-2c-transfer-function-answer": f"G = ct.tf({theta[2:]!r}, [1, {-theta[0]!r}, {-theta[1]!r}], 0.75)",
+        "lab-3a-mse-answer": f"mse_half, mse_all = {mse.mse_second_half!r}, {mse.mse_all!r}",
+    }
+
 
 def write_samples(course: Course, folder: Path) -> dict[str, str]:
-    """Write six students' submissions of the lab, and all assignments of the first student.
+    """Write eight students' submissions of the lab, and all assignments of the first student.
 
     Parameters
     ----------
@@ -97,6 +141,8 @@ def write_samples(course: Course, folder: Path) -> dict[str, str]:
     _write(folder / "dan" / LAB / f"{LAB}.ipynb", unanswered)
     _write(folder / "eve" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _CRASHING))
     _write(folder / "finn" / LAB / f"{LAB}.ipynb", unanswered[: len(unanswered) // 2])
+    _write(folder / "gina" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _typed_in(course)))
+    _write(folder / "hugo" / LAB / f"{LAB}.ipynb", _notebook(course, LAB, _INVENTED))
     return {
         "ada": "all answers right",
         "ben": "three common mistakes",
@@ -104,6 +150,8 @@ def write_samples(course: Course, folder: Path) -> dict[str, str]:
         "dan": "the release, not answered",
         "eve": "code that ends its process, and an undefined name",
         "finn": "a truncated file",
+        "gina": "the numbers that labsid identify prints, typed in",
+        "hugo": "an invented output, and the answers to it typed in",
     }
 
 
