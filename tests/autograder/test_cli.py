@@ -565,6 +565,13 @@ def test_the_demonstration(
     grades = Path("demo", "graded", "grades.csv").read_text(encoding="utf-8")
     for status in ("graded", "manual", "crashed", "quarantined"):
         assert f",{status}," in grades
+    lost = {line.split(",")[2]: line for line in grades.splitlines() if line.startswith("gina,") and ",0," in line}
+    typed = ("lab-1c-offsets", "lab-2b-theta", "lab-2b-parameters", "lab-2c-transfer-function", "lab-3a-mse")
+    assert tuple(lost) == typed
+    assert all("This value fits your record only" in line for line in lost.values())
+    report = Path("demo", "graded", "report.html").read_text(encoding="utf-8")
+    assert f"right on the student&#39;s own record alone: {', '.join(typed)}" in report
+    assert "also tried on records that nobody has seen" in report
     figures = list(Path("demo", "figures").glob("*.png"))
     assert len(figures) >= 8
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
