@@ -52,7 +52,11 @@ class _Step:
 
 
 def run_from_clean_start(
-    cells: Sequence[Mapping[str, Any]], template: Template, notebook: Path, cell_seconds: float = CELL_SECONDS
+    cells: Sequence[Mapping[str, Any]],
+    template: Template,
+    notebook: Path,
+    cell_seconds: float = CELL_SECONDS,
+    content: bytes | None = None,
 ) -> CleanRun:
     """Run the cells of a notebook in a kernel of their own.
 
@@ -66,6 +70,8 @@ def run_from_clean_start(
         The notebook's file; of the files beside it, the run has the data file alone, as grading does.
     cell_seconds : float
         Longest run of a cell, in seconds.
+    content : bytes, optional
+        Of a data file that takes the place of the one beside the notebook.
 
     Returns
     -------
@@ -80,7 +86,9 @@ def run_from_clean_start(
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch, _Runner(Path(scratch), cell_seconds) as runner:
         shutil.copyfile(notebook, Path(scratch) / f"{template.assignment}.ipynb")
         record = find_assignment(template.assignment).record_file
-        if record is not None and (notebook.parent / record).is_file():
+        if record is not None and content is not None:
+            (Path(scratch) / record).write_bytes(content)
+        elif record is not None and (notebook.parent / record).is_file():
             shutil.copyfile(notebook.parent / record, Path(scratch) / record)
         for step in steps:
             runner.run(step)

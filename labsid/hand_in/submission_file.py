@@ -9,6 +9,7 @@ from labsid.checks.notebook import assignment_names, find_assignment
 from labsid.checks.summary import FAILED, NOT_DONE, SIGNS, SKIPPED, summary_text
 from labsid.hand_in.clean_run import CleanRun, run_from_clean_start
 from labsid.hand_in.saved_work import SavedNotebook, notebook_paths, read_saved
+from labsid.hand_in.second_record import confirmed_on_another_record
 
 _MAX_RECORD_BYTES = 16 * 1024 * 1024
 
@@ -66,10 +67,11 @@ def find_work(folder: Path, assignment: str | None = None) -> WorkFound:
 
 
 def run_notebook(notebook: SavedNotebook) -> CleanRun | None:
-    """Run a notebook from a clean start; None if its assignment has no checks."""
+    """Run a notebook from a clean start, on its own record and on another one; None if its assignment has no checks."""
     if notebook.name not in assignment_names() and all(cell.kind != "tests" for cell in notebook.template.cells):
         return None
-    return run_from_clean_start(notebook.cells, notebook.template, notebook.path)
+    first = run_from_clean_start(notebook.cells, notebook.template, notebook.path)
+    return confirmed_on_another_record(first, notebook.cells, notebook.template, notebook.path)
 
 
 def run_text(notebook: SavedNotebook, run: CleanRun | None) -> Iterator[str]:

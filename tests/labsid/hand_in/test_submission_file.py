@@ -10,6 +10,7 @@ import nbformat
 import pytest
 
 from autograder.course.layout import RECORD_FILE, Course
+from labsid.checks.summary import PASSED
 from labsid.cli.commands import main
 from labsid.hand_in.clean_run import run_from_clean_start
 from labsid.hand_in.progress import show_progress
@@ -263,3 +264,22 @@ def test_the_start_page_tells_how_far_one_is(jupyter) -> None:
     expected = "0.1 of 1 marks; 0.05 of them are given by hand (1 right, 1 not right, 6 not done)"
     assert [(row.name, row.said) for row in shown.rows] == [(PRELAB, expected)]
     assert expected in shown._repr_html_()
+
+
+def test_what_is_right_on_ones_own_record_alone_is_named(work: Path, released: Course) -> None:
+    """A number in the middle of an expression, which the check in the notebook cannot see."""
+    source = json.loads((released.source / POSTLAB / f"{POSTLAB}.ipynb").read_text(encoding="utf-8"))
+    answers = {cell["id"].replace("-", "_"): "".join(cell["source"]) for cell in source["cells"]}
+    right = {key: text for key, text in answers.items() if key.endswith("_answer")}
+    path = work / POSTLAB / f"{POSTLAB}.ipynb"
+    answer(path, **right)
+    run = run_notebook(read_saved(path))
+    assert run is not None
+    assert run.reasons == {}
+    answer(path, postlab_1_theta_answer="theta_1 = np.array([0.9767251198332572, 0.0694983904318448]) + 0 * Phi_1[0]")
+    run = run_notebook(read_saved(path))
+    assert run is not None
+    assert list(run.reasons) == ["postlab-1-theta"]
+    assert "it is right on your record, and not on another one" in run.reasons["postlab-1-theta"]
+    states = {one.question.id: one.state for one in run.states}
+    assert states["postlab-1-transfer-function"] == PASSED
