@@ -241,6 +241,10 @@ def test_every_part_of_a_fingerprint_counts(course: Course, tmp_path: Path, monk
     assert differing(parts(tmp_path)) == {"solution"}
     solution.write_text(written, encoding="utf-8")
     assert differing(parts(secret=b"a secret of the course")) == {"data"}
+    switched_off = DataStore(course, None, tmp_path / "records", frozenset({LAB}))
+    inputs = inputs_for(switched_off, template, "ann")
+    assert not inputs.assets.second_record
+    assert differing(result_fingerprint(switched_off, inputs, folder)) == {"data"}
     with monkeypatch.context() as patch:
         patch.setattr("autograder.batch.fingerprint.sources_hash", lambda *modules: "other")
         assert differing(parts()) == {"check"}

@@ -60,6 +60,12 @@ def test_every_key_is_read(settings: Callable[[str], CourseSettings], tmp_path: 
     assert (rules["one"].due, str(rules["one"].per_day), str(rules["two"].per_day)) == (one.due, "10 %", "0.2")
 
 
+def test_the_second_record_is_used_unless_it_is_switched_off(settings: Callable[[str], CourseSettings]) -> None:
+    assert settings(WHOLE).without_second_record == frozenset()
+    assert settings("[assignments.two]\nsecond-record = true").without_second_record == frozenset()
+    assert settings("[assignments.two]\nsecond-record = false").without_second_record == {"two"}
+
+
 def test_what_is_due_depends_on_the_time(settings: Callable[[str], CourseSettings]) -> None:
     found = settings(WHOLE)
     assert found.due_by(datetime(2026, 11, 30, 12, 58, tzinfo=UTC)) == []
@@ -87,14 +93,15 @@ def test_nothing_is_needed(settings: Callable[[str], CourseSettings], tmp_path: 
         ("timezone = 'Mars/Base'", "the time zone Mars/Base is not known"),
         ("assignments = 3", "assignments must be tables such as [assignments.NAME], got 3."),
         ("[assignments.four]", "[assignments] has the unknown key 'four'; expected one of one, three, two."),
-        ("[assignments]\none = 3", "[assignments.one] must be a table with due, weight, late, got 3."),
+        ("[assignments]\none = 3", "[assignments.one] must be a table with due, weight, late, second-record, got 3."),
         (
             "[assignments.one]\ndeu = 1",
-            "[assignments.one] has the unknown key 'deu'; expected one of due, weight, late.",
+            "[assignments.one] has the unknown key 'deu'; expected one of due, weight, late, second-record.",
         ),
         ("[assignments.one]\ndue = '2026-11-30'", "due in [assignments.one] must be a date and time such as"),
         ("[assignments.one]\ndue = 2026-11-30", "due in [assignments.one] must be a date and time such as"),
         ("[assignments.one]\nweight = 'ten'", "weight in [assignments.one] must be a positive number, got 'ten'."),
+        ("[assignments.one]\nsecond-record = 0", "second-record in [assignments.one] must be true or false, got 0."),
         ("[assignments.one]\nweight = true", "must be a positive number, got True."),
         ("[assignments.one]\nweight = nan", "must be a positive number, got Decimal('NaN')."),
         ("late = 3", "[late] must be a table with grace, per-day, most, got 3."),

@@ -24,6 +24,7 @@ from autograder.intake.submission import NotebookCell
 from autograder.intake.worksheet import Worksheet, read_worksheet
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
+from autograder.results.copied import Copied
 from autograder.results.feedback import write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.late import parse_rules
@@ -385,6 +386,21 @@ def test_equal_notebooks_and_texts_are_found_however_many_have_them() -> None:
     page = report_page(class_, NOTHING, {"s00": "Öz, <b>"})
     assert page["similar"] == []
     assert [len(one["students"]) for one in page["equal"]] == [9, 10]
+
+
+def test_the_report_shows_copied_code_and_the_second_record(out: Path) -> None:
+    copied = Copied({"q1": "labsid.lab.arx.fit_arx"}, ("q<2>",))
+    off = stored("zoe", "other", question("a", "0.6", "0.6"), copied=copied, second_record="off")
+    ran = stored("zoe", "tiny", question("a", "0.6", "0.6"), second_record="run")
+    for one in (off, ran):
+        result_files.store(out, one)
+        assert result_files.load(result_files.result_path(out, "zoe", one.assignment)) == one
+    gradebook.prepare(Course(out), out, ())
+    page = write_report(out).read_text(encoding="utf-8")
+    assert "the same as labsid.lab.arx.fit_arx; it may have been derived" in page
+    assert "q&lt;2&gt;</td><td>code as text: a long literal is decoded" in page
+    assert "switched off in course.toml" in page
+    assert "also tried on records that nobody has seen" in page
 
 
 def test_the_report_names_students_and_links_to_their_pages(out: Path) -> None:
