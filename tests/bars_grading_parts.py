@@ -21,6 +21,8 @@ import bars_fleet
 import bars_mujoco
 import bars_simulators
 import nbformat
+import record_draws
+import second_record_time
 import wrong_draws
 from attacks.arena import ATTACKS
 from attacks.figures import Figures, fight_as
@@ -104,6 +106,27 @@ def draws(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
         f"{tried} verdicts on wrong answers, each with {size.draws} draws of its trials: answers that passed",
         len(passed),
     )
+
+
+def records(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
+    """Other records drawn for typed-in values and right styles, and the time that a second record takes."""
+    names = record_draws.with_record()
+    share = -(-size.draws // size.jobs)
+    parts = [(name, first) for name in names for first in range(0, size.draws, share)]
+    refused = passed = tried = 0
+    with ProcessPoolExecutor(size.jobs, mp_context=get_context("spawn")) as pool:
+        found = pool.map(record_draws.counted, *zip(*parts, strict=True), [share] * len(parts))
+        for (name, first), (lines, count) in zip(parts, found, strict=True):
+            say(f"{name}, draws from {first}: {count} answers, {len(lines)} kinds not as they should be")
+            for line in lines:
+                say(f"  {line}")
+            passed += sum(line.startswith(record_draws.PASSES) for line in lines)
+            refused += sum(not line.startswith(record_draws.PASSES) for line in lines)
+            tried += count
+    what = f"{tried} answers on {size.draws} draws of another record: right styles refused / typed-in values that pass"
+    yield none(what, refused, passed)
+    for name, single, double in second_record_time.ratios(folder):
+        yield at_most(f"{name}: processor time with the second record", double / single, 1.5, 1.2, "times")
 
 
 def attacks(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
@@ -236,6 +259,7 @@ def simulators(folder: Path, size: Size, say: Say) -> Iterator[Metric]:
 PARTS: dict[str, Part] = {
     "answers": answers,
     "draws": draws,
+    "records": records,
     "attacks": attacks,
     "speed": speed,
     "kills": kills,

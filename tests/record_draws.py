@@ -6,7 +6,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -28,6 +28,9 @@ NOT_OF_THE_RIG = {
     "td_tank": "a delay of two seconds cannot differ by three tolerances of two seconds",
 }
 """Names whose value alone may be typed in, and why."""
+
+
+PASSES = "typed in, passes:"
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,17 @@ def draws(name: str, count: int, first: int = 0) -> Iterator[Drawn]:
             yield draw(name, f"z{number % 20:07d}", 7919 * number + 1)
 
 
+def counted(name: str, first: int, count: int) -> tuple[list[str], int]:
+    """A line for each kind of answer that was not judged as it should be, and the number of answers."""
+    found: dict[str, int] = {}
+    tried = 0
+    for one in draws(name, count, first):
+        tried += one.tried
+        for line in (*(f"{PASSES} {text}" for text in one.passed), *one.refused):
+            found[line] = found.get(line, 0) + 1
+    return [f"{line} ({times} times)" for line, times in sorted(found.items(), key=lambda one: -one[1])], tried
+
+
 def main() -> int:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--draws", type=int, default=200)
@@ -123,21 +137,12 @@ def main() -> int:
     chosen = options.parse_args()
     wrong = 0
     for name in chosen.only or with_record():
-        began, tried = time.monotonic(), 0
-        found: dict[str, int] = {}
-        for one in draws(name, chosen.draws):
-            tried += one.tried
-            for line in (*(f"typed in, passes: {text}" for text in one.passed), *one.refused):
-                found[line] = found.get(line, 0) + 1
-        wrong += len(found)
+        began = time.monotonic()
+        lines, tried = counted(name, 0, chosen.draws)
+        wrong += len(lines)
         print(f"{name}: {chosen.draws} draws, {tried} answers, {time.monotonic() - began:.0f} s", flush=True)
-        print("".join(f"  {count} times: {line}\n" for line, count in show(found).items()), end="", flush=True)
+        print("".join(f"  {line}\n" for line in lines), end="", flush=True)
     return 1 if wrong else 0
-
-
-def show(found: Mapping[str, int]) -> dict[str, int]:
-    """The most frequent first."""
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
 if __name__ == "__main__":
