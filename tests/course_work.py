@@ -58,7 +58,6 @@ class GradeCode:
     course: Course
     launcher: ProcessLauncher
     second_record: bool = True
-    pictures: bool = False
 
     def __call__(
         self, name: str, replaced: Mapping[str, str], record: Path | None = None, student: str = "s"
@@ -80,7 +79,7 @@ class GradeCode:
             for file, path in inputs.files.items():
                 shutil.copyfile(record or path, Path(bench) / file)
             submission = Submission(student, name, "ready", steps, ())
-            result = judge_submission(submission, assets, self.launcher, Path(bench), self.pictures)
+            result = judge_submission(submission, assets, self.launcher, Path(bench), pictures=False)
         return {question.question: question for question in result.results}
 
 
