@@ -43,7 +43,7 @@ class DirectTerm:
         return self.decides and abs(self.value) > SIGNIFICANT * self.stderr
 
 
-def direct_term(data: Data) -> DirectTerm:
+def estimate_direct_term(data: Data) -> DirectTerm:
     """Estimate the direct term of a record without a model of its dynamics.
 
     What the past does not foretell of the input predicts what it does not foretell of the output only through a direct

@@ -10,6 +10,7 @@ from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.fits.fitting import Fit, mean_square, rms
+from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
 from labsid.gap.record.data import Data
@@ -17,7 +18,7 @@ from labsid.gap.reports import location
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
 from labsid.gap.reports.limit_rows import as_rows
-from labsid.gap.reports.quantities import chance, counted, percent
+from labsid.gap.reports.quantities import chance, counted, number, percent
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
@@ -27,9 +28,11 @@ from labsid.gap.verdict.decision import MISMATCH, Decision
 from labsid.gap.verdict.scores import closed_share
 from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
+from labsid.records.signal_quality import lattice_step
 
 SCHEMA = "labsid.gap/2"
 LAGS = 20
+MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
 
 
 def build_report(
@@ -306,6 +309,13 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         texts.append(
             "The output responds within the sample in which the input changes, so the linear model has a direct "
             "feedthrough."
+        )
+    logged = float(np.sqrt(log_rounding_error(explanation.data, explanation.best)))
+    if logged > MIN_LOGGED * rms(explanation.data, explanation.best):
+        step = lattice_step(explanation.data.u) or 0.0
+        texts.append(
+            f"The input is logged in steps of {step * explanation.data.u_scale.unit:.4g}. If finer values acted, that "
+            f"leaves an error of about {number(logged * explanation.data.y_scale.unit)} rms, which is no gap."
         )
     if faults.lattice is not None:
         texts.append(

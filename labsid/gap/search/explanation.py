@@ -11,6 +11,7 @@ from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
+from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.record.data import Data
 from labsid.gap.record.floor import is_printed, with_floor
@@ -48,6 +49,7 @@ UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
 BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
 COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations, above which noise is coloured
 ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone, above which it is more than rounding
+LOGGED_RATIO = 2.0  # mean square error, less white noise, over that of the log of the input, above which it is more
 SLOW_NOISE = 5.0  # samples: correlation time from which coloured noise is an effect,
 SLOW_NOISE_SHARE = 0.25  # and the same over the slowest time constant of the rig: faster noise is no gap
 SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations
@@ -267,7 +269,9 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
     if (
         coloured and noise_is_slow(best) and floor > ROUNDING_RATIO * rounding and not wanders
     ):  # drift and rounding leave a slow residual, too
-        found.append("coloured-noise")
+        logged = log_rounding_error(clean, best)
+        if not logged or floor > LOGGED_RATIO * logged + white:
+            found.append("coloured-noise")
     return tuple(found)
 
 

@@ -22,7 +22,7 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
-from labsid.gap.record.direct_term import direct_term
+from labsid.gap.record.direct_term import estimate_direct_term
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
 from labsid.gap.simulations.transfer_function import TransferFunction, read_transfer_function, started
 from labsid.records.record import Record
@@ -117,7 +117,7 @@ def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
     structure = linear_structure(order)
     proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)
-    term = direct_term(data)
+    term = estimate_direct_term(data)
     if direct or term.present:
         return Baseline(None, proper)
     return Baseline(None, structure, alternative=None if term.decides else proper)

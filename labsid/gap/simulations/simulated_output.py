@@ -11,14 +11,13 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from labsid._arrays import FloatArray
+from labsid.gap.record.floor import digit_step
 from labsid.gap.simulations.transfer_function import TransferFunction
 from labsid.records.signal_quality import lattice_step
 
 HIGHEST_ORDER = 6
 ENOUGH = 1e-9  # of the standard deviation: what rounding leaves of a free run
 ROUNDING = 0.5  # units of the last digit, rms; pure rounding leaves 0.29
-MIN_DIGITS, MAX_DIGITS = 2, 15  # significant ones of a number in a text file
-INSPECTED = 400  # samples whose digits are counted
 MAX_ERROR = 1e-3  # of the standard deviation: what a solver's tolerance leaves
 MIN_GAIN = 0.7  # error of a higher order over that of a lower one, from which it is taken
 REFINED = 0.05  # of the standard deviation: error of the difference equation, above which its refinement is hopeless
@@ -142,14 +141,8 @@ class _Equation:
 
 
 def _last_digit(x: FloatArray) -> float:
-    """Unit of the last digit of a signal in a text file, rms: of one lattice, or of the significant digits."""
-    some = x[:: max(1, x.size // INSPECTED)]
-    digits = next(
-        (n for n in range(MIN_DIGITS, MAX_DIGITS) if all(float(f"{v:.{n}g}") == v for v in some.tolist())), MAX_DIGITS
-    )
-    size = np.abs(some[some != 0.0])
-    units = 10.0 ** (np.floor(np.log10(size)) + 1 - digits) if size.size else np.zeros(1)
-    return max(_rms(units), lattice_step(x) or 0.0)
+    """Unit of the last digit of a signal in a text file, rms."""
+    return max(digit_step(x), lattice_step(x) or 0.0)
 
 
 def _most_excited(u: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -127,8 +127,3 @@ def test_the_commands_that_were_off_are_named(shared_data, name, times):
     assert found == "input-off"
     assert values.pop("level") == pytest.approx(0.0, abs=0.01)
     assert values == pytest.approx(times, abs=0.2)
-
-
-def test_a_coarse_log_is_no_cause(shared_data):
-    report = diagnose(load_record(shared_data / "found" / "coarse-command.csv")).report
-    assert {effect["name"] for effect in report["effects"]} <= {"input-quantization"}

@@ -9,7 +9,7 @@ from scipy.signal import cont2discrete, lfilter
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.record.data import Data, scaled
-from labsid.gap.record.direct_term import direct_term, innovations
+from labsid.gap.record.direct_term import estimate_direct_term, innovations
 from labsid.records.record import Record
 
 TS = 0.1  # s
@@ -54,7 +54,7 @@ def record_of(rig: str, kind: str, seed: int) -> tuple[FloatArray, FloatArray]:
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("kind", ["few steps", "random"])
 def test_an_input_that_jumps_shows_whether_there_is_a_direct_term(rig: str, kind: str) -> None:
-    terms = [direct_term(data_of(*record_of(rig, kind, seed))) for seed in range(5)]
+    terms = [estimate_direct_term(data_of(*record_of(rig, kind, seed))) for seed in range(5)]
     assert all(term.decides for term in terms)
     assert [term.present for term in terms] == [RIGS[rig][2]] * 5
 
@@ -62,14 +62,14 @@ def test_an_input_that_jumps_shows_whether_there_is_a_direct_term(rig: str, kind
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("kind", ["chirp", "multisine"])
 def test_a_smooth_input_decides_nothing(rig: str, kind: str) -> None:
-    assert not direct_term(data_of(*record_of(rig, kind, 1))).decides
+    assert not estimate_direct_term(data_of(*record_of(rig, kind, 1))).decides
 
 
 @given(gain=st.floats(-5.0, 5.0), seed=st.integers(0, 50))
 def test_the_term_is_the_gain_within_the_sample(gain: float, seed: int) -> None:
     u, y = record_of("lag", "random", seed)
     data = data_of(u, y + gain * u)
-    term = direct_term(data)
+    term = estimate_direct_term(data)
     expected = gain * data.u_scale.unit / data.y_scale.unit
     assert term.value == pytest.approx(expected, abs=5.0 * term.stderr)
 
@@ -83,20 +83,20 @@ def test_a_controller_that_responds_to_the_sample_is_no_direct_term(noise: float
         y[k] = state + e
         u[k] = 4.0 * (wanted[k] - y[k])
         state = 0.9 * state + 0.1 * u[k]
-    assert not direct_term(data_of(u, y)).present
+    assert not estimate_direct_term(data_of(u, y)).present
 
 
 def test_a_term_below_the_noise_is_not_claimed() -> None:
     u, y = record_of("lag", "random", 3)
     y = y + 0.001 * u + 0.1 * np.random.default_rng(0).standard_normal(u.size)
-    assert not direct_term(data_of(u, y)).present
+    assert not estimate_direct_term(data_of(u, y)).present
 
 
 def test_a_record_shorter_than_the_regressors_says_nothing() -> None:
     u, y = record_of("lag", "random", 3)
     data = data_of(u[:30], y[:30])
     assert innovations(data)[2] == 0
-    assert not direct_term(data).decides
+    assert not estimate_direct_term(data).decides
 
 
 @pytest.mark.slow

@@ -1,0 +1,49 @@
+"""What the coarse log of an input leaves: drawn at random, it is about what a rig leaves that acted on finer values."""
+
+import numpy as np
+import pytest
+from gap_search import searched
+from scipy.signal import lfilter
+
+from labsid.gap.diagnosis import diagnose
+from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.fits.log_rounding import log_rounding_error
+from labsid.gap.record.data import scaled
+from labsid.records.record import Record, load_record
+
+LEVELS = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 100), 20)
+FEW = ("input-delay", "input-nonlinearity", "input-quantization", "load-step", "output-drift", "parameter-drift")
+
+
+def recorded(step, seed=3):
+    y = lfilter([0.0, 0.05, 0.04], [1.0, -1.5, 0.56], LEVELS)
+    y = y + 0.001 * np.std(y) * np.random.default_rng(seed).standard_normal(y.size)
+    return Record(0.1 * np.arange(y.size), step * np.round(LEVELS / step), y, 0.1)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.04])
+def test_it_is_the_error_of_the_rig(step):
+    record = recorded(step)
+    data = scaled(record.u, record.y, np.ones(len(record), bool), record.Ts)
+    fit = fit_baseline(data)
+    assert log_rounding_error(data, fit) == pytest.approx(fit.cost, rel=0.5)
+
+
+def test_a_fine_log_and_a_staircase_leave_nothing():
+    for step in (1e-6, 0.25):
+        record = recorded(step)
+        data = scaled(record.u, record.y, np.ones(len(record), bool), record.Ts)
+        assert log_rounding_error(data, fit_baseline(data)) == 0.0
+
+
+@searched(*FEW)
+def test_it_is_no_gap_and_is_said():
+    report = diagnose(recorded(0.02)).report
+    assert (report["verdict"], report["effects"]) == ("none", [])
+    assert any("logged in steps of 0.02" in text for text in report["screen"])
+
+
+def test_the_coarse_log_of_the_records_found_is_no_gap(shared_data):
+    report = diagnose(load_record(shared_data / "found" / "coarse-command.csv")).report
+    assert report["verdict"] == "none"
+    assert any("logged in steps of 0.02" in text for text in report["screen"])
