@@ -19,7 +19,7 @@ from autograder.course.own_secret import shared_file
 from autograder.intake.submission import is_plain_file
 from autograder.judge.outcome import SubmissionResult
 from labsid.checks.question import Assignment, Origin
-from labsid.checks.reference_values import reference_values
+from labsid.checks.reference_values import find_reference_values
 from labsid.checks.values import Value
 from labsid.records.record import load_record
 
@@ -92,7 +92,7 @@ def _other_records(
 
 @lru_cache(maxsize=4096)
 def _right_values(assignment: Assignment, path: Path, origin: Origin) -> dict[str, dict[str, Value]]:
-    return reference_values(assignment, load_record(path), origin)
+    return find_reference_values(assignment, load_record(path), origin)
 
 
 def _any_equal(values: Mapping[str, Value], right: Mapping[str, Value]) -> bool:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from autograder.intake.submission import NotebookCell, Submission
 from autograder.judge.answer import Answer
-from autograder.judge.needed_cells import draws_known_values, needed_cells
+from autograder.judge.needed_cells import cells_needed, draws_known_values
 from autograder.judge.notebook import Assets, JudgedNotebook
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.workdirs import temporary_workdir
@@ -165,7 +165,7 @@ def _shortened(judged: JudgedNotebook, asked: set[str]) -> tuple[NotebookCell, .
     for answer in reversed(judged.answers):
         if answer.question.id in needed:
             needed |= set(answer.question.uses)
-    return needed_cells(cells, needed, read)
+    return cells_needed(cells, needed, read)
 
 
 def _is_figure(answer: Answer) -> bool:

@@ -23,7 +23,7 @@ _OPAQUE = frozenset(
 )
 
 
-def needed_cells(
+def cells_needed(
     cells: Sequence[NotebookCell], asked: Collection[str], names: Mapping[str, Iterable[str]]
 ) -> tuple[NotebookCell, ...]:
     """The cells up to the last question that is asked for, without those on which none of these questions depends.

@@ -99,7 +99,7 @@ def planted_setup(setup: Setup, scales: Scales, row: dict[str, Any], value: floa
         case "input-delay", _:
             return replace(setup, actuator=replace(a, delay=value / scales.Ts))
         case "input-saturation", side:
-            return replace(setup, actuator=replace(a, **{side: u}))
+            return replace(setup, actuator=replace(a, low=u) if side == "low" else replace(a, high=u))
         case "input-dead-zone", _:
             middle = (0.5 * (at["low"] + at["high"]) - scales.u0) / us
             half = 0.5 * value / us
@@ -118,7 +118,7 @@ def planted_setup(setup: Setup, scales: Scales, row: dict[str, Any], value: floa
             return replace(setup, actuator=replace(a, gain_change=value, zero=(at["middle"] - scales.u0) / us))
         case "output-saturation", side:
             side = side if ys > 0.0 else {"low": "high", "high": "low"}[side]
-            return replace(setup, sensor=replace(sensor, **{side: y}))
+            return replace(setup, sensor=replace(sensor, low=y) if side == "low" else replace(sensor, high=y))
         case "output-nonlinearity", _:
             return replace(setup, sensor=replace(sensor, c2=value * ys))
         case "output-backlash", _:

@@ -32,7 +32,7 @@ class ReferenceAsk:
         return self._known[name]
 
 
-def reference_values(
+def find_reference_values(
     assignment: Assignment, record: Record, origin: Origin | None = None
 ) -> dict[str, dict[str, Value]]:
     """The right values of every question of an assignment on a record, by question and name.

@@ -14,7 +14,7 @@ from labsid.checks.cell_names import parse_python
 from labsid.checks.other_records import another_record, can_be_drawn
 from labsid.checks.permitted import without_magic
 from labsid.checks.question import Assignment, FollowsFrom, Question
-from labsid.checks.reference_values import ReferenceAsk, reference_values
+from labsid.checks.reference_values import ReferenceAsk, find_reference_values
 from labsid.checks.values import Value, plain
 from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.records.record import Record, load_record
@@ -137,7 +137,7 @@ def wrong_elsewhere(
         other = _public_record(name, record)
     except ValueError:
         return False
-    right = reference_values(assignment, other)
+    right = find_reference_values(assignment, other)
     values = right.get(question.id, {})
     earlier = [one.id for one in assignment.questions[: assignment.questions.index(question)]]
     known = {key: value for one in earlier for key, value in right.get(one, {}).items()}

@@ -6,6 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.records.formats import RawRecord, read_raw
+from labsid.records.reading import Reading
 from labsid.records.record import find_faults, refusal, sampling_time
 
 
@@ -29,7 +30,7 @@ def load_planned_input(path: str | PathLike[str]) -> tuple[FloatArray, float]:
     ValueError
         If it has no such columns, or its times are not even.
     """
-    two = read_raw(path, columns="t,u", Ts=1.0)  # read as two signals; the first ones are the times
+    two = read_raw(path, Reading(columns="t,u", Ts=1.0))  # read as two signals; the first ones are the times
     faults = find_faults(RawRecord(t=two.u, u=two.y, y=np.arange(two.y.size, dtype=float), name=two.name))
     if faults:
         raise ValueError(refusal(path, faults))

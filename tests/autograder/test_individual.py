@@ -16,7 +16,7 @@ from autograder.batch.executors import LocalExecutor
 from autograder.batch.grade import grade_batch
 from autograder.batch.grading_inputs import DataStore, inputs_for, record_path
 from autograder.batch.selection import find_batch
-from autograder.batch.wrong_record import STUDENT_MESSAGE, reference_values
+from autograder.batch.wrong_record import STUDENT_MESSAGE, find_reference_values
 from autograder.course.individual_data import individual_file
 from autograder.course.layout import RECORD_FILE, Course, read_template
 from autograder.course.own_secret import PUBLIC_SECRET
@@ -59,7 +59,7 @@ def graded(
         return path.parent
 
     def theta(path: Path) -> dict[str, object]:
-        right = reference_values(load_assignment(LAB), load_record(path))
+        right = find_reference_values(load_assignment(LAB), load_record(path))
         return {"theta_hat": right["lab-2b-theta"]["theta_hat"]}
 
     anns = record_path(data_store, RECORD_FILE, "ann")

@@ -112,7 +112,7 @@ def _simulated(problem: Problem, thetas: list[FloatArray]) -> list[Point]:
 
 def _shape(problem: Problem, point: Point) -> float:
     """Correlation of the output with the record, whatever its size, offset and sign."""
-    output = problem._seen(point.design.columns[:, :1])[:, 0]
+    output = problem.seen(point.design.columns[:, :1])[:, 0]
     spread = float(np.std(output) * np.std(problem.y))
     return abs(float(np.mean((output - output.mean()) * (problem.y - problem.y.mean())))) / spread if spread else 0.0
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.record.direct_term import FEEDBACK_F
 from labsid.lab.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
 from labsid.lab.offset import find_offsets
 from labsid.lab.plateaus import repeated_plateaus
@@ -14,6 +13,7 @@ from labsid.records.formats import RawRecord
 from labsid.records.record import Record
 from labsid.records.signal_quality import moving_mean_length
 
+FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
 CLOCK_PARTS = 8  # parts of a record for which the delay is estimated
 MIN_SLIP = 1.0  # samples
 MIN_LINEARITY = 0.95  # share of the delay variance due to a constant rate: 0.996 with two clocks, < 0.8 otherwise

@@ -156,9 +156,9 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
 
 def _step(explanation: Explanation, name: str) -> int:
     """Step of the path at which an effect is added; the last one for effects found in the samples."""
-    for number, fit in enumerate(explanation.path):
+    for step, fit in enumerate(explanation.path):
         if name in fit.hypothesis.names:
-            return number
+            return step
     return 0 if name == MISMATCH else len(explanation.path) - 1
 
 

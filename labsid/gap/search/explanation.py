@@ -9,12 +9,12 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
+from labsid.gap.fits.floor import is_printed, with_floor
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
 from labsid.gap.record.data import Data
-from labsid.gap.record.floor import is_printed, with_floor
 from labsid.gap.record.holdout import BLOCKS, held_out_samples
 from labsid.gap.record.sample_faults import (
     SampleFaults,

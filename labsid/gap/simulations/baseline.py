@@ -16,15 +16,15 @@ from labsid.gap.dynamics.responses import free_responses, single_pole
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
 from labsid.gap.effects.input import Delay
 from labsid.gap.effects.restarts import Restarts
+from labsid.gap.fits.direct_term import estimate_direct_term
 from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
-from labsid.gap.record.direct_term import estimate_direct_term
+from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
-from labsid.gap.simulations.transfer_function import TransferFunction, read_transfer_function, started
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
 from labsid.simulators.meter import RunMeter

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from labsid._arrays import FloatArray
-from labsid.gap.record.floor import digit_step
-from labsid.gap.simulations.transfer_function import TransferFunction
+from labsid.gap.fits.floor import digit_step
+from labsid.gap.simulations.model_json import TransferFunction
 from labsid.records.signal_quality import lattice_step
 
 HIGHEST_ORDER = 6

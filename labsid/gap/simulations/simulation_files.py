@@ -14,8 +14,8 @@ from labsid.gap.record.data import scaled
 from labsid.gap.record.record_findings import filtered_input
 from labsid.gap.simulations.baseline import Simulation, check_bounded, make_baseline
 from labsid.gap.simulations.fmu_export import read_fmu_content
+from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput, resample
-from labsid.gap.simulations.transfer_function import read_transfer_function
 from labsid.records.record import Record, bridge_gaps
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator

@@ -1,9 +1,9 @@
 """Search for the explanation of a record, with a direct term of the linear structure where it fits better."""
 
+from labsid.gap.fits.floor import with_floor
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
-from labsid.gap.record.floor import with_floor
 from labsid.gap.search.beam_search import BIC_MARGIN, Progress, residual_is_white
 from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, explain
 from labsid.gap.simulations.baseline import Baseline

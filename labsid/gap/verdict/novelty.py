@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.fits.direct_term import innovations
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.record.data import Data
-from labsid.gap.record.direct_term import innovations
 
 RANGES: dict[str, tuple[float, float]] = {  # of the `dev` records: `python -m labsid.blind.novelty` prints them
     "samples": (300.0, 5000.0),

@@ -3,7 +3,7 @@
 import pytest
 
 from autograder.intake.submission import NotebookCell
-from autograder.judge.needed_cells import draws_known_values, needed_cells
+from autograder.judge.needed_cells import cells_needed, draws_known_values
 
 
 def notebook(*cells: tuple[str, str, str]) -> list[NotebookCell]:
@@ -37,12 +37,12 @@ CELLS = notebook(
 )
 def test_cells_on_which_no_question_depends_are_left_out(asked: set[str], left: list[str]) -> None:
     names = {one: (one,) for one in "abcd"}
-    assert [cell.id for cell in needed_cells(CELLS, asked, names)] == left
+    assert [cell.id for cell in cells_needed(CELLS, asked, names)] == left
 
 
 def test_a_value_that_is_changed_by_an_assignment_is_seen() -> None:
     cells = notebook(("", "given", "y = [1, 2]"), ("", "extra", "y[0] = 5"), ("q", "question", "check('q')"))
-    assert len(needed_cells(cells, {"q"}, {"q": ("y",)})) == 3
+    assert len(cells_needed(cells, {"q"}, {"q": ("y",)})) == 3
 
 
 PLOT = "fig, ax = plt.subplots(2, 1, figsize=(8, 6))\nax[0].plot(t, y, label='Output, second order')"

@@ -9,7 +9,7 @@ from record_draws import NOT_OF_THE_RIG, with_record
 from labsid.checks import CheckFailed, notebook_checks
 from labsid.checks.notebook import NotebookAsk
 from labsid.checks.question import FollowsFrom
-from labsid.checks.reference_values import reference_values
+from labsid.checks.reference_values import find_reference_values
 from labsid.checks.typed_values import told, typed_names, wrong_elsewhere
 
 
@@ -45,7 +45,7 @@ def test_typed_names(source: str, typed: str) -> None:
 def test_each_typed_in_value_of_the_rig_is_wrong_on_the_public_record(name: str) -> None:
     solved = solve(name)
     assert solved.record is not None
-    right = reference_values(solved.assignment, solved.record)
+    right = find_reference_values(solved.assignment, solved.record)
     tried = 0
     for question in solved.assignment.questions:
         if question.follows_from is not FollowsFrom.DATA or question.id == "gap-2-linear":

@@ -6,8 +6,8 @@ import pytest
 
 from labsid.gap.record.data import scaled
 from labsid.gap.simulations.baseline import check_bounded, linear_structure, make_baseline
+from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput
-from labsid.gap.simulations.transfer_function import read_transfer_function
 from labsid.simulators.simulator import function_simulator
 
 DEN = np.poly([0.95, 0.8]).tolist()

@@ -7,6 +7,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.record.data import Data, complete_rows, lagged_columns
+from labsid.gap.record.record_findings import FEEDBACK_F
 from labsid.records.direction import gain_from_past
 
 LAGS = 12  # of both signals
@@ -15,7 +16,6 @@ DEPENDENT = 1e-8  # singular value of a regressor over the largest, below which 
 SIGNIFICANT = 5.0  # standard errors; rigs without a direct term: 2 of 130 beyond 3, all with smooth inputs
 DECISIVE = 0.05  # standard error of the term, in standard deviations of y by those of u, below which the test decides
 JUMP = 3.0  # times the median size of what the past does not foretell of the input
-FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.fits.direct_term import innovations
 from labsid.gap.record.data import Data
-from labsid.gap.record.direct_term import innovations
 
 SIMULATION_ERROR = 1e-4  # of the spread of y: the step errors of usual simulators, and of those of the diagnosis
 MOST_DIGITS = 9  # significant digits or decimals that are looked for: numbers with more are as good as exact

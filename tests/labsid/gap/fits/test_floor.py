@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.fits.floor import SIMULATION_ERROR, digit_step, is_printed, with_floor
 from labsid.gap.record.data import scaled
-from labsid.gap.record.floor import SIMULATION_ERROR, digit_step, is_printed, with_floor
 from labsid.records.record import Record
 
 

@@ -8,8 +8,8 @@ from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.fits.direct_term import estimate_direct_term, innovations
 from labsid.gap.record.data import Data, scaled
-from labsid.gap.record.direct_term import estimate_direct_term, innovations
 from labsid.records.record import Record
 
 TS = 0.1  # s
