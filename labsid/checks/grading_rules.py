@@ -89,8 +89,8 @@ def _import_for_cells(variables: Mapping[str, object], usual: Callable[..., Any]
         taught = [name] if is_reference(name) else named
         if taught:
             raise ImportError(
-                f"{_first_reference(taught[0])} is the reference: it cannot be used in an exercise that is being graded."
-                " Write the step yourself."
+                f"{_first_reference(taught[0])} is the reference: it cannot be used in an exercise that is being "
+                "graded. Write the step yourself."
             )
         if "*" not in wanted:
             return usual(name, global_names, local_names, fromlist, level)
