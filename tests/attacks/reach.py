@@ -37,7 +37,8 @@ ATTACKS = (
         "takes the guard off the import system",
         "the file is not in its sight",
         {FUNCTION: "import sys, importlib\nsys.meta_path[:] = [one for one in sys.meta_path if isinstance(one, type)]\n"
-                   "from labsid.lab.sinusoid import Sinusoids, cut_off as found\n" + _USE},
+                   "module = importlib.import_module('labsid.lab.sinusoid')\n"
+                   "Sinusoids, found = module.Sinusoids, module.cut_off\n" + _USE},
         loses=(FUNCTION,),
         said=_REFUSED,
         open_on_none=_FILES,
