@@ -3,7 +3,7 @@
 import errno
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +33,14 @@ class ReadVariables:
 
 Action = RunCell | Replacement | ReadVariables | int
 """A step of a run: a cell, what replaces a wrong answer, variables to read, or the key to save the variables under."""
+
+
+def with_replacements(action: Action, new: Mapping[int, Replacement]) -> Action:
+    """An action with other replacements, by the identity of those that they take the place of."""
+    if isinstance(action, RunCell):
+        return replace(action, replacements=tuple(new.get(id(one), one) for one in action.replacements))
+    return new.get(id(action), action) if isinstance(action, Replacement) else action
+
 
 _NO_SPACE = os.strerror(errno.ENOSPC)
 
@@ -74,8 +82,6 @@ class Execution:
         End of the submission's time, on the monotonic clock; its limit from now if there is none yet.
     functions : RightFunctions, optional
         The functions that may be served.
-    actions : sequence of Action
-        What is done first, in every process.
 
     Attributes
     ----------
@@ -91,7 +97,6 @@ class Execution:
         folder: Path,
         deadline: float | None = None,
         functions: RightFunctions | None = None,
-        actions: Sequence[Action] = (),
     ) -> None:
         self._launcher = launcher
         self._folder = folder
@@ -101,10 +106,8 @@ class Execution:
         self._deadline = time.monotonic() + launcher.limits.submission_seconds if deadline is None else deadline
         self._replay_seconds = launcher.limits.submission_seconds
         self._served: set[str] = set()  # functions, in the current process
-        self.actions = list(actions)
+        self.actions: list[Action] = []
         self.process = self._start()
-        if self.actions and self._replay(self.process, self.actions) is not None:
-            self.restart()
 
     def run(self, cell: NotebookCell) -> ExecutedCell:
         """Run a cell, if it is one to be run; one that ends its process is not replayed in the next process."""
@@ -131,13 +134,17 @@ class Execution:
 
     def replace_where_made(self, replacement: Replacement) -> None:
         """Run all cells again in another process; wrong values are replaced where students' statements make them."""
-        self.actions = [
+        actions = (
             replace(action, replacements=(*action.replacements, replacement))
             if isinstance(action, RunCell) and action.cell.kind in ("answer", "extra")
             else action
             for action in self.actions
-        ]
-        self.actions.append(replacement)
+        )
+        self.do_again([*actions, replacement])
+
+    def do_again(self, actions: Sequence[Action]) -> None:
+        """Do these actions in another process."""
+        self.actions = list(actions)
         self.restart()
 
     def read_variables(self, *names: str) -> None:

@@ -29,7 +29,7 @@ from autograder.judge.carrying import (
     wrong_names,
 )
 from autograder.judge.examiner import Examination, Examiner
-from autograder.judge.execution import Action, ExecutedCell, Execution, RunCell
+from autograder.judge.execution import ExecutedCell, Execution, with_replacements
 from autograder.judge.places import Places
 from autograder.judge.replaced import replaced_for
 from autograder.judge.served_functions import RightFunctions
@@ -42,18 +42,18 @@ from labsid.checks.values import Value
 class _Carried:
     """What replaces one wrong answer.
 
-    `style` holds the values from which the right ones take their shape; `in_doubt` is whether it may be another one.
+    `right` holds the values as the check gives them, `replacement` in the student's shape, which may be `in_doubt`.
     """
 
     question: str
     right: Mapping[str, Value]
-    style: Mapping[str, Value]
     in_doubt: bool
     replacement: Replacement
 
-    def in_shape(self, shape: Shape) -> dict[str, Value]:
-        """The right values in a shape."""
-        return {name: in_shape(value, self.style.get(name), shape) for name, value in self.right.items()}
+    def in_shape(self, shape: Shape) -> "_Carried":
+        """The same with right values in another shape, which is not in doubt."""
+        right = {name: in_shape(value, None, shape) for name, value in self.right.items()}
+        return replace(self, in_doubt=False, replacement=replace(self.replacement, right=right))
 
 
 class SecondRun:
@@ -127,8 +127,8 @@ class SecondRun:
             if answer.is_sound:
                 self._keep(asked, execution, examiner)
                 continue
-            passed = key in waiting and self._judge(asked, execution, examiner)
-            self._carry(execution, examiner, asked, passed)
+            passed = self._judge(asked, execution, examiner) if key in waiting else None
+            self._carry(execution, examiner, passed or asked, passed is not None)
 
     def _keep(self, asked: Examination, execution: Execution, examiner: Examiner) -> None:
         """Go on from the values of a right answer: those that were judged, or that follow from right ones by now."""
@@ -143,60 +143,50 @@ class SecondRun:
                 carried |= {name: value for name, value in asked.values.items() if name in carried}
         self._known.update(carried)
 
-    def _judge(self, asked: Examination, execution: Execution, examiner: Examiner) -> bool:
-        """Judge an answer on right values of the earlier ones; whether it is right with them as they are."""
+    def _judge(self, asked: Examination, execution: Execution, examiner: Examiner) -> Examination | None:
+        """Judge an answer on right values of the earlier ones; the examination in which it is right, if any."""
         answer, start = self._answers[asked.key], time.monotonic()
         attempt = examiner.judge_here(asked, self._known, self._as_columns(asked.key))
-        told = attempt if attempt.passed else self._in_other_shapes(attempt, asked, execution)
-        if told.verdict is not None:  # where the process ended, what the first run found stands
+        if not attempt.passed:
+            attempt, asked = self._in_other_shapes(attempt, asked, execution, examiner)
+        if attempt.verdict is not None:  # where the process ended, what the first run found stands
             replaced = replaced_for(answer, list(self._wrong_before(asked.key)), self._functions_of)
-            answer.attempts.append(told.noted(replaced.beside_right(), replaced.before_wrong()))
-            if told.passed:
+            answer.attempts.append(attempt.noted(replaced.beside_right(), replaced.before_wrong()))
+            if attempt.passed:
                 answer.causes = replaced.causes
         answer.seconds += time.monotonic() - start
-        return attempt.passed
+        return asked if attempt.passed else None
 
-    def _in_other_shapes(self, attempt: Attempt, asked: Examination, execution: Execution) -> Attempt:
-        """The attempt in another shape of the right values, if one passes and their shape is not known; else as it is.
+    def _in_other_shapes(
+        self, attempt: Attempt, asked: Examination, execution: Execution, examiner: Examiner
+    ) -> tuple[Attempt, Examination]:
+        """Judge a wrong answer again with right values in other shapes, where the student's own do not tell it.
 
-        Each is made in a process of its own, while no other one of this hand-in runs.
+        The run goes on with the shape in which the answer is right, and otherwise as it was.
         """
-        answer = self._answers[asked.key]
-        used = [
-            one for one in self._carried if one.question in answer.question.uses or any(map(answer.reads, one.right))
-        ]
+        answer, carried, known, actions = self._answers[asked.key], self._carried, self._known, execution.actions
+        used = [one for one in carried if one.question in answer.question.uses or any(map(answer.reads, one.right))]
         if not any(one.in_doubt for one in used):
-            return attempt
-        tried = [self._shapes(Shape.OWN)]
+            return attempt, asked
+        tried = [self._shapes()]
         for shape in (Shape.FLAT, Shape.COLUMN):
-            if self._shapes(shape) in tried:
+            self._carried = [one.in_shape(shape) if one.in_doubt else one for one in carried]
+            if self._shapes() in tried:
                 continue
-            tried.append(self._shapes(shape))
-            execution.process.close()
-            actions = self._actions_in(shape, execution.actions)
-            known = self._known | {name: value for one in self._carried for name, value in one.in_shape(shape).items()}
-            other = Execution(self._launcher, self._folder, self._deadline, self._functions, actions)
-            with contextlib.closing(other):
-                examiner = Examiner(other, self._asks, self._launcher.limits)
-                again = Examination(asked.key, asked.question, asked.cells)
-                found = examiner.judge_here(again, known, self._as_columns(asked.key))
+            tried.append(self._shapes())
+            self._known = known | {
+                name: value for one in self._carried for name, value in one.replacement.right.items()
+            }
+            new = {id(old.replacement): one.replacement for old, one in zip(carried, self._carried, strict=True)}
+            execution.do_again([with_replacements(action, new) for action in actions])
+            again = Examination(asked.key, asked.question, asked.cells)
+            found = examiner.judge_here(again, self._known, self._as_columns(asked.key))
             if found.passed:
-                attempt = found
-                break
+                return found, again
+        self._carried, self._known = carried, known
         if len(tried) > 1:
-            execution.restart()
-        return attempt
-
-    def _actions_in(self, shape: Shape, actions: Sequence[Action]) -> list[Action]:
-        """The actions with right values in another shape."""
-        reshaped = {id(one.replacement): replace(one.replacement, right=one.in_shape(shape)) for one in self._carried}
-
-        def in_other_shape(action: Action) -> Action:
-            if isinstance(action, RunCell):
-                return replace(action, replacements=tuple(reshaped[id(one)] for one in action.replacements))
-            return reshaped[id(action)] if isinstance(action, Replacement) else action
-
-        return list(map(in_other_shape, actions))
+            execution.do_again(actions)
+        return attempt, asked
 
     def _carry(self, execution: Execution, examiner: Examiner, asked: Examination, passed: bool) -> None:
         """Set what later steps start from: the student's own values and functions if they are right, or right ones."""
@@ -214,7 +204,7 @@ class SecondRun:
         kept = (self._all_names | self._places.given) - right.keys() - set(functions)
         replacement = Replacement(shaped, own, functions, kept)
         in_doubt = any(is_signal(value) and not has_shape_of(own.get(name), value) for name, value in right.items())
-        self._carried.append(_Carried(asked.question.id, right, style, in_doubt, replacement))
+        self._carried.append(_Carried(asked.question.id, right, in_doubt, replacement))
         self._known.update({name: right[name] if is_row(value) else value for name, value in shaped.items()})
         if not replacement.names:
             return
@@ -260,13 +250,9 @@ class SecondRun:
     def _functions_of(self, answer: Answer) -> tuple[str, ...]:
         return self._functions.names(answer.question.id)
 
-    def _shapes(self, shape: Shape) -> list[tuple[int, ...]]:
-        return [
-            value.shape
-            for one in self._carried
-            for value in one.in_shape(shape).values()
-            if isinstance(value, np.ndarray)
-        ]
+    def _shapes(self) -> list[tuple[int, ...]]:
+        values = (value for one in self._carried for value in one.replacement.right.values())
+        return [value.shape for value in values if isinstance(value, np.ndarray)]
 
 
 def _without_output(executed: ExecutedCell) -> ExecutedCell:

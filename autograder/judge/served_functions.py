@@ -72,7 +72,7 @@ class RightFunctions:
             encoded = {str(key): checked_argument(argument) for key, argument in keywords}
         except (KeyError, TypeError, AttributeError, ChannelError):
             return REFUSED
-        if name not in served:
+        if not isinstance(name, str) or name not in served:
             return REFUSED
         self._calls += 1
         if self._calls > MAX_CALLS:

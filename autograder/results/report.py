@@ -263,6 +263,12 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
     if result.late:
         reasons.append(printable(result.late))
         weight += 2
+    consistent = [question for question in result.questions if question.consistent]
+    if consistent:
+        marks = plain_decimal(sum((question.max_score for question in consistent), Decimal(0)))
+        named = ", ".join(f"{question.question} ({plain_decimal(question.max_score)})" for question in consistent)
+        reasons.append(f"consistent with the student's own wrong values, {marks} marks that you may give: {named}")
+        weight += 3
     if not reasons:
         return None
     detail = printable("; ".join(result.notes)) if result.is_refused else ""

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 import pytest
 from course_work import GradeCode
+from own_styles import STYLES as OWN_STYLES
 from variants import define, questions_lost
 
 from autograder.course.layout import Course, read_template
@@ -253,3 +254,24 @@ def test_a_blank_answer_costs_its_question(name: str, course: Course, grade_code
 def test_a_slip_in_columns_costs_its_question(question: str, grade_code: GradeCode) -> None:
     results = grade_code("lab-identification", LAB_IN_COLUMNS | {f"{question}-answer": LAB_SLIPS[question]})
     assert set(questions_lost(results)) == {question}, questions_lost(results)
+
+
+@pytest.mark.parametrize(
+    ("name", "question"), [(name, question) for name, style in OWN_STYLES.items() for question in (None, *style.slips)]
+)
+def test_a_slip_in_a_style_of_ones_own_costs_its_question(
+    name: str, question: str | None, grade_code: GradeCode
+) -> None:
+    """With own names, code in an earlier cell or signals in a dict."""
+    style = OWN_STYLES[name]
+    results = grade_code("lab-identification", style.cells if question is None else style.with_slip(question))
+    assert set(questions_lost(results)) == {question} - {None}, questions_lost(results)
+
+
+def test_what_follows_from_a_wrong_value_of_ones_own_is_noted(grade_code: GradeCode) -> None:
+    wrong = answers(
+        lab_2b_theta="theta_hat = np.array([1.0, -0.2, 0.01, 0.02])",
+        lab_2b_parameters="a1, a2, b1, b2 = -1.0, 0.2, 0.01, 0.02",
+    )
+    results = grade_code("lab-identification", wrong)
+    assert {question for question, result in results.items() if result.consistent} == {"lab-2b-parameters"}

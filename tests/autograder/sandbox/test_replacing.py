@@ -1,0 +1,85 @@
+"""Right values set where statements make the wrong ones, under other names too, and functions that the judge serves."""
+
+import types
+from typing import Any
+
+import numpy as np
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+
+from autograder.sandbox.replacing import Replacement, run_replacing, set_right
+
+WRONG, RIGHT = np.array([1.5, 2.5, 4.5]), np.array([1.0, 2.0, 4.0])
+Y = Replacement({"y": RIGHT}, {"y": WRONG})
+
+
+@pytest.fixture
+def shell() -> Any:
+    made = InteractiveShell()
+    made.showtraceback = made.showsyntaxerror = lambda *args, **kwargs: None  # type: ignore[method-assign]
+    made.user_ns["np"] = np
+    return made
+
+
+def serve(name: str) -> Any:
+    return lambda *arguments: f"served {name}"
+
+
+def run(shell: Any, source: str, *replacements: Replacement) -> dict[str, Any]:
+    result = run_replacing(shell, source, replacements, serve)
+    error = result.error_before_exec or result.error_in_exec
+    return {**shell.user_ns, "error": type(error).__name__ if error is not None else None}
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "y = np.array([1.5, 2.5, 4.5])\nz = 2 * y",
+        "y = np.array([9.0, 9.0, 8.0])\ny = np.array([1.5, 2.5, 4.5]); z = 0\nz = 2 * y",
+        "y = np.ones(3)\nfor k, v in enumerate([1.5, 2.5, 4.5]):\n    y[k] = v\nz = 2 * y",
+        "y = np.array([1, 2, 4.])\ny += 0.5\nz = 2 * y",
+        "%matplotlib inline\ny = np.array([\n    1.5,\n    2.5, 4.5])\nz = 2 * y",
+        "yd = np.array([1.5, 2.5, 4.5])\nz = 2 * yd\ny = yd",
+        "yd = np.array([[1.5], [2.5], [4.5]])\nz = 2 * yd.ravel()\ny = yd.ravel()",
+        "d = {}\nd['y'] = np.array([1.5, 2.5, 4.5])\nz = 2 * d['y']\ny = d['y']",
+        "signals = [np.zeros(2), np.array([1.5, 2.5, 4.5])]\nz = 2 * signals[1]\ny = signals[1]",
+        "z = 2 * y",
+        "y = missing + 1\nz = 2 * y",
+    ],
+)
+def test_the_rest_of_the_cell_runs_on_right_values(shell: Any, source: str) -> None:
+    shell.register_magic_function(lambda line: None, magic_name="matplotlib")
+    made = run(shell, source, Y)
+    assert made["error"] is None
+    np.testing.assert_array_equal(made["z"], 2 * RIGHT)
+    np.testing.assert_array_equal(made["y"], RIGHT)
+
+
+def test_other_values_stay(shell: Any) -> None:
+    kept = Replacement({"y": RIGHT}, {"y": WRONG}, kept=frozenset({"y_act"}))
+    made = run(shell, "y_act = np.array([1.5, 2.5, 4.5])\nraw = y_act\ny = raw\nlevel = 3.0", kept)
+    np.testing.assert_array_equal(made["y_act"], WRONG)
+    np.testing.assert_array_equal(made["raw"], WRONG)
+    np.testing.assert_array_equal(made["y"], RIGHT)
+    constant = Replacement({"y": RIGHT, "n": 5.0}, {"y": np.zeros(3), "n": 3.0})
+    made = run(shell, "buffer, count = np.zeros(3), 3.0", constant)
+    assert (made["buffer"].tolist(), made["count"]) == ([0, 0, 0], 3.0)
+
+
+@pytest.mark.parametrize(
+    ("source", "error"),
+    [("x = 1\nx / 0\nz = 3", "ZeroDivisionError"), ("x = (", "SyntaxError"), ("q\nz = 3", "NameError")],
+)
+def test_what_stops_a_cell_stops_it(shell: Any, source: str, error: str) -> None:
+    made = run(shell, source, Y)
+    assert made["error"] == error
+    assert "z" not in made
+
+
+def test_a_function_is_served_in_its_place(shell: Any) -> None:
+    one = Replacement({}, {}, ("f",))
+    made = run(shell, "def f(x):\n    return x\ng = f\nfirst = f(1)\ndef f(x):\n    return -x\nlast = f(1)", one)
+    assert (made["first"], made["last"], made["g"](1)) == ("served f", "served f", "served f")
+    space = {"f": len, "other": len, "module": types}
+    set_right(space, Replacement({"pair": (RIGHT, 2.0)}, {}, ("f",)), serve)
+    assert (space["other"]([]), space["pair"][1]) == ("served f", 2.0)  # type: ignore[operator,index]
