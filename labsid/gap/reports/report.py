@@ -16,7 +16,7 @@ from labsid.gap.record.data import Data
 from labsid.gap.reports import location
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
-from labsid.gap.reports.quantities import counted, number, percent
+from labsid.gap.reports.quantities import chance, counted, number, percent
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
@@ -147,9 +147,9 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
 
 def _step(explanation: Explanation, name: str) -> int:
     """Step of the path at which an effect is added; the last one for effects found in the samples."""
-    for number, fit in enumerate(explanation.path):
+    for step, fit in enumerate(explanation.path):
         if name in fit.hypothesis.names:
-            return number
+            return step
     return 0 if name == MISMATCH else len(explanation.path) - 1
 
 
