@@ -20,7 +20,7 @@ class PoleDrift(PlantEffect):
     name = "parameter-drift"
     key_form = "pole-{}"
     variants = ("1", "4")
-    planted_variants = ("1",)
+    planted_variants: ClassVar[tuple[str, ...]] = ("1",)
     whole = "gain"
 
     def inner_forms(self) -> tuple[Effect, ...]:
@@ -54,7 +54,7 @@ class PoleDrift(PlantEffect):
 class InnerPoleDrift(PoleDrift):
     """A slow drift of the rate of the last nonlinear state, or of the spring."""
 
-    planted_variants = ()
+    planted_variants: ClassVar[tuple[str, ...]] = ()
     key_form = "pole-{}-inside"
     only_inner = True
 

@@ -10,9 +10,9 @@ from labsid.gap.limits.smallest_sizes import Limits
 from labsid.gap.reports.html_report import page_content
 from labsid.gap.reports.limit_rows import (
     NOT_SHOWN,
+    as_rows,
     hidden_sentences,
     limit_cells,
-    limit_rows,
     limits_sentence,
     short_noun,
 )
