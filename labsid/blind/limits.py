@@ -32,6 +32,8 @@ from labsid.rig.switchable.simulation import Noise
 SEED = 20261
 EFFECTS_A_RIG = 4
 SIZES = {"named": 1.0, "half": 0.5}  # planted sizes over the smallest that is named
+PLACES = "onset", "frequency", "tau"  # further parameters of which a limit depends
+SAME_PLACE = 0.01  # relative difference of these
 MIN_PROBABILITY = 0.5  # of a named effect
 _SEVERAL = "import json, sys\nfrom labsid.cli.commands import main\nfor line in json.load(sys.stdin):\n    main(line)"
 _PLANTED = {
@@ -68,6 +70,10 @@ class Planting:
         Of `SIZES`.
     share : float
         Size of the effect, as the report states shares.
+    value : float
+        The same in the unit of the report.
+    at : dict
+        Other parameters of the effect.
     """
 
     name: str
@@ -75,6 +81,8 @@ class Planting:
     parameter: str
     times: str
     share: float
+    value: float
+    at: dict[str, float]
 
 
 def planted_setup(setup: Setup, scales: Scales, row: dict[str, Any], value: float, gain: float) -> Setup:
@@ -186,9 +194,10 @@ def plant(
             row["end"] = float(signal.max() if row["parameter"] == "high" else signal.min())
         for times, factor in SIZES.items():
             share = factor * row["share"]["named"]
-            setup = planted_setup(experiment.plain, scales, row, size_at(row, share), gain)
+            value = size_at(row, share)
+            setup = planted_setup(experiment.plain, scales, row, value, gain)
             again = replace(experiment, setup=setup, noise=replace(experiment.noise, seed=int(rng.integers(2**31))))
-            planted = Planting(f"{name}-{i}-{times}", row["name"], row["parameter"], times, share)
+            planted = Planting(f"{name}-{i}-{times}", row["name"], row["parameter"], times, share, value, row["at"])
             write_record(folder / f"{planted.name}.csv", to_record(run_experiment(again), scales, planted.name))
             made.append(planted)
     return made
@@ -218,9 +227,21 @@ def judge(plantings: Sequence[Planting], results: dict[str, dict[str, Any]]) -> 
         count(one.times, one.effect in probable)
         count("wrong", bool(probable - {one.effect}))
         for row in result["limits"] if result["verdict"] == "none" else ():
-            if (row["name"], row["parameter"]) == (one.effect, one.parameter) and row["excluded_above"] is not None:
-                count("excluded", one.share > row["share"]["excluded_above"])
+            stated, same = row["excluded_above"], (row["name"], row["parameter"]) == (one.effect, one.parameter)
+            if same and stated is not None and is_same_place(one.at, row["at"]):
+                count("excluded", is_larger(one.parameter, one.value, stated))
     return counts
+
+
+def is_same_place(planted: dict[str, float], stated: dict[str, float]) -> bool:
+    """Whether a limit is about the effect that was planted, and not about a wave of another frequency, for example."""
+    shared = {name for name in PLACES if name in planted and name in stated}
+    return all(np.isclose(planted[name], stated[name], rtol=SAME_PLACE) for name in shared)
+
+
+def is_larger(parameter: str, value: float, other: float) -> bool:
+    """Whether an effect with one value of its parameter is larger than with another one."""
+    return value < other if parameter in ("high", "rate") else value > other
 
 
 def main() -> None:

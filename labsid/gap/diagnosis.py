@@ -204,7 +204,8 @@ def find_limits(
                     progress("planted effects", number / len(rows))
                 share = min(TESTED_SIZE * float(one.shares["named"] or 1.0), 1.0)
                 outputs = [with_planted(data, fit, one, share, rng) for _ in range(tests)]
-                t, u = data.start + data.Ts * np.arange(data.samples), np.asarray(data.u_scale.back(data.u))
+                t = np.asarray(data.start + data.Ts * np.arange(data.samples), np.float64)
+                u = np.asarray(data.u_scale.back(data.u))
                 made = [Record(t, u, y, data.Ts, name=record.name) for y in outputs if y is not None]
                 named = sum(one.name in _probable(diagnose(again, simulation, order=order)) for again in made)
                 row["tested"] = {"named": named, "of": len(made)}

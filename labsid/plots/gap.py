@@ -275,8 +275,8 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
     for which, text, colour, marker in LIMIT_MARKS:
         if np.isfinite(shares[which]).any():
             size, face = (10.0, "none") if which == "named" else (6.0, colour)
-            style = {"color": colour, "markersize": size, "markerfacecolor": face, "markeredgewidth": 1.8}
-            ax.plot(shares[which], at, marker, label=text, zorder=3, **style)
+            (marks,) = ax.plot(shares[which], at, marker, label=text, zorder=3, color=colour, markersize=size)
+            marks.set(markerfacecolor=face, markeredgewidth=1.8)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
     labels = [f"{row.get('title', row['name'])} ({WHOLES[row['of']]})" for row in rows]

@@ -45,8 +45,7 @@ class Effect:
     planted_variants : tuple of str
         Forms whose smallest visible size is reported.
     whole : str
-        Of what the size of a planted effect is a share: the range of "u" or "y", the slowest "time" constant, the
-        "gain".
+        Of what the size of a planted effect is a share: the range of "u" or "y", the slowest "time" constant, "gain".
     variant : str
         Form of the effect, if there are several.
     """

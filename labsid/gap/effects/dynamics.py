@@ -227,7 +227,7 @@ class Resonance(Placed):
         return mode_mean(w, float(np.exp(own["log_frequency"])), float(np.exp(own["log_damping"])))
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """A mode whose radian takes up to the slowest time constant; none that is faster than the sampling."""
+        """A mode whose radian takes up to the slowest time constant, if it is slower than the sampling."""
         frequency = 1.0 / (share * fit.slowest_time)
         return [Planted("frequency", _mode(frequency, PLANTED_DAMPING))] if frequency < np.pi else []
 

@@ -36,8 +36,8 @@ class Refit:
     residual : ndarray
         The residual in units of `sigma`, less what a refit absorbs.
     moved : tuple of ndarray
-        Other parameters from which a refit starts: with other rates of the faster pole, which has no gradient where a
-        zero cancels it.
+        Other parameters from which a refit starts, with other rates of the faster pole: it has no gradient where a zero
+        cancels it.
     distant : ndarray
         Orthonormal basis of what these leave of the fit: changes along it can be absorbed by a pole that moves far.
     """

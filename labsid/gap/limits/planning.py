@@ -35,8 +35,8 @@ def planned_record(data: Data, fit: Fit, u: FloatArray) -> tuple[Data, Fit]:
     old = fit.hypothesis
     dropped = [one for one in old.additive if not isinstance(one, Restarts)]
     kept = tuple(one for one in old.effects if not isinstance(one, AdditiveEffect) or isinstance(one, Restarts))
-    own = np.arange(fit.gains.size)
-    gains = fit.gains[~np.isin(own, [at for one in dropped for at in old.gains_of(own, one)])]
+    places = np.arange(fit.gains.size, dtype=float)
+    gains = fit.gains[~np.isin(places, [at for one in dropped for at in old.gains_of(places, one)])]
     hypothesis = old.with_effects(kept)
     theta = np.concatenate(
         [fit.theta[: 0 if old.delay_is_an_effect else 1], *(fit.theta[old.slices[key]] for key in hypothesis.slices)]

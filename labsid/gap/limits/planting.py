@@ -56,7 +56,7 @@ class Plantation:
         """Change of the output by a planted effect, shape (N,); None if the simulation diverges."""
         if isinstance(self.effect, Placed):
             passed = self.effect.passed(self.fit.data.u, planted.values)
-            output = self.fit.hypothesis.output(self.fit.theta, self.fit.gains, passed)
+            output: FloatArray | None = self.fit.hypothesis.output(self.fit.theta, self.fit.gains, passed)
         elif _is_of_another_kind(self.fit, self.form):
             at = _matched(self.fit, self.form, self.theta(planted))
             output = None if at is None else at.output

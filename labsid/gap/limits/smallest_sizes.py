@@ -25,6 +25,7 @@ CLEAR = 60.0  # the same, at which the linearized refit is compared with an exac
 FAINT, FAR = 1.0, 1e3  # the same, between which a limit may lie, so that exact refits are used
 BETWEEN = 12  # interpolated sizes between two planted ones
 SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
+SEARCH_LOSS = 1.15  # over these sizes: the search refits from more starts than `Refit`; 75 % were named without it
 EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded: 95 % on one side
 
 
@@ -128,11 +129,11 @@ class _Margins:
     @classmethod
     def of(cls, data: Data, fit: Fit) -> "_Margins":
         found = min(len(fit.hypothesis.names), len(MIN_NAMED_CHANGE) - 1)
-        return cls(fit.noise.rows, MIN_NAMED_CHANGE[found] + SURE / np.sqrt(data.rows.sum()))
+        return cls(fit.noise.rows, SEARCH_LOSS * (MIN_NAMED_CHANGE[found] + SURE / np.sqrt(data.rows.sum())))
 
     def distance(self, added: FloatArray | int) -> FloatArray:
         """Distance at which the margin is exceeded in nine of ten records, for a number of added parameters."""
-        return np.asarray(np.sqrt(np.maximum(BIC_MARGIN + added * np.log(self.rows), 0.0)) + SURE)
+        return np.asarray(SEARCH_LOSS * (np.sqrt(np.maximum(BIC_MARGIN + added * np.log(self.rows), 0.0)) + SURE))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -201,8 +202,9 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
     """The limits of one parameter of an effect; the first form and place of the row states them."""
     first = row[0]
     trace = first.trace
-    needed = float(margins.distance(trace.added))
-    seen = np.minimum(np.sqrt((trace.vectors**2).sum(axis=1)) / needed, trace.changes / margins.change)
+    seen = np.minimum(
+        np.sqrt((trace.vectors**2).sum(axis=1)) / margins.distance(trace.added), trace.changes / margins.change
+    )
     others = rivals.names != trace.name
     known, nearest = np.zeros(seen.size), np.full(seen.size, -1)
     for i in range(seen.size):
@@ -221,7 +223,8 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
         "excluded_above": None if refit is None or detect is None else _excluded(row, refit, detect),
     }
     sizes = {
-        name: None if share is None else first.plantation.size(first.planted(share)) for name, share in shares.items()
+        name: None if share is None else first.plantation.size(first.planted(share)).value
+        for name, share in shares.items()
     }
     typical = first.planted(detect or float(trace.shares[-1]))
     unit = first.plantation.size(typical).unit
@@ -230,7 +233,9 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
         first.parameter,
         unit,
         first.plantation.effect.whole,
-        *(None if size is None else size.value for size in sizes.values()),
+        sizes["detect"],
+        sizes["named"],
+        sizes["excluded_above"],
         shares,
         rival,
         first.plantation.others(typical),

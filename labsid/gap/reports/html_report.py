@@ -243,7 +243,9 @@ def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
 def _limits(report: dict[str, Any]) -> dict[str, Any] | None:
     """The table of limits, open if the verdict names nothing, and what cannot be shown; None without limits."""
     text = limits_sentence(report)
-    return text and {
+    if text is None:
+        return None
+    return {
         "text": text,
         "columns": [sentences.capitalised(title) for title in COLUMNS],
         "rows": limit_cells(report, short_noun),

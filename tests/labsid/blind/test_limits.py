@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labsid.blind.limits import _PLANTED, Planting, draw_rig, judge, planted_setup, size_at
+from labsid.blind.limits import _PLANTED, Planting, draw_rig, is_larger, is_same_place, judge, planted_setup, size_at
 from labsid.rig.switchable.truth import true_parameters
 
 AT = {"low": 3.0, "high": 3.4, "onset": 40.0, "frequency": 0.02, "tau": 30.0, "middle": 3.2}
@@ -38,8 +38,8 @@ def test_sizes_are_proportional_inverse_or_distances_from_an_end():
 
 
 def test_the_counts():
-    one, two = (Planting(name, "input-backlash", "width", name, 0.01) for name in ("named", "half"))
-    row = {"name": "input-backlash", "parameter": "width", "excluded_above": 1.0}
+    one, two = (Planting(name, "input-backlash", "width", name, 0.01, 2.0, {"tau": 1.0}) for name in ("named", "half"))
+    row = {"name": "input-backlash", "parameter": "width", "excluded_above": 1.0, "at": {}}
     limits = [row | {"share": {"excluded_above": 0.005}}]
     found = {
         "named": {"verdict": "effect", "effects": [{"name": "input-backlash", "probability": 0.9}], "limits": limits},
@@ -49,3 +49,12 @@ def test_the_counts():
     found["half"] |= {"verdict": "effect", "effects": [{"name": "extra-lag", "probability": 0.6}]}
     assert judge([one, two], found)["wrong"] == (1, 2)
     assert judge([one], {}) == {"named": (0, 1), "half": (0, 0), "wrong": (0, 0), "excluded": (0, 0)}
+
+
+def test_a_limit_of_another_place_says_nothing_and_a_lower_limit_is_a_larger_effect():
+    assert is_same_place({"frequency": 1.0, "low": 3.0}, {"frequency": 1.005, "low": 4.0})
+    assert not is_same_place({"frequency": 1.0}, {"frequency": 1.1})
+    assert is_larger("high", 3.0, 4.0)
+    assert is_larger("low", 4.0, 3.0)
+    assert is_larger("rate", 3.0, 4.0)
+    assert is_larger("width", 4.0, 3.0)
