@@ -190,33 +190,13 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         """The verdict; a right value that was typed in, and is wrong on another record, is not right."""
         if not verdict.passed or self._runs is None:
             return verdict
-        from labsid.checks import typed_values  # only with a value typed in are rigs simulated
+        from labsid.checks.typed_values import told, typed_names, wrong_elsewhere  # simulates rigs
 
         names = dict.fromkeys(ask.names)
         made = {name: self._runs.assigning(name)[-1:] for name in names}
-        typed = [
-            name for name, runs in made.items() if any(typed_values.typed_names(run.source, [name]) for run in runs)
-        ]
-        is_wrong = typed_values.wrong_elsewhere(
-            question, self._assignment, self._record, typed, self._variables, ask.call
-        )
-        return typed_values.told(typed) if is_wrong else verdict
-
-    def _unless_typed_in(self, question: Question, ask: "NotebookAsk", verdict: Verdict) -> Verdict:
-        """The verdict; a right value that was typed in, and is wrong on another record, is not right."""
-        if not verdict.passed or self._runs is None:
-            return verdict
-        from labsid.checks import typed_values  # only with a value typed in are rigs simulated
-
-        names = dict.fromkeys(ask.names)
-        made = {name: self._runs.assigning(name)[-1:] for name in names}
-        typed = [
-            name for name, runs in made.items() if any(typed_values.typed_names(run.source, [name]) for run in runs)
-        ]
-        is_wrong = typed_values.wrong_elsewhere(
-            question, self._assignment, self._record, typed, self._variables, ask.call
-        )
-        return typed_values.told(typed) if is_wrong else verdict
+        typed = [name for name, runs in made.items() if any(typed_names(run.source, [name]) for run in runs)]
+        is_wrong = wrong_elsewhere(question, self._assignment, self._record, typed, self._variables, ask.call)
+        return told(typed) if is_wrong else verdict
 
     def skip(self, question_id: str) -> None:
         """Go on without a question: the reference's values, on this notebook's record, become the notebook's variables.
