@@ -225,6 +225,8 @@ class Execution:
 
     def _perform(self, process: StudentProcess, action: Action) -> None:
         if isinstance(action, RunCell):
+            if self._functions is not None:
+                self._functions.start_question()
             self._serve(*action.replacements)
             process.run(source_to_run(action.cell), action.replacements)
         elif isinstance(action, Replacement):

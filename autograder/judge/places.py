@@ -45,6 +45,12 @@ class Places:
         asked = (frozenset(other.asked.values) | self.replaced[n] for n, other in enumerate(self.answers) if n > key)
         return not (self._made[key] - self.replaced[key]).isdisjoint(frozenset().union(*later, *asked))
 
+    def read_after(self, key: int) -> frozenset[str]:
+        """The names that code reads from the first cell that makes a value or function of an answer on."""
+        own = self._own_cells(range(len(self.cells)))
+        first = next((place for place in own if not self.replaced[key].isdisjoint(self._assigned[place])), 0)
+        return frozenset().union(*self._read[min(first, self.checks[key]) :])
+
     @cached_property
     def checks(self) -> Sequence[int]:
         """Index of each answer's check."""

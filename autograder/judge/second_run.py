@@ -123,12 +123,12 @@ class SecondRun:
             key, answer = next(answers)
             asked = Examination(key, answer.question, cells)
             cells = []
-            self._functions.start_question()
             if answer.is_sound:
                 self._keep(asked, execution, examiner)
-                continue
-            passed = self._judge(asked, execution, examiner) if key in waiting else None
-            self._carry(execution, examiner, passed or asked, passed is not None)
+            else:
+                passed = self._judge(asked, execution, examiner) if key in waiting else None
+                self._carry(execution, examiner, passed or asked, passed is not None)
+            self._functions.start_question()
 
     def _keep(self, asked: Examination, execution: Execution, examiner: Examiner) -> None:
         """Go on from the values of a right answer: those that were judged, or that follow from right ones by now."""
@@ -200,7 +200,8 @@ class SecondRun:
         signal = next(filter(is_signal, self._known.values()), None)
         style = {name: own.get(name, answer.own.get(name, signal)) for name in right}
         shaped = {name: in_shape(value, style[name], Shape.OWN) for name, value in right.items()}
-        functions = () if answer.is_right else self._functions_of(answer)
+        called = self._places.read_after(asked.key)
+        functions = () if answer.is_right else tuple(name for name in self._functions_of(answer) if name in called)
         kept = (self._all_names | self._places.given) - right.keys() - set(functions)
         replacement = Replacement(shaped, own, functions, kept)
         in_doubt = any(is_signal(value) and not has_shape_of(own.get(name), value) for name, value in right.items())
