@@ -1,7 +1,7 @@
 """The effects that the search combines."""
 
 from labsid.gap.effects import (
-    command,
+    command_faults,
     disturbance,
     drifts,
     dynamics,
@@ -23,8 +23,8 @@ FAMILIES: tuple[type[Effect], ...] = (
     input.Backlash,
     input.RateLimit,
     input.Nonlinearity,
-    command.Off,
-    command.Quantization,
+    command_faults.Off,
+    command_faults.Quantization,
     dynamics.ExtraLag,
     dynamics.Resonance,
     tanks.SqrtOutflow,

@@ -84,7 +84,7 @@ def test_an_effect_that_a_fit_uses_on_its_own_record_only_is_not_kept(banded: Ex
 
 
 def test_the_effects_of_one_record_are_those_with_a_time_course() -> None:
-    assert set(OF_ONE_RECORD) == {"load-step", "output-drift", "parameter-drift", "periodic-disturbance"}
+    assert set(OF_ONE_RECORD) == {"input-off", "load-step", "output-drift", "parameter-drift", "periodic-disturbance"}
 
 
 def test_an_effect_must_pay_beside_fitted_parameters_of_a_given_simulation(banded: Explanation) -> None:

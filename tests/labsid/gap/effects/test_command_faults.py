@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.dynamics._kernels import in_steps, switched_off
-from labsid.gap.effects.command import Off
+from labsid.gap.effects.command_faults import Off
 from labsid.records.record import Record, load_record
 
 TS = 0.1
