@@ -226,11 +226,19 @@ def judge(plantings: Sequence[Planting], results: dict[str, dict[str, Any]]) -> 
         probable = {effect["name"] for effect in result["effects"] if effect["probability"] >= MIN_PROBABILITY}
         count(one.times, one.effect in probable)
         count("wrong", bool(probable - {one.effect}))
-        for row in result["limits"] if result["verdict"] == "none" else ():
-            stated, same = row["excluded_above"], (row["name"], row["parameter"]) == (one.effect, one.parameter)
-            if same and stated is not None and is_same_place(one.at, row["at"]):
-                count("excluded", is_larger(one.parameter, one.value, stated))
+        stated = excluded_above(one, result)
+        if stated is not None:
+            count("excluded", is_larger(one.parameter, one.value, stated))
     return counts
+
+
+def excluded_above(planting: Planting, result: dict[str, Any]) -> float | None:
+    """The size of the planted effect that a report of no gap excludes; None without one."""
+    for row in result["limits"] if result["verdict"] == "none" else ():
+        same = (row["name"], row["parameter"]) == (planting.effect, planting.parameter)
+        if same and row["excluded_above"] is not None and is_same_place(planting.at, row["at"]):
+            return float(row["excluded_above"])
+    return None
 
 
 def is_same_place(planted: dict[str, float], stated: dict[str, float]) -> bool:
@@ -267,7 +275,8 @@ def main() -> None:
     for one in plantings:
         result = results.get(one.name, {"verdict": "missing", "effects": []})
         said = ", ".join(f"{effect['name']} {effect['probability']:.2f}" for effect in result["effects"])
-        print(f"{one.effect:<22}{one.parameter:<10}{one.times:<7}{one.share:8.4f}  {result['verdict']}: {said}")
+        limits = f"{one.value:10.4g} (excluded: {excluded_above(one, result) or '-'})"
+        print(f"{one.effect:<22}{one.parameter:<10}{one.times:<7}{one.share:8.4f}{limits}  {result['verdict']}: {said}")
     for what, (hits, of) in judge(plantings, results).items():
         low, high = wilson(hits, of) if of else (0.0, 1.0)
         print(f"{what:<10}{hits:4d} of {of:<4d} {100.0 * low:5.1f} to {100.0 * high:5.1f} %")

@@ -11,7 +11,7 @@ from labsid.gap.fits.fitting import Fit, Problem, descend
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import RESTART_RATE
 
-FEW, MANY, TOLERANCE = 3, 12, 1e-3  # iterations that show whether a linearized refit is right, and of an exact one
+FEW, MANY, TOLERANCE = 6, 15, 1e-3  # iterations that show whether a linearized refit is right, and of an exact one
 MISFIT = 0.1  # relative difference of the power that is left from which it is not
 SLOWER = 4.0  # slowest pole over a start value of another one, which may be slower
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
