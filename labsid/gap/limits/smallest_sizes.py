@@ -29,8 +29,8 @@ BETWEEN = 12  # interpolated sizes between two planted ones
 SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
 SEARCH_LOSS = 1.15  # over these sizes: the search refits from more starts than `Refit`; 75 % were named without it
 MOVED_POLES = Delay, Placed, SlowMode
-"""Effects that the poles of a fit may have absorbed already, which a profile about that fit does not show: 3 of 3 planted
-ones of seed 11 were excluded wrongly, and 0 of 15 of the others."""
+"""Effects that the poles of a fit may have absorbed already, which a profile about that fit does not show: 3 of 3
+planted ones of seed 11 were excluded wrongly, and 0 of 15 of the others."""
 EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded: 95 % on one side
 
 
