@@ -429,7 +429,7 @@ OF_OPERATING = [
         OPERATING,
         "offset-free input in cells with offset",
         cells(share_u="cell_shares(u, e, edges_u)"),
-        None,
+        "another signal sorted",
         "share_u",
     ),
 ]

@@ -190,7 +190,7 @@ def check_closed(ask: Ask) -> Verdict:
                 lambda: closed_share(float(np.mean(squares[:half])), before**2, noise),
             ),
         ],
-        exactly=close(1e-7),
+        exactly=close(1e-7, 1e-9),
     )
     if not verdict.passed or ask.origin is None:
         return verdict
