@@ -134,7 +134,7 @@ def test_invalid_record_files(refused, tmp_path):
     (tmp_path / "noise.csv").write_bytes(bytes(range(256)) * 8)
     (tmp_path / "head.csv").write_text("t,u,y\n")
     for words, name in (
-        ("empty.csv is empty", "empty.csv"),
+        ("empty.csv: it is empty", "empty.csv"),
         ("neither a MAT-file nor text", "noise.csv"),
         ("no data under it", "head.csv"),
         ("No such file", "none.csv"),
@@ -152,11 +152,11 @@ def with_one(values, k, value):
 @pytest.mark.parametrize(
     ("words", "changed"),
     [
-        ("y must be finite; got nan at sample 50", lambda r: {"y": with_one(r.y, 50, np.nan)}),
+        ("y must be finite; got inf at sample 50", lambda r: {"y": with_one(r.y, 50, np.inf)}),
         ("u of the record is constant (2)", lambda r: {"u": np.full(200, 2.0)}),
         ("y of the record is constant (1)", lambda r: {"y": np.ones(200)}),
         ("has 10 samples; a diagnosis needs at least 100", lambda r: {name: getattr(r, name)[:10] for name in "tuy"}),
-        ("sampling is irregular", lambda r: {"t": r.t + np.where(np.arange(200) < 100, 0.0, 0.5)}),
+        ("--resample", lambda r: {"t": r.t + 0.2 * np.sin(np.arange(200.0))}),
         ("keep only the new ones", lambda r: {"y": r.y[np.arange(200) // 5 * 5]}),
     ],
 )
