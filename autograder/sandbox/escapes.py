@@ -24,6 +24,12 @@ class Escape:
     code: str
 
 
+_PAST_THE_GUARDS = (
+    "import sys\nfrom importlib import import_module\n"
+    "sys.meta_path[:] = [one for one in sys.meta_path if 'Reference' not in type(one).__name__]\n"
+)
+"""Without the finder that refuses the reference, and by a function that the rules of imports in cells do not see."""
+
 TCP = Escape(
     "connect to loopback (TCP)", "import socket\nsocket.create_connection(targets['tcp'], 2).close()\nescaped = True"
 )
@@ -35,8 +41,7 @@ ESCAPES = (
     Escape("read the reference's sources", "escaped = 'def ' in open(targets['reference']).read()"),
     Escape(
         "import the reference",
-        "import sys\nsys.meta_path[:] = [one for one in sys.meta_path if 'Reference' not in type(one).__name__]\n"
-        "import labsid.lab.arx\nescaped = True",
+        _PAST_THE_GUARDS + "import_module('labsid.lab.arx')\nescaped = True",
     ),
     Escape(
         "find the reference in memory",
@@ -48,13 +53,11 @@ ESCAPES = (
     ),
     Escape(
         "import the rig with what is withheld",
-        "import sys\nsys.meta_path[:] = [one for one in sys.meta_path if 'Reference' not in type(one).__name__]\n"
-        "import labsid.rig.switchable.withheld\nescaped = True",
+        _PAST_THE_GUARDS + "import_module('labsid.rig.switchable.withheld')\nescaped = True",
     ),
     Escape(
         "draw the results with labsid's figures",
-        "import sys\nsys.meta_path[:] = [one for one in sys.meta_path if 'Reference' not in type(one).__name__]\n"
-        "from labsid.plots import figure_7\nescaped = True",
+        _PAST_THE_GUARDS + "escaped = callable(import_module('labsid.plots').figure_7)",
     ),
     Escape("write outside", "open(targets['outside'], 'w').write('was here')\nescaped = True"),
     Escape("change the gradebook", "open(targets['gradebook'], 'a').write('5')\nescaped = True"),
