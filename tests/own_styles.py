@@ -6,6 +6,7 @@
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 SIMULATE = "scipy.signal.lfilter([0, b1, b2], [1, a1, a2], {})"
 FIGURE = (
@@ -140,7 +141,6 @@ STYLES = {"own names": OWN_NAMES, "code in an earlier cell": EARLY_CELL, "signal
 def main() -> None:
     """Print the table."""
     import tempfile
-    from pathlib import Path
 
     from course_work import GradeCode, copy_course
     from variants import questions_lost
@@ -160,5 +160,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.path[:0] = [str(__import__("pathlib").Path(__file__).resolve().parent.parent)]
+    sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parent.parent)]
     main()

@@ -10,7 +10,9 @@ from course_work import GradeCode, copy_course, read_solved
 from attacks.thieves import KIT, WAYS, raising_cells, thief_cells
 from autograder.course.build import build_course
 from autograder.course.layout import Course
+from autograder.judge.execution import Execution
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
+from autograder.sandbox.replacing import Replacement
 from labsid.checks.notebook import assignment_names
 from labsid.checks.permitted import is_reference
 
@@ -20,7 +22,7 @@ pytestmark = [
 ]
 
 LIMITS = Limits(cell_seconds=20, call_seconds=10)
-STRICT = "model-structures"
+STRICT = "recursive-identification"
 """Its functions call each other, and its answers take little time."""
 
 
@@ -50,10 +52,18 @@ def marked(course: Course, launcher: ProcessLauncher, name: str, cells: dict[str
 
 @pytest.mark.parametrize("name", assignment_names())
 def test_what_is_looked_for_is_not_there(
-    name: str, course: Course, open_to_all: ProcessLauncher, tmp_path: Path
+    name: str, course: Course, open_to_all: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    answers = answers_of(course, name)
+    answers, replaced = answers_of(course, name), set[str]()
+    serve = Execution._serve
+
+    def noting(self: Execution, *replacements: Replacement) -> None:
+        replaced.update(name for one in replacements for name in one.names)
+        serve(self, *replacements)
+
+    monkeypatch.setattr(Execution, "_serve", noting)
     assert marked(course, open_to_all, name, thief_cells(answers, str(tmp_path))) == {}
+    assert replaced, "there was nothing to find"
     assert marked(course, open_to_all, name, raising_cells(answers)) == {}
 
 

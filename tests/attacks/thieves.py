@@ -29,7 +29,7 @@ def is_other(value):
 
 def note(name, value):
     """Keep what has been seen: in a module, in a file, in a folder of others."""
-    if id(value) in shop.own or value is None or len(shop.seen) > 5000:
+    if id(value) in shop.own or value is None or any(value is one for _, one in shop.seen[-300:]):
         return
     shop.seen.append((name, value))
     for folder in (".", STASH):
@@ -84,7 +84,7 @@ def handling(original):
 def watch():
     while True:
         note_names(globals())
-        time.sleep(0.001)
+        time.sleep(0.01)
 
 class Hook(importlib.abc.MetaPathFinder):
     def find_spec(self, name, path=None, target=None):
@@ -114,13 +114,19 @@ if "imports" in WAYS:
 if "threads" in WAYS:
     threading.Thread(target=watch, daemon=True).start()
 
+FOR_FUNCTIONS = ("code", "closures", "asked")
+
 def all_objects():
     return gc.get_objects()  # those of before the fork are frozen, and hold nothing of this hand-in
 
 def found_by(way, name):
     if way == "gc":
-        yield from (one for one in all_objects() if isinstance(one, types.FunctionType) and one.__name__ == name)
-        yield from (one[name] for one in all_objects() if type(one) is dict and name in one)
+        for one in all_objects():
+            if type(one) is dict:
+                if name in one:
+                    yield one[name]
+            elif type(one) is types.FunctionType and one.__name__ == name:
+                yield one
     elif way == "code":
         for one in all_objects():
             if isinstance(one, types.FunctionType) and one.__code__.co_name == name:
@@ -166,8 +172,8 @@ def keep():
     except Exception:
         pass
 
-def find(name, wanted):
-    for way in WAYS:
+def find(name, wanted, ways=WAYS):
+    for way in ways:
         try:
             for value in found_by(way, name):
                 if id(value) not in shop.own and value is not None and wanted(value):
@@ -190,7 +196,7 @@ def thief(name):
     return look
 
 def value(name):
-    for other in find(name, lambda value: not callable(value)):
+    for other in find(name, lambda value: not callable(value), [way for way in WAYS if way not in FOR_FUNCTIONS]):
         return other
     raise LookupError(name)
 '''
@@ -210,12 +216,15 @@ def thief_cells(answers: Mapping[str, str], stash: str, ways: tuple[str, ...] = 
     """
     made = {cell: (functions_in(source), assigned_names(source)) for cell, source in answers.items()}
     names = frozenset().union(*(names for _, names in made.values()))
-    cells = {}
+    cells: dict[str, str] = {}
+    earlier: list[str] = []
     for number, (cell, (functions, assigned)) in enumerate(made.items()):
         kit = f"NAMES = {sorted(names)!r}\n{KIT.format(ways=ways, stash=stash)}" if number == 0 else "keep()"
         thieves = [f"{name} = thief({name!r})" for name in sorted(functions)]
         values = [f"try:\n    {name} = value({name!r})\nexcept LookupError:\n    pass" for name in assigned - functions]
-        cells[cell] = "\n".join([kit, *thieves, *sorted(values)])
+        uses = f"uses = lambda: ({', '.join(earlier)},)" if earlier else ""  # so that the grader replaces them
+        cells[cell] = "\n".join([kit, uses, *thieves, *sorted(values)])
+        earlier += sorted(assigned)
     return cells
 
 
