@@ -152,7 +152,7 @@ class Assignment:
     name: str
     questions: tuple[Question, ...]
     record_file: str | None = None
-    stages: Mapping[str, Stages] = field(default_factory=dict)
+    stages: Mapping[str, Stages] = field(default_factory=dict, hash=False)
     practice_record: Callable[[np.random.Generator], Record] | None = None
     practice_given: Callable[[Record], Mapping[str, Value]] | None = None
 

@@ -15,5 +15,7 @@ def test_the_solution_runs_top_to_bottom(name: str, course: Course, tmp_path: Pa
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     found = [output.metadata.labsid for output in outputs if "labsid" in output.get("metadata", {})]
     states = {one.question: one.state for one in found if one}
-    assert states == {question.id: "right" for question in load_assignment(name).questions}
+    noted = {"gap-8-effect", "gap-8-path", "gap-8-parameters"}  # only grading can tell
+    ids = [question.id for question in load_assignment(name).questions]
+    assert states == {one: "noted" if one in noted else "right" for one in ids}
     assert any("image/png" in output.get("data", {}) for output in outputs)

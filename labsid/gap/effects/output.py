@@ -14,7 +14,6 @@ from labsid.gap.effects.base import (
     MAX_RANGES,
     RARE,
     REST_SAMPLES,
-    ZERO,
     AdditiveEffect,
     Fitted,
     OutputEffect,
@@ -24,6 +23,7 @@ from labsid.gap.effects.base import (
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.limits import Limits
 
+NEARLY_ZERO = 1e-3  # of the spread of y: what is less may be the floor of `fits.floor`
 HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
 CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
 
@@ -63,7 +63,7 @@ class Saturation(Limits, OutputEffect):
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a limit that the sensor exceeds while the rig is off and reads zero: zero is the true value then."""
         reading = np.asarray(fit.data.y_scale.back(fit.data.y[:REST_SAMPLES]))
-        if not fit.starts_at_rest or np.any(np.abs(reading) > ZERO * fit.data.y_scale.unit):
+        if not fit.starts_at_rest or np.any(np.abs(reading) > NEARLY_ZERO * fit.data.y_scale.unit):
             return True
         return not self.active_samples(fit)[:REST_SAMPLES].any()
 

@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.records.signal_quality import lattice_step, runs
 
 SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sample is a spike
+SMALLEST_SPIKE = 1e-3  # of the spread of y: less is the error of a simulation
 LONGEST_SPIKE = 2  # samples
 MAX_SPIKE_RUN = 3  # adjacent spikes of different values
 OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors
@@ -153,7 +154,7 @@ def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0) -> np.n
     spread = 1.4826 * float(np.median(away)) if away.size else 0.0
     if spread == 0.0:
         spread = float(np.std(off)) or 1.0
-    least = max(SPIKE_THRESHOLD * spread, lattice)
+    least = max(SPIKE_THRESHOLD * spread, lattice, SMALLEST_SPIKE)
     far = np.abs(off) > least
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):

@@ -1,5 +1,6 @@
 """The explanation of a record: screen its samples, run the beam search, keep the effects large enough to be named."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -124,7 +125,13 @@ def explain(
     for stretch in stretches:
         held[slice(*stretch)] = True
     usable = data.rows & ~held
-    clean, spikes, levels, path = _search_without_spikes(data, usable, flat, off, structure, start, most, progress)
+    readings = data.y_scale.of(y)
+
+    def spikes_of(fit: Fit) -> np.ndarray:
+        """Samples off the lattice of the others, and isolated errors of the readings; flat ones have no noise."""
+        return off | without_responses(find_spikes(readings - fit.output, usable & ~flat, step), data.u)
+
+    clean, spikes, levels, path = _search_without_spikes(data, usable, spikes_of, structure, start, most, progress)
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
     if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
         slow = replace(clean, by_free_run=True)
@@ -142,21 +149,13 @@ def explain(
 def _search_without_spikes(
     data: Data,
     usable: np.ndarray,
-    flat: np.ndarray,
-    off: np.ndarray,
+    spikes_of: Callable[[Fit], np.ndarray],
     structure: Hypothesis,
     start: FloatArray | None,
     most: int,
     progress: Progress | None,
 ) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
-    """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit.
-
-    Samples `off` the lattice of the others are always spikes; `flat` ones, which have no noise, never are.
-    """
-
-    def spikes_of(fit: Fit) -> np.ndarray:
-        return off | without_responses(find_spikes(data.y - fit.output, usable & ~flat, data.lattice), data.u)
-
+    """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit."""
     spikes = spikes_of(fit_baseline(replace(data, rows=usable), structure, start))
     clean = replace(data, rows=usable & ~spikes)
     levels, path = search_effects(clean, structure, start, most, progress)
