@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.records.column import Column
 from labsid.records.units import SECONDS, time_unit_of, unit_in_time_name
 
+IN_SECONDS = "t"  # the name of the times in the format `t,u,y`, which is in seconds
 COARSE_COUNT = 10  # steps of whole numbers from which they may be milli- or microseconds as well as seconds
 _WRAP = 2**32
 _EPOCH = 9.4e8, 2.2e9  # Unix seconds of the years 2000 and 2039
@@ -71,7 +72,8 @@ def in_seconds(column: Column, unit: str | None = None) -> Stamps:
     epoch = None if unit or named else _epoch_unit(values, since)
     chosen = unit or named or epoch
     if chosen is None:
-        _refuse_two_readings(column.name, values, since)
+        if column.name != IN_SECONDS:
+            _refuse_two_readings(column.name, values, since)
         chosen = "s"
     scale = SECONDS[chosen]
     if chosen != "s":

@@ -188,13 +188,18 @@ def test_epochs_keep_the_digits_of_the_sampling_time(write_text):
 @pytest.mark.parametrize(
     ("stamps", "says"),
     [
-        ([str(100 * k) for k in range(N)], r"t counts in whole numbers, 100 apart, .*--time-unit ms"),
+        ([str(100 * k) for k in range(N)], r"time counts in whole numbers, 100 apart, .*--time-unit ms"),
         ([repr(739946.0 + k / 864000) for k in range(N)], r"seconds or days \(MATLAB's datenum\).*--time-unit days"),
     ],
 )
 def test_stamps_that_can_be_read_in_two_ways_name_the_option(write_text, stamps, says):
     with pytest.raises(ValueError, match=says):
-        load_record(write_text(table(t=stamps)))
+        load_record(write_text(table("time,u,y", stamps)))
+
+
+@pytest.mark.parametrize("step", [1, 10, 3600])
+def test_the_times_of_the_format_t_u_y_are_seconds(write_text, step):
+    assert load_record(write_text(table(t=[str(step * k) for k in range(N)]))).Ts == step
 
 
 def test_names_that_differ_in_case_only_are_told_apart(write_text):
