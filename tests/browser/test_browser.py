@@ -45,7 +45,7 @@ def test_a_student_works_in_jupyterlab_and_submits(
     work.wait_until_open("1. A column vector of time")
     work.run_first()
     work.answer("prelab-1-time", "t = np.linspace(0, 100, 1001)", "✗ prelab-1-time")
-    expect(work.check_cell("prelab-1-time")).to_contain_text('check.skip("prelab-1-time")')
+    expect(work.check_cell("prelab-1-time")).to_contain_text("run check.hint()")
     work.answer("prelab-1-time", "t = np.linspace(0, 100, 1001).reshape(-1, 1)", "✓ prelab-1-time")
     skipped = work.add_below("prelab-2-noise", 'check.skip("prelab-2-noise")')
     expect(skipped).to_contain_text("skipped. It earns no marks. The notebook now has the reference's `y1`, `y2`.")

@@ -7,11 +7,13 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import real_rates
-from labsid.gap.fits.fitting import Fit, Problem, descend
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import RESTART_RATE
 
-FEW, MANY, TOLERANCE = 6, 15, 1e-3  # iterations that show whether a linearized refit is right, and of an exact one
+STARTS = 2  # of an exact refit
+FEW, MANY, TOLERANCE = 3, 15, 1e-2  # iterations from each start, and from the better one; change of cost at the end
+TRIAL = 6  # iterations that show whether a linearized refit is right
 MISFIT = 0.1  # relative difference of the power that is left from which it is not
 SLOWER = 4.0  # slowest pole over a start value of another one, which may be slower
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
@@ -87,18 +89,34 @@ class Refit:
         plain = _less(self.plain.seen(change[:, None])[:, 0], self.absorbed[1])
         return white, float(np.sqrt(np.mean(plain**2))) / self.noise
 
-    def left_exactly(self, change: FloatArray) -> tuple[FloatArray, float]:
-        """As `left`, but by a refit: a delay and a lag can be absorbed by a pole that moves far."""
+    def left_exactly(self, change: FloatArray, near: Point | None = None) -> tuple[FloatArray, float, Point | None]:
+        """As `left`, but by a refit: a delay and a lag can be absorbed by a pole that moves far.
+
+        Parameters
+        ----------
+        change : ndarray, shape (N,)
+        near : Point, optional
+            Refit of a similar change.
+
+        Returns
+        -------
+        ndarray
+        float
+        Point or None
+            The refit; None if none can be simulated.
+        """
         problem = self._on(change)
-        here = problem.start(self.fit.theta, self.fit.gains)
-        if here is None:
-            return self.left(change)
-        moved = [at for theta in self.moved if (at := problem.start(theta)) is not None]
-        starts = [here, *sorted(moved, key=attrgetter("cost"))[:1]]
+        given = [(self.fit.theta, self.fit.gains), *((theta, None) for theta in self.moved)]
+        if near is not None:
+            given.append((near.theta, near.gains))
+        starts = [at for theta, gains in given if (at := problem.start(theta, gains)) is not None]
+        if not starts:
+            return *self.left(change), None
+        starts = sorted(starts, key=attrgetter("cost"))[:STARTS]
         begun = (descend(problem, at, FEW, TOLERANCE) for at in starts)
         found = descend(problem, min(begun, key=attrgetter("cost")), MANY, TOLERANCE)
         rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
-        return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise
+        return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise, found
 
     def is_linear_at(self, change: FloatArray, vector: FloatArray) -> bool:
         """Whether a linearized refit, which leaves `vector` of a change of the output, is as good as an exact one."""
@@ -110,7 +128,7 @@ class Refit:
             return False
         problem = self._on(change)
         at = problem.start(self.fit.theta, self.fit.gains)
-        exact = np.inf if at is None else descend(problem, at, FEW, TOLERANCE).cost * problem.count / self.sigma**2
+        exact = np.inf if at is None else descend(problem, at, TRIAL, TOLERANCE).cost * problem.count / self.sigma**2
         return bool(abs(exact / power - 1.0) < MISFIT)
 
     def _on(self, change: FloatArray) -> Problem:

@@ -24,7 +24,7 @@ COARSE, FINE = 4.0, 2.0  # ratios of planted sizes: of those that are far from i
 PLAIN = 1e4  # squared distance over the variance of the noise, from which a size is far from invisible
 INVISIBLE = 0.3  # the same, below which smaller sizes are not planted
 CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one
-FAINT, FAR = 1.0, 1e3  # the same, between which a limit may lie, so that exact refits are used
+FAINT, FAR = 8.0, 1e3  # the same, between which a limit may lie, so that exact refits are used
 BETWEEN = 12  # interpolated sizes between two planted ones
 SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
 SEARCH_LOSS = 1.15  # over these sizes: the search refits from more starts than `Refit`; 75 % were named without it
@@ -197,9 +197,13 @@ def _needs_refits(points: list[_Change], refit: Refit) -> bool:
 def _refitted(points: list[_Change], refit: Refit) -> list[_Change]:
     """The changes with what exact refits leave, up to a size that is far from every limit."""
     found: list[_Change] = []
+    last = None
     for one in points:
         near = one.power > FAINT and (not found or found[-1].power < FAR)
-        found.append(one.with_left(*refit.left_exactly(one.output)) if near else one)
+        if near:
+            vector, size, last = refit.left_exactly(one.output, last)
+            one = one.with_left(vector, size)
+        found.append(one)
     return found
 
 
