@@ -33,7 +33,7 @@ import matplotlib.pyplot as plt
 
 NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
 SECRET = b"a secret of the tests"
-SECONDS = 5.0
+SECONDS = 15.0
 """Time of an answer and its check."""
 END = "end"
 """Key of the variables after the last cell."""

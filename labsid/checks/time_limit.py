@@ -19,6 +19,10 @@ MEMORY_BYTES = 2 * 1024**3
 """Address space of the process that runs a notebook."""
 
 
+AGAIN_SECONDS = 0.5
+"""Time between one `OutOfTime` and the next: Python drops an exception that is raised while it collects garbage."""
+
+
 class OutOfTime(BaseException):
     """A call took longer than its limit; not an `Exception`, which the function may catch."""
 
@@ -41,7 +45,7 @@ def limit_time(seconds: float) -> Iterator[None]:
         raise OutOfTime
 
     previous = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN_SECONDS)
     try:
         yield
     finally:

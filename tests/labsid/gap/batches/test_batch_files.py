@@ -20,7 +20,9 @@ def test_find_records(tmp_path):
 
 
 def test_two_records_of_one_name_and_none_at_all(tmp_path):
-    with pytest.raises(ValueError, match=r"holds no records \(\.csv or \.mat\), nor a folder of them"):
+    with pytest.raises(
+        ValueError, match=r"holds no records \(\.csv, \.mat or another format of logs\), nor a folder of them"
+    ):
         find_records(tmp_path, tmp_path)
     (tmp_path / "a.csv").touch()
     (tmp_path / "a.mat").touch()

@@ -100,8 +100,10 @@ def test_a_record_shorter_than_the_regressors_says_nothing() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rig", ["gain", "lead", "washout", "acceleration"])
-@pytest.mark.parametrize("kind", ["few steps", "chirp", "multisine"])
+@pytest.mark.parametrize(
+    ("rig", "kind"),
+    [("gain", "chirp"), ("lead", "multisine"), ("washout", "few steps"), ("acceleration", "chirp")],
+)
 def test_a_direct_term_is_no_effect(rig: str, kind: str) -> None:
     u, y = record_of(rig, kind, 7)
     report = diagnose(Record(np.arange(u.size) * TS, u, y, TS)).report
