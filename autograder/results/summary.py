@@ -46,7 +46,7 @@ def class_table(out: Path) -> str:
             marks = grades.totals(result, manual.scores)
             status = {question.status for question in result.questions}
             row.append(f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)}")
-            remarks += ["another student's record"] if result.flags else []
+            remarks += [one_line(flag.partition(":")[0]) for flag in result.flags]
             remarks += [f"{plain_decimal(marks.penalty)} late penalty"] if marks.penalty else []
             if any((student, name) == key[:2] for key in manual.needs_review):
                 remarks.append("review manual grades")
