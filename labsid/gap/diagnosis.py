@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -52,8 +52,8 @@ from labsid.records.record import Record, bridge_gaps
 from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
+_Times = Sequence[tuple[float, float]]
 MIN_HOLDOUT = START_SAMPLES + 10  # samples, of which the first determine the initial state
-_NO_OUTPUT = "{} has {} samples without an output."
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 LIMITS_SCHEMA = "labsid.gap.limits/1"
 TESTED_SIZE = 1.5  # over the smallest size that is named
@@ -278,8 +278,12 @@ class _Prepared:
     ----------
     whole, record : Record
         As given, and as diagnosed: at one sampling time and shortened.
+    measured : ndarray of bool
+        Mask of the samples of `record` that have an output.
     holdout : Record or None
         With the input filtered like that of `data`.
+    holdout_measured : ndarray of bool or None
+        As `measured`, of the holdout.
     data : Data
     base : Baseline
     findings : list of Finding
@@ -291,7 +295,9 @@ class _Prepared:
 
     whole: Record
     record: Record
+    measured: np.ndarray
     holdout: Record | None
+    holdout_measured: np.ndarray | None
     data: Data
     base: Baseline
     findings: list[Finding]
@@ -306,14 +312,13 @@ def _prepare(
     order: int,
     exclude: Sequence[tuple[float, float]],
 ) -> _Prepared:
-    given = record
-    gaps, record = _without_gaps(record)
-    if holdout is not None and holdout.missing.any():
-        raise ValueError(f"{_NO_OUTPUT.format('the holdout', holdout.missing.sum())} Cut it to a stretch without gaps.")
+    given, given_holdout = record, holdout
+    (gaps, record), (other_gaps, holdout) = _without_gaps(record), _without_gaps(holdout)
     record, holdout = _common_sampling_time(record, holdout, simulation)
     _check_records(record, holdout)
-    given = replace(given, t=record.t, Ts=record.Ts)
-    findings = clock_findings(given, holdout)
+    findings = clock_findings(
+        _with_gaps_of(given, record), None if holdout is None else _with_gaps_of(given_holdout, holdout)
+    )
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     whole, shortened = record, shorten_record(record, simulation)
@@ -326,14 +331,16 @@ def _prepare(
         holdout = Record(holdout.t, filtered_input(holdout), holdout.y, holdout.Ts, name=holdout.name)
     simulation = read_exported(simulation, record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
-    rows = _included(record, exclude, gaps)
+    measured = _measured(record, gaps)
+    rows = _included(record, exclude, measured)
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
             "a simulated output is known on its own record only. Give a model or a function, or omit the holdout."
         )
-    return _Prepared(whole, record, holdout, data, base, findings, notes)
+    other = None if holdout is None else _measured_holdout(holdout, other_gaps)
+    return _Prepared(whole, record, measured, holdout, other, data, base, findings, notes)
 
 
 def _prepare_several(
@@ -349,53 +356,53 @@ def _prepare_several(
         raise ValueError("of several records each in turn is held out. Omit the holdout, or give it as one of them.")
     if len(exclude):
         raise ValueError("--exclude refers to the times of one record. Cut the records instead.")
-    for number, record in enumerate(records, 1):
-        if record.missing.any():
-            what = _NO_OUTPUT.format(label(record, number), record.missing.sum())
-            raise ValueError(f"{what} Diagnose it alone, or cut it to a stretch without gaps.")
+    given = records
+    gaps, records = zip(*map(_without_gaps, records), strict=True)
     records = at_one_sampling_time(records, stated_sampling_time(simulation))
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
     findings = [
         replace(finding, text=f"{label(record, number)}: {finding.text}")
-        for number, record in enumerate(records, 1)
-        for finding in clock_findings(record)
+        for number, (record, one) in enumerate(zip(records, given, strict=True), 1)
+        for finding in clock_findings(_with_gaps_of(one, record))
     ]
     parts, notes = shorten_records(records)
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
-    joined = join_records(parts)
+    joined = join_records(parts, [_measured(part, times) for part, times in zip(parts, gaps, strict=True)])
     findings += _repeated([(f"the record {name}", one) for name, one in zip(joined.names, parts, strict=True)])
     simulation = read_exported(simulation, joined.record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     data = joined.data(scales)
     base = make_baseline(data, joined.record.t, simulation, order)
-    return _Prepared(joined.record, joined.record, None, data, base, findings, notes, joined)
+    return _Prepared(joined.record, joined.record, joined.measured, None, None, data, base, findings, notes, joined)
 
 
 def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: Progress | None) -> Diagnosis:
     record, holdout, base = prepared.record, prepared.holdout, prepared.base
     rng = np.random.default_rng(seed)
-    answer = answer_from(record, explanation, base, holdout, rng, progress)
+    answer = answer_from(record, explanation, base, holdout, rng, progress, prepared.holdout_measured)
     data = answer.explanation.data
     model = export_model(data, answer.score.after_fit, answer.elsewhere)
     joined, inside = prepared.joined, np.ones(len(record), bool)
     if joined is None:
-        before = answer.before if base.given else explanation.path[0]  # fitted to all samples, as the levels are
+        fitted = answer.before if base.given else explanation.path[0]  # to all samples, as the levels are
         plateau = plateau_gap(
-            record.u, record.y, np.asarray(data.y_scale.back(before.output)), answer.outputs[1], data.rows
+            record.u, record.y, np.asarray(data.y_scale.back(fitted.output)), answer.outputs[1], data.rows
         )
         found = findings_from_record(prepared.whole, plateau)
     else:
         inside = joined.inside
         found, plateau = findings_by_record(joined, answer.outputs, data.rows)
-        y = np.where(inside, record.y, answer.outputs[0])  # no error between the records
-        record = Record(record.t, record.u, y, record.Ts, name=record.name)
+    y = np.where(inside & prepared.measured, record.y, answer.outputs[0])  # no error where nothing is measured
+    record = Record(record.t, record.u, y, record.Ts, name=record.name)
     report = build_report(record, answer, base, rng, holdout)
     if joined is not None:
         report["records"] = score_by_record(joined, data, answer.score)
-        shown = (record.t, record.u, record.y, *answer.outputs)
-        report["traces"] = figure_traces(*(signal[inside] for signal in shown))
+    before, after = (output[inside] for output in answer.outputs)
+    report["traces"] = figure_traces(
+        record.t[inside], record.u[inside], record.y[inside], before, after, prepared.measured[inside]
+    )
     findings = [*prepared.findings, *found, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
     report["record_findings"] = [asdict(finding) for finding in findings]
@@ -403,33 +410,64 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     report["screen"] = [*prepared.notes, *report["screen"]]
     report["holdout_traces"] = None
     if holdout is not None:
-        outputs = (data.y_scale.back(output) for output in answer.score.outputs)
-        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, *map(np.asarray, outputs))
-    report["replay"] = replay_content(record, inside, answer, holdout)
+        before, after = (np.asarray(data.y_scale.back(output)) for output in answer.score.outputs)
+        shown = prepared.holdout_measured
+        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after, shown)
+    measured = (prepared.measured, prepared.holdout_measured)
+    report["replay"] = replay_content(record, inside, measured, answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model)
 
 
-def _without_gaps(record: Record) -> tuple[Sequence[tuple[float, float]], Record]:
+@overload
+def _without_gaps(record: Record) -> tuple[_Times, Record]: ...
+@overload
+def _without_gaps(record: None) -> tuple[_Times, None]: ...
+@overload
+def _without_gaps(record: Record | None) -> tuple[_Times, Record | None]: ...
+def _without_gaps(record: Record | None) -> tuple[_Times, Record | None]:
     """Times without an output, and the record with straight lines there, which are neither fitted nor scored."""
+    if record is None:
+        return (), None
     half = 0.5 * record.Ts
     times = [(record.t[k] - half, record.t[stop - 1] + half) for k, stop in stretches_of(record.missing)]
     return times, replace(record, y=bridge_gaps(record.y)) if times else record
 
 
-def _included(
-    record: Record, exclude: Sequence[tuple[float, float]], gaps: Sequence[tuple[float, float]] = ()
-) -> np.ndarray:
-    """Mask of the samples outside the excluded time ranges and the gaps of the output."""
+def _with_gaps_of(given: Record | None, timed: Record) -> Record:
+    """A record as given, at the even times at which it is diagnosed."""
+    return timed if given is None else replace(given, t=timed.t, Ts=timed.Ts)
+
+
+def _measured(record: Record, gaps: _Times) -> np.ndarray:
+    """Mask of the samples outside the gaps of the output."""
     rows = np.ones(len(record), bool)
+    for start, stop in gaps:
+        rows[np.searchsorted(record.t, start) : np.searchsorted(record.t, stop)] = False
+    return rows
+
+
+def _measured_holdout(holdout: Record, gaps: _Times) -> np.ndarray:
+    """Mask of the samples of a holdout that have an output."""
+    rows = _measured(holdout, gaps)
+    scored = int(rows[START_SAMPLES:].sum())
+    if scored < MIN_HOLDOUT - START_SAMPLES:
+        raise ValueError(
+            f"the holdout has an output at {scored} of its scored samples; at least {MIN_HOLDOUT - START_SAMPLES} are "
+            "needed. Use another one."
+        )
+    return rows
+
+
+def _included(record: Record, exclude: _Times, measured: np.ndarray) -> np.ndarray:
+    """Mask of the samples with an output outside the excluded time ranges."""
+    rows = measured.copy()
     for start, stop in exclude:
         inside = (record.t >= start) & (record.t < stop)
         if not inside.any():
             span = f"{record.t[0]:g} to {record.t[-1]:g} s"
             raise ValueError(f"--exclude {start:g}:{stop:g} contains no sample: the record runs from {span}.")
         rows &= ~inside
-    for start, stop in gaps:
-        rows[np.searchsorted(record.t, start) : np.searchsorted(record.t, stop)] = False
     if rows.sum() < MIN_SAMPLES:
         raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} are needed.")
     return rows

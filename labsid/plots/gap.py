@@ -107,7 +107,7 @@ def _curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
 
 def largest_error(trace: dict[str, FloatArray]) -> slice:
     """The tenth of the record in which the simulation before has the largest error."""
-    power = (trace["y"] - trace["before"]) ** 2
+    power = np.nan_to_num(trace["y"] - trace["before"]) ** 2
     length = min(max(int(ZOOM * power.size), MIN_ZOOM_SAMPLES), power.size)
     total = np.concatenate([[0.0], np.cumsum(power)])
     first = int(np.argmax(total[length:] - total[:-length]))

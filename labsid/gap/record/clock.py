@@ -26,7 +26,10 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     """
     found = [Finding("note", "file", f"{note}.") for note in (*record.notes, *missing_note(record.y, record.t))]
     if holdout is not None:
-        found += [Finding("note", "file", f"holdout: {note}.") for note in holdout.notes]
+        found += [
+            Finding("note", "file", f"holdout: {note}.")
+            for note in (*holdout.notes, *missing_note(holdout.y, holdout.t))
+        ]
     for whose, what, one in (("", "record", record), (" of the holdout", "holdout", holdout)):
         if one is not None and one.jitter > REGULAR_WITHIN:
             text = (

@@ -26,7 +26,13 @@ MOST_COMBINATIONS = 8
 Names = tuple[str, ...]
 
 
-def replay_content(record: Record, inside: np.ndarray, answer: Answer, holdout: Record | None) -> dict[str, Any]:
+def replay_content(
+    record: Record,
+    inside: np.ndarray,
+    measured: tuple[np.ndarray, np.ndarray | None],
+    answer: Answer,
+    holdout: Record | None,
+) -> dict[str, Any]:
     """Assemble what a page replays.
 
     Parameters
@@ -35,6 +41,8 @@ def replay_content(record: Record, inside: np.ndarray, answer: Answer, holdout: 
         As diagnosed.
     inside : ndarray of bool, shape (N,)
         Samples of the record; between several joined ones there are others.
+    measured : tuple of ndarray of bool
+        Samples with an output, of the record and of the holdout.
     answer : Answer
     holdout : Record or None
 
@@ -46,7 +54,7 @@ def replay_content(record: Record, inside: np.ndarray, answer: Answer, holdout: 
     data, score = answer.explanation.data, answer.score
     before = np.where(inside, answer.before.output, np.nan)
     after = np.where(inside, score.after_fit.output, np.nan)
-    y = np.where(inside, data.y, np.nan)
+    y = np.where(inside & measured[0], data.y, np.nan)
     combinations = _combinations(answer)
     return {
         "u_scale": _scale(data.u_scale),
@@ -55,13 +63,17 @@ def replay_content(record: Record, inside: np.ndarray, answer: Answer, holdout: 
         | {"fitted": stretches_of(data.rows), "scored": [] if holdout or data.pieces else stretches_of(score.scored)},
         "holdout": None
         if holdout is None
-        else _signals(holdout, (data.u_scale.of(holdout.u), data.y_scale.of(holdout.y), *score.outputs))
+        else _signals(holdout, (data.u_scale.of(holdout.u), _with_gaps(holdout, data, measured[1]), *score.outputs))
         | {"fitted": [], "scored": stretches_of(score.scored)},
         "accepted": list(accepted_names(answer)),
         "combinations": [
             _combination(answer, fit, holdout) | {"names": list(names)} for names, fit in combinations.items()
         ],
     }
+
+
+def _with_gaps(holdout: Record, data: Data, measured: np.ndarray | None) -> FloatArray:
+    return np.asarray(np.where(True if measured is None else measured, data.y_scale.of(holdout.y), np.nan))
 
 
 def accepted_names(answer: Answer) -> Names:

@@ -60,9 +60,12 @@ def _replay(report: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _from_traces(traces: dict[str, list[float]]) -> dict[str, Any]:
+def _from_traces(traces: dict[str, list[Any]]) -> dict[str, Any]:
     kinds = {"t": "<f8", "u": "<f8", "y": "<f4", "before": "<f4", "after": "<f4"}
-    return {name: packed(np.array(traces[name]), kind) for name, kind in kinds.items()} | {"fitted": [], "scored": []}
+    return {name: packed(np.array(traces[name], float), kind) for name, kind in kinds.items()} | {
+        "fitted": [],
+        "scored": [],
+    }
 
 
 def _hypothesis(combination: dict[str, Any]) -> Hypothesis:

@@ -19,7 +19,6 @@ from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.quantities import chance, counted, number, percent
-from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
@@ -59,8 +58,7 @@ def build_report(
     unit = explanation.data.y_scale.unit
     numbers = estimate_numbers(explanation.data, explanation.best)
     effects = _effects(answer, numbers)
-    before, after = answer.outputs
-    e = record.y - before
+    e = record.y - answer.outputs[0]
     return {
         "schema": SCHEMA,
         "verdict": decision.verdict,
@@ -103,7 +101,6 @@ def build_report(
         },
         "numbers": numbers,
         "screen": screen_sentences(explanation),
-        "traces": figure_traces(record.t, record.u, record.y, before, after),
     }
 
 

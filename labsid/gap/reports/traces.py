@@ -1,6 +1,7 @@
 """Signals for the figures of a report, reduced to local extremes if the record is long."""
 
 import base64
+from typing import Any
 
 import numpy as np
 
@@ -32,8 +33,13 @@ def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.nda
 
 
 def figure_traces(
-    t: FloatArray, u: FloatArray, y: FloatArray, before: FloatArray, after: FloatArray
-) -> dict[str, list[float]]:
+    t: FloatArray,
+    u: FloatArray,
+    y: FloatArray,
+    before: FloatArray,
+    after: FloatArray,
+    measured: np.ndarray | None = None,
+) -> dict[str, list[Any]]:
     """Reduce the signals to the samples that preserve the output and both errors in a figure.
 
     Parameters
@@ -41,15 +47,22 @@ def figure_traces(
     t, u, y : ndarray, shape (N,)
     before, after : ndarray, shape (N,)
         Outputs of the simulations.
+    measured : ndarray of bool, shape (N,), optional
+        Samples with an output; by default all.
 
     Returns
     -------
     dict of list
-        The five signals at the same samples.
+        The five signals at the same samples; the output is None where there is none.
     """
     pick = extreme_samples([y, y - before, y - after])
     named = {"t": t, "u": u, "y": y, "before": before, "after": after}
-    return {name: x[pick].tolist() for name, x in named.items()}
+    signals = {name: x[pick].tolist() for name, x in named.items()}
+    if measured is None:
+        return signals
+    return signals | {
+        "y": [value if there else None for value, there in zip(signals["y"], measured[pick], strict=True)]
+    }
 
 
 def packed(signal: FloatArray, kind: str = "<f4") -> str:

@@ -123,6 +123,7 @@ class _Setting:
     other: tuple[FloatArray, FloatArray] | None
     given_output: FloatArray | None
     rng: np.random.Generator
+    measured: np.ndarray | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,6 +154,7 @@ def answer_from(
     holdout: Record | None,
     rng: np.random.Generator,
     progress: Progress | None = None,
+    measured: np.ndarray | None = None,
 ) -> Answer:
     """Decide what causes the gap.
 
@@ -170,6 +172,8 @@ def answer_from(
         Another record of the rig.
     rng : Generator
     progress : callable, optional
+    measured : ndarray of bool, optional
+        Samples of the holdout that have an output; by default all.
     """
     given = None
     if holdout is not None and base.simulate_record is not None:
@@ -178,7 +182,7 @@ def answer_from(
     fitted = None if base.before is None else base.before(explanation.data)
     if explanation.data.pieces and fitted is not None:
         given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
-    setting = _Setting(record, base, fitted, other, given, rng)
+    setting = _Setting(record, base, fitted, other, given, rng, measured)
     whole, complete = _complete(setting, explanation)
     decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
     if decision.verdict == "unknown":
@@ -233,7 +237,7 @@ def _partial(
 
 
 def _before(setting: _Setting, explanation: Explanation, onset: float | None = None) -> _Before:
-    held_out = hold_out(explanation.data, setting.other, onset)
+    held_out = hold_out(explanation.data, setting.other, onset, setting.measured)
     start = held_out.refit(explanation.path[0])
     linear = None if setting.base.given else choose_linear_model(held_out, start)
     fit = setting.given or (start if linear is None else linear.fit)

@@ -97,7 +97,12 @@ def _outputs_in_turn(data: Data, fit: Fit, again: Refit) -> FloatArray:
     return output
 
 
-def hold_out(data: Data, other: tuple[FloatArray, FloatArray] | None, onset: float | None = None) -> HeldOut:
+def hold_out(
+    data: Data,
+    other: tuple[FloatArray, FloatArray] | None,
+    onset: float | None = None,
+    measured: np.ndarray | None = None,
+) -> HeldOut:
     """Choose the held-out samples.
 
     Parameters
@@ -108,9 +113,12 @@ def hold_out(data: Data, other: tuple[FloatArray, FloatArray] | None, onset: flo
         state and are not scored. None for blocks of the record itself.
     onset : float, optional
         Instant at which an effect begins, as a share of the record.
+    measured : ndarray of bool, optional
+        Samples of the other record that have an output; by default all.
     """
     if other is not None:
-        return HeldOut(data, np.arange(other[0].size) >= START_SAMPLES, other)
+        scored = np.arange(other[0].size) >= START_SAMPLES
+        return HeldOut(data, scored if measured is None else scored & measured, other)
     if data.pieces:
         scored = np.zeros(data.samples, bool)
         for start, stop in data.pieces:

@@ -41,6 +41,8 @@ class JoinedRecords:
         Distinct names of the records.
     records : tuple of Record
         The records.
+    measured : ndarray of bool, shape (N,)
+        Samples with an output; those between two records count as such.
     """
 
     record: Record
@@ -48,6 +50,7 @@ class JoinedRecords:
     pieces: tuple[tuple[int, int], ...]
     names: tuple[str, ...]
     records: tuple[Record, ...]
+    measured: np.ndarray
 
     @property
     def inside(self) -> np.ndarray:
@@ -59,7 +62,7 @@ class JoinedRecords:
 
     def data(self, scales: tuple[Scale, Scale] | None = None) -> Data:
         """The scaled signals, in the scales of a simulation if it has some."""
-        data = scaled(self.u, self.record.y, self.inside, self.record.Ts, 0.0, scales)
+        data = scaled(self.u, self.record.y, self.inside & self.measured, self.record.Ts, 0.0, scales)
         return replace(data, pieces=self.pieces)
 
 
@@ -94,15 +97,19 @@ def label(record: Record, number: int) -> str:
     return record.name or f"record {number}"
 
 
-def join_records(records: Sequence[Record]) -> JoinedRecords:
+def join_records(records: Sequence[Record], measured: Sequence[np.ndarray] | None = None) -> JoinedRecords:
     """Join records of one sampling time end to end.
 
     Parameters
     ----------
     records : sequence of Record
+    measured : sequence of ndarray of bool, optional
+        Of each record the samples with an output, by default all; in the place of others the record has any value.
     """
+    if measured is None:
+        measured = [np.ones(len(record), bool) for record in records]
     bridge = _bridge_length(records)
-    u, filtered, y, pieces = [], [], [], []
+    u, filtered, y, pieces, rows = [], [], [], [], []
     samples = 0
     for number, record in enumerate(records):
         own = filtered_input(record)
@@ -110,10 +117,12 @@ def join_records(records: Sequence[Record]) -> JoinedRecords:
             u.append(np.full(bridge, record.u[0]))
             filtered.append(np.full(bridge, own[0]))
             y.append(record.y[bridge:0:-1])  # mirrored: neither held values nor another converter step
+            rows.append(np.ones(bridge, bool))
             samples += bridge
         u.append(record.u)
         filtered.append(own)
         y.append(record.y)
+        rows.append(measured[number])
         pieces.append((samples, samples + len(record)))
         samples += len(record)
     names = [label(record, number) for number, record in enumerate(records, 1)]
@@ -122,7 +131,9 @@ def join_records(records: Sequence[Record]) -> JoinedRecords:
     Ts = records[0].Ts
     t = np.asarray(Ts * np.arange(samples), np.float64)
     joined = Record(t, np.concatenate(u), np.concatenate(y), Ts, name=", ".join(names))
-    return JoinedRecords(joined, np.concatenate(filtered), tuple(pieces), tuple(names), tuple(records))
+    return JoinedRecords(
+        joined, np.concatenate(filtered), tuple(pieces), tuple(names), tuple(records), np.concatenate(rows)
+    )
 
 
 def _bridge_length(records: Sequence[Record]) -> int:

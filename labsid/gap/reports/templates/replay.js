@@ -44,7 +44,7 @@ function played(part) {
   });
   const [lower, upper] = chosen.model.bounds;
   const output = simulate(chosen.model, theta.map((x, i) => Math.min(Math.max(x, lower[i]), upper[i])), gains, part.u);
-  return output.map((x, k) => (Number.isNaN(part.y[k]) ? NaN : x));  // nothing between several records
+  return output.map((x, k) => (Number.isNaN(part.before[k]) ? NaN : x));  // nothing between several records
 }
 
 function rms(part, output, runs) {

@@ -10,6 +10,10 @@ from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
 
 
+def named(report):
+    return [effect["name"] for effect in report["effects"]]
+
+
 @pytest.fixture(scope="module")
 def clipped(rig_record):
     return rig_record("input-saturation", 400)
@@ -33,11 +37,31 @@ def test_missing_outputs_change_neither_effects_nor_parameters(clipped, holey):
     assert "y is missing in" in report["record_findings"][0]["text"]
 
 
-def test_records_with_gaps_beside_others_are_refused(clipped, holey):
-    with pytest.raises(ValueError, match=r"record 2 has \d+ samples without an output. Diagnose it alone"):
-        diagnose([replace(clipped, name=""), replace(holey, name="")])
-    with pytest.raises(ValueError, match=r"the holdout has \d+ samples without an output. Cut it"):
-        diagnose(clipped, holdout=holey)
+def test_gaps_of_one_of_several_records_and_of_a_holdout_are_left_out(clipped, holey, rig_record):
+    other = rig_record("input-saturation", 400)
+    for report in (
+        diagnose([replace(other, name="a"), replace(holey, name="b")]).report,
+        diagnose(clipped, holdout=holey).report,
+    ):
+        assert named(report) == ["input-saturation"]
+        assert report["gap"]["closed"] > 0.9
+        assert any("y is missing in" in finding["text"] for finding in report["record_findings"])
+    shown = report["holdout_traces"]["y"]
+    assert [value is None for value in shown] == holey.missing.tolist()
+    assert not any(start < holey.t[205] < stop for start, stop in report["gap"]["holdout"])
+
+
+def test_a_holdout_without_outputs_where_it_is_scored_is_refused(clipped, holey):
+    y = holey.y.copy()
+    y[55:] = np.nan
+    with pytest.raises(ValueError, match="the holdout has an output at 5 of its scored samples; at least 10 are"):
+        diagnose(clipped, holdout=replace(holey, y=y))
+
+
+def test_figures_show_no_output_where_there_is_none(holey):
+    report = diagnose(holey).report
+    assert [value is None for value in report["traces"]["y"]] == holey.missing.tolist()
+    assert all(np.isfinite(report["traces"]["before"]))
 
 
 def test_units_of_the_log_stand_in_the_report_and_a_replay_leaves_gaps_out(tmp_path, capsys, clipped, holey):
