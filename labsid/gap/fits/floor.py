@@ -18,8 +18,8 @@ NOISY = 3.0  # rms of what the past does not foretell over the step of the digit
 SEED = 0
 
 
-def digit_step(values: FloatArray) -> float:
-    """Rms step of the decimal digits with which a signal is printed.
+def digit_steps(values: FloatArray) -> FloatArray:
+    """Step of the decimal digits with which each value of a signal is printed.
 
     Parameters
     ----------
@@ -27,22 +27,35 @@ def digit_step(values: FloatArray) -> float:
 
     Returns
     -------
-    float
-        In the unit of the signal, for a fixed number of decimals (``%.3f``) or of significant digits (``%.6g``); 0 for
-        numbers with more than `MOST_DIGITS` of both.
+    ndarray, shape (N,)
+        In the unit of the signal: the same everywhere for a fixed number of decimals (``%.3f``), and in proportion to
+        the decade of the value for one of significant digits (``%.6g``); 0 for numbers with more than `MOST_DIGITS` of
+        both, and where such a value is zero.
     """
-    sizes = np.abs(values[values != 0.0])
+    found = np.zeros(values.size)
+    there = values != 0.0
+    sizes = np.abs(values[there])
     if not sizes.size:
-        return 0.0
+        return found
     decades = np.floor(np.log10(sizes))
-    top = float(decades.max())
-    found = [0.0]
+    top, largest = float(decades.max()), 0.0
     for digits in range(1, MOST_DIGITS + 1):
-        for steps in (10.0 ** (decades - digits + 1.0), np.full(sizes.size, 10.0 ** (top - digits + 1.0))):
+        for steps, everywhere in ((10.0 ** (decades - digits + 1.0), False), (10.0 ** (top - digits + 1.0), True)):
             places = sizes / steps
             if np.mean(np.abs(places - np.round(places)) < ROUND_TRIP) >= NEARLY_ALL:
-                found.append(float(np.sqrt(np.mean(steps**2))))
-    return max(found)
+                rms = float(np.sqrt(np.mean(np.square(steps))))
+                if rms > largest:
+                    largest = rms
+                    found = np.full(values.size, steps) if everywhere else np.zeros(values.size)
+                    if not everywhere:
+                        found[there] = steps
+    return found
+
+
+def digit_step(values: FloatArray) -> float:
+    """Rms of the `digit_steps` of the values that are not zero."""
+    steps = digit_steps(values)[values != 0.0]
+    return float(np.sqrt(np.mean(steps**2))) if steps.size else 0.0
 
 
 def is_printed(step: float, values: FloatArray) -> bool:

@@ -10,6 +10,8 @@ from labsid.records.signal_quality import lattice_step, runs
 
 SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sample is a spike
 SMALLEST_SPIKE = 1e-3  # of the spread of y: less is the error of a simulation
+INSTANT = 0.05  # samples: an error in time that a simulation may have
+RESOLVED = 2.0  # over the error of a right simulation, from which a sample is a spike
 LONGEST_SPIKE = 2  # samples
 MAX_SPIKE_RUN = 3  # adjacent spikes of different values
 OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors
@@ -34,12 +36,39 @@ class SampleFaults:
     spikes : ndarray of bool, shape (N,)
     lattice : float or None
         Converter step in the unit of y.
+    resolution : ndarray, shape (N,), optional
+        Error of a right simulation at each reading, from `reading_errors`.
     """
 
     held: np.ndarray
     stretches: tuple[tuple[int, int], ...]
     spikes: np.ndarray
     lattice: float | None
+    resolution: FloatArray | None = None
+
+    def beyond_resolution(self, e: FloatArray) -> np.ndarray:
+        """Samples whose error is larger than that of a right simulation, shape (N,)."""
+        return np.ones(e.size, bool) if self.resolution is None else np.asarray(np.abs(e) > self.resolution)
+
+
+def reading_errors(y: FloatArray, digits: FloatArray) -> FloatArray:
+    """Largest error of a right simulation at each reading: of its digits, and of the instant of a change.
+
+    A simulation of second order has a second time constant, of a few hundredths of a sample, where the rig has none.
+
+    Parameters
+    ----------
+    y : ndarray, shape (N,)
+        Readings.
+    digits : ndarray, shape (N,)
+        Step of their printed digits, in the same unit.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    change = np.abs(np.diff(y, prepend=y[:1], append=y[-1:]))
+    return np.asarray(digits + INSTANT * np.maximum(change[:-1], change[1:]))
 
 
 def find_lattice(y: FloatArray) -> tuple[float | None, np.ndarray]:
@@ -129,7 +158,9 @@ def flat_samples(y: FloatArray) -> np.ndarray:
     return np.asarray(flat | np.roll(flat, 1) | np.roll(flat, -1))
 
 
-def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0) -> np.ndarray:
+def find_spikes(
+    e: FloatArray, usable: np.ndarray, lattice: float = 0.0, resolution: FloatArray | None = None
+) -> np.ndarray:
     """Find isolated samples of the residual `e` far from their neighbours on both sides.
 
     Parameters
@@ -139,6 +170,8 @@ def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0) -> np.n
         Samples that are true readings.
     lattice : float
         Converter step; smaller distances are rounding.
+    resolution : ndarray, shape (N,), optional
+        Error of a right simulation at each reading.
     """
     spikes = np.zeros(e.size, bool)
     at = np.flatnonzero(usable)
@@ -154,12 +187,14 @@ def find_spikes(e: FloatArray, usable: np.ndarray, lattice: float = 0.0) -> np.n
     spread = 1.4826 * float(np.median(away)) if away.size else 0.0
     if spread == 0.0:
         spread = float(np.std(off)) or 1.0
-    least = max(SPIKE_THRESHOLD * spread, lattice, SMALLEST_SPIKE)
+    least = np.full(x.size, max(SPIKE_THRESHOLD * spread, lattice, SMALLEST_SPIKE))
+    if resolution is not None:
+        least = np.maximum(least, RESOLVED * resolution[at])
     far = np.abs(off) > least
     starts, lengths = runs(far.astype(float))
     for start, length in zip(starts, lengths, strict=True):
         stop = start + length
-        several = length <= MAX_SPIKE_RUN and bool(np.all(np.abs(np.diff(x[start:stop])) > least))
+        several = length <= MAX_SPIKE_RUN and bool(np.all(np.abs(np.diff(x[start:stop])) > least[start + 1 : stop]))
         alone = length <= LONGEST_SPIKE or several
         if far[start] and alone and start > 0:  # the initial state may still be wrong at the first sample
             before = x[start - 1]

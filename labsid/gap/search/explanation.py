@@ -10,7 +10,7 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
-from labsid.gap.fits.floor import is_printed, with_floor
+from labsid.gap.fits.floor import digit_steps, is_printed, with_floor
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.log_rounding import log_rounding_error
@@ -23,6 +23,7 @@ from labsid.gap.record.sample_faults import (
     find_lattice,
     find_spikes,
     flat_samples,
+    reading_errors,
     without_responses,
     without_rest,
 )
@@ -120,6 +121,7 @@ def explain(
         lattice = None
     flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
+    resolution = None if lattice is not None else reading_errors(y, digit_steps(y)) / data.y_scale.unit
     data = with_floor(replace(data, lattice=step))
     held = np.zeros(data.samples, bool)
     for stretch in stretches:
@@ -129,10 +131,10 @@ def explain(
 
     def spikes_of(fit: Fit) -> np.ndarray:
         """Samples off the lattice of the others, and isolated errors of the readings; flat ones have no noise."""
-        return off | without_responses(find_spikes(readings - fit.output, usable & ~flat, step), data.u)
+        return off | without_responses(find_spikes(readings - fit.output, usable & ~flat, step, resolution), data.u)
 
     clean, spikes, levels, path = _search_without_spikes(data, usable, spikes_of, structure, start, most, progress)
-    faults = SampleFaults(held, stretches, spikes, None if lattice is None else step)
+    faults = SampleFaults(held, stretches, spikes, None if lattice is None else step, resolution)
     if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
         slow = replace(clean, by_free_run=True)
         other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
@@ -251,7 +253,7 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
     spikes = faults.spikes.copy()
     spikes[0] = False  # the logger's start-up, or the step to the first input
     for name, bad in (("output-dropout", faults.held), ("output-outliers", spikes)):
-        bad = bad & data.rows
+        bad = bad & data.rows & faults.beyond_resolution(e)
         if bad.any() and float(np.mean(e[clean.rows | bad] ** 2)) > BAD_SAMPLE_RATIO * floor:
             found.append(name)
     white = best.noise.sigma2

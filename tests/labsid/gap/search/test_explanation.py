@@ -225,3 +225,13 @@ def test_slow_noise_is_not_identified_as_a_drift(
     by_free_run = searches[-1]
     assert "output-drift" in by_free_run[-1].hypothesis.names
     assert mean_square(data, by_free_run[-1]) < 0.5 * mean_square(data, by_free_run[0])
+
+
+def test_a_rest_without_noise_before_a_jump_is_no_fault_of_samples() -> None:
+    """A first-order rig with a delay, four digits: the second pole of the simulation costs .03 samples at each jump."""
+    u = np.repeat([0.6, -3.6, 0.7, -3.9, 1.2, -4.4], 240)
+    y = np.concatenate([np.zeros(34), lfilter([0.0, 0.00605815], [1.0, -0.97196709], u)[:-34]])
+    y = np.array([float(f"{value:.4g}") for value in y])
+    found = explain(scaled(u, y, np.ones(u.size, bool), 0.002))
+    assert found.best.hypothesis.names == ("input-delay",)
+    assert found.unsimulated == ()
