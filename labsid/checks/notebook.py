@@ -187,6 +187,27 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._display(str(exercise), "", {})
         return exercise
 
+    def predict(self, prediction_id: str) -> None:
+        """Ask what will happen, and show it with a slider on the notebook's own data once a prediction is chosen.
+
+        No marks depend on it, and nothing of the notebook's is changed. Where widgets do not run, a still picture is
+        shown.
+
+        Parameters
+        ----------
+        prediction_id : str
+        """
+        from labsid.predictions.display import RUN_AGAIN, has_widget, prediction_data, text_of
+        from labsid.predictions.prediction import Sources
+
+        if self._shell is None:
+            print(text_of(prediction_id))
+            return
+        data = prediction_data(prediction_id, Sources(self._record, self._variables))
+        if has_widget(data):
+            self._display(RUN_AGAIN, f"<small>{escape(RUN_AGAIN)}</small>", {})
+        self._shell.display_pub.publish(data, metadata={})
+
     def _has_practice(self, question_id: str) -> bool:
         from labsid.checks.practice import exercise_of
 
