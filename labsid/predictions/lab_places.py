@@ -45,8 +45,8 @@ class ShiftedRows:
             holds,
             f"The error of the fit is {volts(fit_after)} in place of {volts(fit_before)}, that of the simulation "
             f"{volts(after)} in place of {volts(before)}. The output hardly changes from one sample to the next, so a "
-            "wrong row still predicts it; a simulation has no measured outputs to lean on. (One sample too early, the "
-            "row contains y(k) itself: the fit is perfect, and the model does nothing.)",
+            "wrong row still predicts it; a simulation uses its own past outputs alone. (One sample too early, the row "
+            "contains y(k) itself: the fit is perfect, and the simulated output stays zero.)",
         )
 
 
@@ -133,7 +133,7 @@ class OffsetLeftIn:
             holds,
             f"The slow pole goes from {pole_before:.3f} to {pole_after:.4f}, the error from {volts(before)} to "
             f"{volts(after)}. A model without a constant term can hold a constant output at zero input only by a "
-            "pole at 1: least squares gives up the dynamics for the constant.",
+            "pole at 1: the constant, not the dynamics, decides the parameters.",
         )
 
 

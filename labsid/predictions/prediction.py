@@ -82,7 +82,7 @@ class Prediction:
 
 
 def verdict_text(prediction: Prediction, chosen: int, outcome: Outcome) -> str:
-    """Whether a prediction held, and why."""
+    """Whether a prediction held, and what happens if not."""
     if chosen == outcome.holds:
-        return f"Your prediction held. {outcome.said}"
-    return f'Your prediction did not hold. What happens: "{prediction.options[outcome.holds]}" {outcome.said}'
+        return "Your prediction held."
+    return f'Your prediction did not hold. What happens: "{prediction.options[outcome.holds]}"'

@@ -10,6 +10,14 @@ from labsid.predictions.prediction import Experiment, Prediction, verdict_text
 from labsid.predictions.still import question_html, view_html
 
 _WIDE = {"description_width": "initial"}
+_CSS = (
+    "<style>.labsid-prediction .widget-html-content{line-height:1.45}"
+    ".labsid-prediction .widget-html-content p{margin:.3em 0}"
+    ".labsid-prediction .widget-radio-box,.labsid-prediction .widget-radio-box label"
+    "{height:auto;line-height:1.45;white-space:normal;margin-bottom:.2em}</style>"
+)
+"""Widgets of ipywidgets have lines of a fixed height, in which the lines of a longer text would overlap."""
+_TEXT = "max-width:760px"
 _WHY = "One sentence: why? (For yourself. It is not marked and not saved, and you may skip it.)"
 
 
@@ -28,7 +36,8 @@ def prediction_widget(prediction: Prediction, experiment: Experiment) -> Any:
     options = [(option, index) for index, option in enumerate(prediction.options)]
     choice = ipywidgets.RadioButtons(options=options, value=None, layout={"width": "auto", "max_width": "760px"})
     commit = ipywidgets.Button(description="This is my prediction", disabled=True, layout={"width": "auto"})
-    box = ipywidgets.VBox([ipywidgets.HTML(question_html(prediction)), choice, commit])
+    box = ipywidgets.VBox([ipywidgets.HTML(_CSS + question_html(prediction)), choice, commit])
+    box.add_class("labsid-prediction")
     figure = ipywidgets.HTML()
     slider = ipywidgets.SelectionSlider(
         options=[(text, index) for index, text in enumerate(prediction.positions)],
@@ -54,10 +63,12 @@ def prediction_widget(prediction: Prediction, experiment: Experiment) -> Any:
     def on_move(change: Any) -> None:
         figure.value = seen(change["new"])
         if change["new"] == prediction.asked and box.children[-1] is figure:
-            said = escape(verdict_text(prediction, choice.value, experiment.outcome()))
-            verdict = ipywidgets.HTML(f'<p style="max-width:760px" role="status">{said}</p><p>{escape(_WHY)}</p>')
+            outcome = experiment.outcome()
+            said = escape(verdict_text(prediction, choice.value, outcome))
+            verdict = ipywidgets.HTML(f'<p style="{_TEXT}" role="status"><b>{said}</b></p><p>{escape(_WHY)}</p>')
             why = ipywidgets.Textarea(placeholder="Because ...", layout={"width": "min(100%, 760px)"})
-            box.children = (*box.children, verdict, why)
+            reason = f'<details style="{_TEXT}"><summary>Compare with ours.</summary>{escape(outcome.said)}</details>'
+            box.children = (*box.children, verdict, why, ipywidgets.HTML(reason))
 
     choice.observe(on_choice, names="value")
     commit.on_click(on_commit)

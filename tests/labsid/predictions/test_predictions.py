@@ -138,10 +138,9 @@ def test_on_other_data_another_option_holds(sources: Made) -> None:
 def test_a_verdict_says_whether_the_prediction_held() -> None:
     prediction = find_prediction("order")
     outcome = Outcome(1, "Because.")
-    assert verdict_text(prediction, 1, outcome) == "Your prediction held. Because."
-    assert verdict_text(prediction, 2, outcome) == (
-        'Your prediction did not hold. What happens: "It falls by less." Because.'
-    )
+    assert verdict_text(prediction, 1, outcome) == "Your prediction held."
+    said = 'Your prediction did not hold. What happens: "It falls by less."'
+    assert verdict_text(prediction, 2, outcome) == said
 
 
 def test_a_voltage_is_readable() -> None:

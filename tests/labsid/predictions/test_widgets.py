@@ -54,13 +54,15 @@ def test_the_figure_moves_and_the_verdict_comes_once(box: ipywidgets.VBox) -> No
     assert figure.value != first
     assert len(box.children) == 5
     slider.value = 2
-    assert kinds(box)[5:] == ["HTML", "Textarea"]
+    assert kinds(box)[5:] == ["HTML", "Textarea", "HTML"]
     assert "Your prediction did not hold. What happens: &quot;Much worse" in box.children[5].value
     assert "not marked and not saved" in box.children[5].value
+    assert box.children[7].value.startswith("<details")
+    assert "its own past outputs alone" in box.children[7].value
     slider.value = 1
     assert figure.value == first
     slider.value = 2
-    assert len(box.children) == 7
+    assert len(box.children) == 8
 
 
 def test_a_prediction_that_held_is_said_so(box: ipywidgets.VBox) -> None:
