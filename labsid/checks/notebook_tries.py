@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
@@ -57,7 +58,7 @@ class NotebookTries:
         self._clock = clock
         self._tries: list[KeptTry] | None = None
         self._problem = ""
-        self._codes: dict[str, tuple[str, ...]] = {}
+        self._codes: dict[str, tuple[str, ...] | None] = {}
         self._minutes, self._last = 0.0, clock()
         self._read()
 
@@ -100,21 +101,25 @@ class NotebookTries:
         slip : str, optional
             Name of the known mistake of a wrong answer.
         code : tuple of str, optional
-            The code of the answer, which is not kept: the same code again is no new try, nor is a second right answer.
+            The code of the answer, which is not kept. The same code again is no new try, nor is a second right answer,
+            nor the mistake of before when a notebook that was opened again is run for the first time.
         """
         if self._tries is None:
             return
         before = next((one for one in reversed(self._tries) if one.question == question), None)
-        is_known = code is not None and self._codes.get(question) == code and before is not None
-        if code is not None:
-            self._codes[question] = code
-        if len(self._tries) >= MAX_TRIES or (before is not None and before.right == right and (right or is_known)):
+        one = KeptTry(question, 0, right, "" if right else slip or OTHER)
+        is_opened = question not in self._codes
+        is_same_code = code is not None and self._codes.get(question) == code
+        self._codes[question] = code
+        if len(self._tries) >= MAX_TRIES or (before is not None and before.right and right):
+            return
+        if before is not None and before.slip == one.slip and (is_opened or is_same_code):
             return
         now = self._clock()
         self._minutes += min((now - self._last) / 60, LONGEST_PAUSE)
         self._last = now
         minute = min(int(self._minutes), MAX_MINUTE)
-        self._write([*self._tries, KeptTry(question, minute, right, "" if right else slip or OTHER)])
+        self._write([*self._tries, replace(one, minute=minute)])
 
     def _read(self) -> None:
         try:

@@ -120,6 +120,19 @@ def test_the_same_code_again_is_no_new_try(tmp_path: Path, monkeypatch: pytest.M
     assert len(kept()) == 3
 
 
+def test_a_notebook_that_is_run_again_after_a_restart_has_no_new_tries(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for opened in range(3):
+        tries = NotebookTries("tiny", lambda text, html: None, Clock())
+        if not opened:
+            tries.keep()
+        tries.note("q-gain", False, "sign", ("a = 1",))
+        tries.note("q-line", True, None, ("b = 1",))
+    assert len(kept()) == 2
+    tries.note("q-gain", False, "sign", ("a = 2",))
+    assert len(kept()) == 3
+
+
 def test_minutes_go_on_after_a_restart_and_a_pause_counts_half_an_hour(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     shown: list[str] = []
@@ -178,7 +191,7 @@ def test_a_file_has_an_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     Path(FILE).write_bytes(tries_bytes([WRONG] * (MAX_TRIES - 1)))
     tries = NotebookTries("tiny", lambda text, html: None)
     for slip in ("one", "two"):
-        tries.note("q-gain", False, slip)
+        tries.note("q-gain", False, slip, (slip,))
     assert [one.slip for one in kept()[-2:]] == ["sign", "one"]
 
 
