@@ -149,11 +149,16 @@ def test_the_import_walker_sees(tmp_path: Path, statement: str, imported: str) -
 
 
 def test_labsid_imports_neither_the_grader_nor_jupyter(labsid: list[Module]) -> None:
-    """But for the room that runs a student's notebooks in a kernel, which only the command imports."""
+    """But for the room that runs a student's notebooks in a kernel, which only the command imports, and the sliders."""
     jupyter = r"jupyter\w*|notebook|nb\w+|IPython|ipykernel|ipywidgets"
     hand_in = [module for module in labsid if f"{module.name}.".startswith("labsid.hand_in.")]
+    sliders = [module for module in labsid if module.name == "labsid.predictions.widgets"]
     assert broken(labsid, "autograder") == []
-    assert broken([module for module in labsid if module not in hand_in], jupyter) == []
+    assert broken([module for module in labsid if module not in (*hand_in, *sliders)], jupyter) == []
+    assert broken(sliders, jupyter) == ["labsid.predictions.widgets -> ipywidgets"]
+    assert broken(labsid, r"labsid\.predictions\.widgets") == [
+        f"labsid.predictions.display -> labsid.predictions.widgets{part}" for part in ("", ".prediction_widget")
+    ]
     assert {line.partition(" -> ")[2].partition(".")[0] for line in broken(hand_in, jupyter)} == {"jupyter_client"}
     others = [module for module in labsid if module not in hand_in and not module.name.startswith("labsid.cli.")]
     assert broken(others, r"labsid\.hand_in") == []
@@ -184,7 +189,7 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
         (
             "labsid",
             ["cluster", "fmu", "logs", "notebooks"],
-        ),  # of notebooks jupyter_client alone, as the test above says
+        ),  # of notebooks jupyter_client and ipywidgets alone, as the test above says
         ("autograder", ["notebooks", "autograder", "cluster"]),
         ("tests", ["notebooks", "autograder", "fmu", "logs", "mujoco", "dev"]),
     ],

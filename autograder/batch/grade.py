@@ -27,6 +27,7 @@ from autograder.results.autograded import write_autograded
 from autograder.results.grades import write_grades
 from autograder.results.late import ON_TIME, LateRules, late_penalty, read_timestamp
 from autograder.results.result_files import StoredResult
+from autograder.results.sent_tries import gather_tries
 from autograder.sandbox.isolation import is_weaker
 from labsid._files import write_text
 from labsid.checks.cells import Template
@@ -67,7 +68,7 @@ def grade_batch(
     course : Course
     batch : Batch
     out : Path
-        Receives ``results``, ``autograded``, ``gradebook.db`` and ``grades.csv``.
+        Receives ``results``, ``autograded``, ``gradebook.db``, ``grades.csv``, and ``tries`` if some were sent.
     executor : Executor
         Executes and judges.
     secret : bytes, optional
@@ -97,6 +98,8 @@ def grade_batch(
             yield from grader.run(gradebook.read_manual_grades(out))
         gradebook.enter(out, result_files.load_all(out))
         write_grades(out)
+        for name, template in templates.items():
+            gather_tries(batch.submitted, batch.students, name, {cell.id for cell in template.questions}, out)
 
 
 @dataclass(frozen=True, slots=True)

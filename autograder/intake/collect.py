@@ -6,7 +6,7 @@ participant after another are read, within a budget of work; what cannot be read
 File names in the zip are never used as output paths: these consist of a validated ID and the name of an assignment.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from datetime import tzinfo
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from autograder.intake.submission import VERSIONS_FILE
 from autograder.intake.versions import Version, newest_version
 from autograder.intake.worksheet import Worksheet, participant_number, submission_time, utc_timestamp
 from labsid._files import write_file
+from labsid.checks.kept_tries import tries_file_name
 from labsid.checks.notebook import find_assignment
 
 SHARE, MOST, POOL = 100_000_000, 400_000_000, 1_000_000_000
@@ -50,7 +51,8 @@ def collect_submissions(
         The zip file.
     out : Path
         Receives ``<student>/<assignment>/<assignment>.ipynb``, the submitted data file, and ``timestamp.txt`` if the
-        worksheet has the time; also `STUDENTS_FILE`. Existing files are replaced if the zip contains a new version.
+        worksheet has the time, and the tries that the student chose to send, which no line mentions; also
+        `STUDENTS_FILE`. Existing files are replaced if the zip contains a new version.
         Notebooks as they were released are not written.
     sheet : Worksheet, optional
         Grading worksheet of the same assignment.
@@ -118,7 +120,7 @@ def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp
     folder.mkdir(parents=True, exist_ok=True)
     for name, versions in sorted(found.versions.items()):
         if name in wanted:
-            notes = _write_assignment(folder, name, versions, found.data, timestamp)
+            notes = _write_assignment(folder, name, versions, found, timestamp)
             written.append(f"{name} ({', '.join(notes)})" if notes else name)
     others = [name for name in sorted(found.versions) if name not in wanted]
     untouched = sorted(found.untouched - found.versions.keys())
@@ -140,16 +142,17 @@ def _write_assignment(
     folder: Path,
     name: str,
     versions: Sequence[Version],
-    data: Mapping[str, Sequence[Version]],
+    found: HandIn,
     timestamp: str | None,
 ) -> list[str]:
     """Write one assignment of a participant; returns notes on it."""
     latest, doubts = newest_version(versions)
     files = {f"{name}.ipynb": latest.data}
     record = find_assignment(name).record_file
-    if record is not None and record in data:
-        beside = [one for one in data[record] if _folder_of(one.path) == _folder_of(latest.path)]
-        files[record] = newest_version(beside or data[record])[0].data
+    if record is not None and record in found.data:
+        beside = _beside(latest, found.data[record])
+        files[record] = newest_version(beside or found.data[record])[0].data
+    sent = _beside(latest, found.tries.get(tries_file_name(name), ()))
     inner = Path(folder.name, name)
     if timestamp is not None:
         files[TIMESTAMP_FILE] = f"{timestamp}\n".encode()
@@ -157,6 +160,10 @@ def _write_assignment(
         said = f"{shortened(latest.path)} was graded as the latest of {len(versions)} versions, but {'; '.join(doubts)}"
         files[VERSIONS_FILE] = f"{one_line(said)}\n".encode(errors="replace")
     replaced = {file for file, content in files.items() if _write_below(folder.parent, inner / file, content)}
+    if sent:
+        _write_below(folder.parent, inner / tries_file_name(name), newest_version(sent)[0].data)
+    else:  # those of a hand-in before, which the student does not send any more
+        (folder / name / tries_file_name(name)).unlink(missing_ok=True)
     notes = [f"the latest of {len(versions)} versions: {shortened(latest.path)}"] if len(versions) > 1 else []
     notes += [f"not clear which is the latest: {'; '.join(doubts)}"] if doubts else []
     notes += ["replaces what was collected before"] if replaced else []
@@ -167,6 +174,11 @@ def _write_assignment(
         stale.unlink()
         notes.append("the time of the hand-in is not known, that of the one before was removed")
     return notes
+
+
+def _beside(notebook: Version, files: Sequence[Version]) -> list[Version]:
+    """The files in the folder of a notebook."""
+    return [one for one in files if _folder_of(one.path) == _folder_of(notebook.path)]
 
 
 def _folder_of(path: str) -> str:

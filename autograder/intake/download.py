@@ -24,6 +24,7 @@ from autograder.intake.submission import cells_of, is_as_released, read_notebook
 from autograder.intake.untrusted_json import reading_work
 from autograder.intake.versions import Version
 from labsid.checks.cells import Template
+from labsid.checks.kept_tries import MAX_BYTES, tries_file_name
 from labsid.checks.notebook import find_assignment
 
 _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
@@ -60,6 +61,8 @@ class HandIn:
         Assignments of which there is a notebook as it was released.
     data : dict
         Copies of each data file, by its name.
+    tries : dict
+        Copies of the tries at each assignment that the participant chose to send, by the file's name.
     skipped : list of str
         Files that were not taken, and why.
     problem : str
@@ -69,6 +72,7 @@ class HandIn:
     versions: dict[str, list[Version]] = field(default_factory=dict)
     untouched: set[str] = field(default_factory=set)
     data: dict[str, list[Version]] = field(default_factory=dict)
+    tries: dict[str, list[Version]] = field(default_factory=dict)
     skipped: list[str] = field(default_factory=list)
     problem: str = ""
 
@@ -166,6 +170,9 @@ def _add_file(
             found.versions.setdefault(name, []).append(Version(path, name, *times, work, entry.data))
         if over is not None:
             raise over
+    elif base in {tries_file_name(name) for name in templates}:
+        if len(entry.data) <= MAX_BYTES:
+            found.tries.setdefault(base, []).append(Version(path, base, *times, entry.data, entry.data))
     elif base in _data_files(tuple(templates)):
         stem = base.rpartition(".")[0]
         found.data.setdefault(base, []).append(Version(path, stem, *times, entry.data, entry.data))

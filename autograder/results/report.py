@@ -11,18 +11,23 @@ from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import load_template, printable, write_feedback
 from autograder.results.gradebook import ManualGrades
+from autograder.results.hard_questions import HardAssignment, hard_csv, what_was_hard
 from autograder.results.result_files import StoredResult
+from autograder.results.sent_tries import StudentTries, load_sent
 from autograder.results.similar import find_equal, find_similar
 from labsid._files import write_text
 from labsid.checks.timetable import in_course_order
 
 BINS = 10
 MAX_MISTAKES = 12
+HARD_TABLE = "what-was-hard.csv"
 _FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
 def write_report(out: Path, course: str = "") -> Path:
-    """Write ``OUT/report.html``, and the feedback pages to which it links.
+    """Write ``OUT/report.html``, the feedback pages to which it links, and ``OUT/what-was-hard.csv``.
+
+    The last one has the statistics of the tries that students sent, without names, if enough of them did.
 
     Parameters
     ----------
@@ -37,8 +42,15 @@ def write_report(out: Path, course: str = "") -> Path:
     """
     path = out / "report.html"
     list(write_feedback(out, course))
-    page = report_page(result_files.load_all(out), gradebook.read_manual_grades(out), gradebook.read_names(out), course)
+    stored = result_files.load_all(out)
+    sent = {name: load_sent(out, name) for name in {result.assignment for result in stored}}
+    page = report_page(stored, gradebook.read_manual_grades(out), gradebook.read_names(out), course, sent)
     write_text(path, load_template("report.html.j2").render(page=page))
+    table = out / HARD_TABLE
+    if page["hard"]:
+        write_text(table, hard_csv(page["hard"]))
+    else:
+        table.unlink(missing_ok=True)
     return path
 
 
@@ -47,6 +59,7 @@ def report_page(
     manual: ManualGrades,
     student_names: Mapping[str, str] | None = None,
     course: str = "",
+    sent: Mapping[str, Sequence[StudentTries]] | None = None,
 ) -> dict[str, Any]:
     """The content of the report, as plain text and numbers.
 
@@ -58,6 +71,8 @@ def report_page(
         Names of students, by ID.
     course : str
         Title of the course.
+    sent : mapping, optional
+        The tries that students sent, by assignment.
 
     Returns
     -------
@@ -102,7 +117,17 @@ def report_page(
             for pair in pairs
         ],
         "copied": [one for result in stored for one in _copied(result)],
+        "hard": [one for name in names if (one := _hard(by_name[name], (sent or {}).get(name, ()))) is not None],
+        "hard_table": HARD_TABLE,
     }
+
+
+def _hard(stored: Sequence[StoredResult], sent: Sequence[StudentTries]) -> HardAssignment | None:
+    """What was hard in an assignment, by the tries that students sent; None if too few did."""
+    handed_in = [result for result in stored if not result.is_refused]
+    known = {question.question: result.headings for result in stored for question in result.questions}
+    headings = {question: printable(found.get(question, "")) for question, found in known.items()}
+    return what_was_hard(stored[0].assignment, sent, len(handed_in), headings)
 
 
 def _person(student: str, assignment: str) -> dict[str, str]:

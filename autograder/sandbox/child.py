@@ -100,7 +100,7 @@ class NoChecks:
     __module__ = "labsid.checks.notebook"  # cells may import it, and nothing of the grader
 
     def __init__(self, assignment: str, variables: Any, record: Any = None) -> None:
-        pass
+        self.tries = NoTries()
 
     def __call__(self, question_id: str) -> None:
         """Do nothing."""
@@ -111,7 +111,25 @@ class NoChecks:
     def hint(self, question_id: str | None = None) -> None:
         """Do nothing: hints are for the notebook."""
 
+    def predict(self, prediction_id: str) -> None:
+        """Do nothing: predictions are for the notebook."""
+
     def summary(self) -> None:
+        """Do nothing."""
+
+
+class NoTries:
+    """Replacement of the kept tries while grading."""
+
+    __module__ = "labsid.checks.notebook_tries"
+
+    def __call__(self) -> None:
+        """Do nothing."""
+
+    def keep(self) -> None:
+        """Do nothing: tries are kept in the student's notebook alone."""
+
+    def delete(self) -> None:
         """Do nothing."""
 
 

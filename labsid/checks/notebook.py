@@ -15,6 +15,7 @@ from labsid.checks.cells import Cell, answer_id, functions_asked_for, is_stub, s
 from labsid.checks.hints import Hints
 from labsid.checks.notebook_ask import NotebookAsk
 from labsid.checks.notebook_file import open_notebook, released_template
+from labsid.checks.notebook_tries import NotebookTries
 from labsid.checks.origin_of_values import QuestionCells
 from labsid.checks.question import Assignment, Question, given_values
 from labsid.checks.summary import (
@@ -31,7 +32,7 @@ from labsid.checks.summary import (
     summary_text,
 )
 from labsid.checks.values import Value, as_student_object
-from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.checks.verdict import PYTHON_ERROR, NoAnswer, Verdict
 from labsid.records.record import load_record
 
 _LINE = 95  # characters; JupyterLab breaks longer lines in the middle of a word
@@ -83,7 +84,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
     --------
     ``check = notebook_checks("lab-identification", globals())`` once, then ``check("lab-1c-offset")`` after a step,
     ``check.hint()`` for more than its message, ``check.practice("lab-1c-offset")`` for the same with new numbers,
-    ``check.skip("lab-1c-offset")`` to go on without it, and ``check.summary()`` at the end.
+    ``check.skip("lab-1c-offset")`` to go on without it, ``check.tries.keep()`` to keep a list of one's tries, and
+    ``check.summary()`` at the end.
     """
 
     def __init__(self, assignment: str, variables: MutableMapping[str, Any], record: str | Path | None = None) -> None:
@@ -101,6 +103,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         self._practised = 0
         self._shell = shell_of(variables)
         self._runs = None if self._shell is None else runs_in(self._shell)
+        self.tries = NotebookTries(assignment, lambda text, html: self._display(text, html, {}))
 
     def __call__(self, question_id: str) -> None:
         """Check one question and print the result; raise `CheckFailed` with the reason if it is wrong."""
@@ -111,6 +114,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             self._show(SKIPPED, question_id, "you went on from the reference's value. It earns no marks.")
             return
         if not_run is not None:
+            if cells is not None and cells.has_stopped:
+                self._note_try(question_id, cells, PYTHON_ERROR)
             self._fail(question, not_run, cells)
         waiting = [used for used in question.uses if used not in self._passed and used not in self._skipped]
         if waiting:
@@ -118,6 +123,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
         verdict, remark = _judged(question, ask, cells)
         verdict = self._unless_typed_in(question, ask, verdict)
+        self._note_try(question_id, cells, verdict.slip, verdict.passed, ask.names)
         if not verdict.passed:
             # several calls before a verdict: the last need not be the one that is wrong
             asks_for_values = question.gives is not None or question.reference is not None
@@ -180,6 +186,27 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             raise CheckFailed(f"{question_id} has no numbers to practise with. check.practice() lists those that have.")
         self._display(str(exercise), "", {})
         return exercise
+
+    def predict(self, prediction_id: str) -> None:
+        """Ask what will happen, and show it with a slider on the notebook's own data once a prediction is chosen.
+
+        No marks depend on it, and nothing of the notebook's is changed. Where widgets do not run, a still picture is
+        shown.
+
+        Parameters
+        ----------
+        prediction_id : str
+        """
+        from labsid.predictions.display import RUN_AGAIN, has_widget, prediction_data, text_of
+        from labsid.predictions.prediction import Sources
+
+        if self._shell is None:
+            print(text_of(prediction_id))
+            return
+        data = prediction_data(prediction_id, Sources(self._record, self._variables))
+        if has_widget(data):
+            self._display(RUN_AGAIN, f"<small>{escape(RUN_AGAIN)}</small>", {})
+        self._shell.display_pub.publish(data, metadata={})
 
     def _has_practice(self, question_id: str) -> bool:
         from labsid.checks.practice import exercise_of
@@ -296,6 +323,19 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         deleted = None if cells is None else cells.deleted_lines(released_template(self._assignment.name))
         told = " ".join(filter(None, (reason, deleted)))
         raise CheckFailed(f"{self._name(question.id)}: {told}", advice)
+
+    def _note_try(
+        self,
+        question_id: str,
+        cells: QuestionCells | None,
+        slip: str | None,
+        right: bool = False,
+        names: Iterable[str] = (),
+    ) -> None:
+        """Keep a try, if the student chose so; an answer cell as it was released is none."""
+        run = None if cells is None else cells.answer
+        if run is None or not is_stub(run.source):
+            self.tries.note(question_id, right, slip, self._code_of(question_id, tuple(names)))
 
     def _show(self, state: str, question_id: str, text: str) -> None:
         self._states[question_id] = state

@@ -10,7 +10,7 @@ from labsid.checks.python_errors import told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
 from labsid.checks.values import Value, plain
-from labsid.checks.verdict import NoAnswer
+from labsid.checks.verdict import PYTHON_ERROR, NoAnswer
 from labsid.records.record import Record
 
 PUBLIC_SEED = 2018
@@ -70,7 +70,7 @@ class NotebookAsk:
                 "becomes false."
             ) from None
         except Exception as error:
-            raise NoAnswer(told(stop_of(error, self._variables), f"`{name}`")) from error
+            raise NoAnswer(told(stop_of(error, self._variables), f"`{name}`"), PYTHON_ERROR) from error
 
     def known(self, name: str) -> Value:
         """A value of an earlier step: the student's, or the reference's where that step was skipped."""

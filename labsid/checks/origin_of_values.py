@@ -48,6 +48,11 @@ class QuestionCells:
         return self.runs.last(answer_id(self.question_id))
 
     @property
+    def has_stopped(self) -> bool:
+        """Whether an error stopped the last run of the answer cell."""
+        return self.answer is not None and self.answer.stop is not None
+
+    @property
     def has_ids(self) -> bool:
         """Whether the notebook's program sends the ids that the notebook's file has; some send ids of their own."""
         known = {cell.id for cell in self.template.cells} if self.template is not None else set()

@@ -11,13 +11,13 @@ ALLOWED_PACKAGES = ("records", "rig.lab")
 """The packages of labsid that graded code may import with all their modules."""
 
 ALLOWED_MODULES = (
-    "_arrays", "checks", "checks.causes", "checks.cell_names", "checks.cell_runs", "checks.cells", "checks.compare",
-    "checks.given_lines", "checks.grading_rules", "checks.hints", "checks.line_values", "checks.matlab_syntax",
-    "checks.notebook", "checks.notebook_ask", "checks.notebook_file", "checks.origin_of_values", "checks.permitted",
-    "checks.python_errors", "checks.question", "checks.relations", "checks.stops", "checks.summary",
-    "checks.time_limit", "checks.values", "checks.verdict", "plots", "plots.block_diagrams", "plots.captions",
-    "plots.describe", "plots.diagrams", "plots.figure", "plots.figure_values", "plots.lecture_diagrams",
-    "plots.style", "rig", "rig.seeds",
+    "_arrays", "_files", "checks", "checks.causes", "checks.cell_names", "checks.cell_runs", "checks.cells",
+    "checks.compare", "checks.given_lines", "checks.grading_rules", "checks.hints", "checks.kept_tries",
+    "checks.line_values", "checks.matlab_syntax", "checks.notebook", "checks.notebook_ask", "checks.notebook_file",
+    "checks.notebook_tries", "checks.origin_of_values", "checks.permitted", "checks.python_errors", "checks.question",
+    "checks.relations", "checks.stops", "checks.summary", "checks.time_limit", "checks.values", "checks.verdict",
+    "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
+    "plots.figure_values", "plots.lecture_diagrams", "plots.style", "rig", "rig.seeds",
 )  # fmt: skip
 """The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
 of a student's own results and the rigs with withheld effects are not among them."""

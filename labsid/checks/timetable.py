@@ -3,7 +3,7 @@
 HOURS = {
     "prelab-sinusoids": 1.0,
     "lab-identification": 3.0,
-    "postlab-model-order": 1.0,
+    "postlab-model-order": 1.25,
     "step-response": 2.0,
     "least-squares": 3.0,
     "model-structures": 3.25,

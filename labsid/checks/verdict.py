@@ -13,6 +13,10 @@ Answer = TypeVar("Answer")
 P = ParamSpec("P")
 
 
+PYTHON_ERROR = "Python error"
+"""The slip of an answer that Python stopped."""
+
+
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """The outcome of one question.

@@ -48,7 +48,14 @@ def submit_command(
     yes: Annotated[bool, typer.Option("--yes", help="Write the file even if some questions are not right.")] = False,
 ) -> None:
     """Run your notebooks from a clean start, show what is right, and zip them for hand-in."""
-    from labsid.hand_in.submission_file import find_work, open_questions, pack, run_notebook, run_text
+    from labsid.hand_in.submission_file import (
+        find_work,
+        open_questions,
+        pack,
+        run_notebook,
+        run_text,
+        tries_to_send,
+    )
     from labsid.hand_in.work_folder import default_folder
 
     work = find_work(folder or default_folder(), assignment)
@@ -64,8 +71,19 @@ def submit_command(
     missing = open_questions(runs)
     if missing and not yes:
         _ask_to_go_on(missing, out)
-    pack(work.to_hand_in, out)
+    tries = tries_to_send(work.to_hand_in)
+    pack(work.to_hand_in, out, tries if tries and _may_send(list(tries)) else None)
     print(f"Hand in this file: {out} ({', '.join(one.name for one in work.to_hand_in)})")
+
+
+def _may_send(files: list[str]) -> bool:
+    """Whether the student wants to send the tries; nobody is asked, and nothing sent, without a terminal."""
+    import sys
+
+    return sys.stdin.isatty() and typer.confirm(
+        f"Your tries are kept in {', '.join(files)}. Send them, too? They help to improve the course; no mark and no "
+        "decision depends on them, nor on your answer."
+    )
 
 
 def _ask_to_go_on(missing: int, out: Path) -> None:

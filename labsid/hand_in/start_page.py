@@ -43,6 +43,19 @@ _WORK = """\
 
 {rule}"""
 
+_TRIES = """\
+## Your tries, if you like
+
+`check.tries.keep()` in a notebook begins to keep a list of your tries, in a file beside that notebook: for each changed
+answer the question, the minutes of work since then, right or not right, and the name of the mistake. It has no code, no
+values and no times of day. It is off until you turn it on, and nothing depends on it: no mark, no deadline and no
+suspicion.
+
+- `check.tries()` shows the list, `check.tries.delete()` deletes it and ends the keeping.
+- The list stays on your machine. `labsid submit` asks whether to send it with your hand-in; without a yes it does not.
+- What is sent shows your instructors where the class found the course hard, as figures of at least five students and
+  without names. Their notice says who can open the hand-ins, when they are deleted, and which rights you have."""
+
 _PROGRESS = """\
 ## How far you are
 
@@ -76,13 +89,15 @@ def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str)
     -------
     str
     """
-    return "\n\n".join([_INTRODUCTION.format(table=_table(templates, due), data=data), _work(), _HAND_IN]) + "\n"
+    return (
+        "\n\n".join([_INTRODUCTION.format(table=_table(templates, due), data=data), _work(), _TRIES, _HAND_IN]) + "\n"
+    )
 
 
 def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: str) -> bytes:
     """The start page as a notebook; see `start_text`."""
     introduction = _INTRODUCTION.format(table=_table(templates, due), data=data)
-    texts = {"introduction": introduction, "work": _work(), "progress": _PROGRESS}
+    texts = {"introduction": introduction, "work": _work(), "tries": _TRIES, "progress": _PROGRESS}
     cells: list[dict[str, object]] = [_markdown(name, text) for name, text in texts.items()]
     cells.append(
         {

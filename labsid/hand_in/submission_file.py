@@ -1,10 +1,11 @@
 """The file to hand in: notebooks examined in a clean run, and packed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from labsid._files import write_file, zip_bytes
+from labsid.checks.kept_tries import MAX_BYTES, read_tries, tries_file_name
 from labsid.checks.notebook import assignment_names, find_assignment
 from labsid.checks.summary import FAILED, NOT_DONE, SIGNS, SKIPPED, summary_text
 from labsid.hand_in.clean_run import CleanRun, run_from_clean_start
@@ -92,7 +93,32 @@ def open_questions(runs: Sequence[CleanRun | None]) -> int:
     return sum(state in (FAILED, SKIPPED, NOT_DONE) for state in states)
 
 
-def pack(notebooks: Sequence[SavedNotebook], out: Path) -> None:
+def tries_to_send(notebooks: Sequence[SavedNotebook]) -> dict[str, bytes]:
+    """The tries that a student has kept beside notebooks.
+
+    Parameters
+    ----------
+    notebooks : sequence of SavedNotebook
+
+    Returns
+    -------
+    dict
+        The content of each file by its path in the hand-in, without files that have no tries or cannot be read.
+    """
+    found: dict[str, bytes] = {}
+    for notebook in notebooks:
+        path = notebook.path.with_name(tries_file_name(notebook.name))
+        try:
+            with path.open("rb") as file:
+                content = file.read(MAX_BYTES + 1)
+            if read_tries(content):
+                found[f"{notebook.name}/{path.name}"] = content
+        except (OSError, ValueError):  # there is none, or it was damaged
+            continue
+    return found
+
+
+def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, bytes] | None = None) -> None:
     """Zip notebooks with the data files on which they were made.
 
     Parameters
@@ -100,8 +126,10 @@ def pack(notebooks: Sequence[SavedNotebook], out: Path) -> None:
     notebooks : sequence of SavedNotebook
     out : Path
         The zip file, written atomically; the same work gives the same bytes.
+    tries : mapping, optional
+        The tries that the student sends, as `tries_to_send` finds them; default none.
     """
-    files: dict[str, bytes] = {}
+    files: dict[str, bytes] = dict(tries or {})
     for notebook in notebooks:
         files[f"{notebook.name}/{notebook.path.name}"] = notebook.data
         record = _record_beside(notebook.path)

@@ -18,6 +18,14 @@ def test_a_skip_beside_a_right_answer_does_not_stop_its_cell(grade_code) -> None
     assert "stopped" not in result.reason
 
 
+def test_tries_and_predictions_do_nothing_at_grading(grade_code) -> None:
+    left = 'check.tries.keep()\ncheck.tries()\ncheck.tries.delete()\ncheck.predict("order")\n'
+    right = "t = np.linspace(0, 100, 1001).reshape(-1, 1)"
+    result = grade_code("prelab-sinusoids", {"prelab-1-time-answer": left + right})["prelab-1-time"]
+    assert result.score == result.max_score
+    assert "stopped" not in result.reason
+
+
 def test_what_the_notebook_refuses_is_refused_at_grading(grade_code) -> None:
     right = "t = np.linspace(0, 100, 1001).reshape(-1, 1)"
     for line in ("from labsid import find_offsets", "from labsid import plots; plots.figure_5"):

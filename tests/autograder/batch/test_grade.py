@@ -32,10 +32,13 @@ from autograder.results import gradebook, grades, result_files
 from autograder.results.autograded import write_autograded
 from autograder.results.feedback import printable, write_feedback
 from autograder.results.grades import write_csv, write_grades
+from autograder.results.report import write_report
 from autograder.results.result_files import StoredResult
+from autograder.results.sent_tries import load_sent
 from autograder.results.summary import class_table
 from autograder.samples import write_samples
 from autograder.sandbox.isolation import LEVELS, ProcessLauncher, Reply, StudentProcessError, open_launcher
+from labsid.checks.kept_tries import KeptTry, tries_bytes, tries_file_name
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
 OPEN = "prelab-6-clock"
@@ -187,6 +190,37 @@ def test_only_what_changed_is_graded_anew(again: Class, graded: Class, launcher:
     add_a_cell(again.batch.submitted, "gil", PRELAB)
     assert regrade(again, launcher) == {Graded("gil", PRELAB, True, "submission")}
     assert same_but_seconds(graded.out, again.out)
+
+
+def test_tries_that_were_sent_are_stored_without_names_and_no_mark_depends_on_them(
+    again: Class, graded: Class, launcher: ProcessLauncher
+) -> None:
+    sent = (KeptTry("prelab-1-time", 3, False, "row"), KeptTry("prelab-1-time", 5, True))
+    path = again.batch.submitted / "ada" / PRELAB / tries_file_name(PRELAB)
+    path.write_bytes(tries_bytes(sent))
+    assert regrade(again, launcher) == set()
+    assert load_sent(again.out, PRELAB) == (sent,)
+    assert "ada" not in (again.out / "tries" / f"{PRELAB}.json").read_text(encoding="utf-8")
+    assert same_but_seconds(again.out, graded.out)
+    write_report(again.out)
+    assert "What was hard" not in (again.out / "report.html").read_text(encoding="utf-8")  # one student
+    path.unlink()
+    regrade(again, launcher)
+    assert load_sent(again.out, PRELAB) == ()
+
+
+def test_the_report_has_what_five_students_sent(again: Class) -> None:
+    sent = [[["prelab-1-time", 3, False, "row"], ["prelab-1-time", 5, True, ""]]] * 5
+    path = again.out / "tries" / f"{PRELAB}.json"
+    path.parent.mkdir()
+    path.write_text(json.dumps({"schema": "labsid.sent-tries/1", "sent": sent}), encoding="utf-8")
+    write_report(again.out)
+    assert "What was hard" in (again.out / "report.html").read_text(encoding="utf-8")
+    (row,) = read_csv(again.out / "what-was-hard.csv")
+    assert (row["question"], row["tries_until_right"], row["first_mistakes"]) == ("prelab-1-time", "2", "row (5)")
+    path.unlink()
+    write_report(again.out)
+    assert not (again.out / "what-was-hard.csv").exists()
 
 
 def test_a_broken_result_is_graded_anew(again: Class, graded: Class, launcher: ProcessLauncher) -> None:

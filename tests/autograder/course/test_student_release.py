@@ -74,6 +74,7 @@ def test_the_start_page_lists_the_assignments_in_order(course: Course, shared: d
         assert "labsid submit" in page
         assert RULE.format(seconds=CELL_SECONDS) in page
         assert "check.skip(" in page
+        assert "It is off until you turn it on, and nothing depends on it" in " ".join(page.split())
 
 
 def test_every_assignment_has_its_hours_and_the_guide_says_the_same(course: Course) -> None:

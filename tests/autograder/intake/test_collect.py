@@ -92,6 +92,23 @@ def test_folders_and_flat_names_and_nested_zips(course: Course, notebooks: Mappi
     assert (tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == notebooks[LAB]
 
 
+def test_tries_are_taken_without_a_word_and_go_with_a_hand_in_that_lacks_them(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    name = f"{LAB}-tries.json"
+    files = [(entry(f"{ADA}/{LAB}/{LAB}.ipynb"), notebooks[LAB]), (entry(f"{ADA}/{LAB}/{name}"), b"{}")]
+    target = tmp_path / "out" / "1001" / LAB / name
+    silent = list(collect_submissions(course, moodle(tmp_path / "m.zip", files[:1]), tmp_path / "out"))
+    assert not target.exists()
+    assert list(collect_submissions(course, moodle(tmp_path / "m.zip", files), tmp_path / "out")) == silent
+    assert target.read_bytes() == b"{}"
+    large = [files[0], (files[1][0], b" " * 500_000)]
+    for fewer in (large, files[:1]):
+        target.write_bytes(b"{}")
+        assert list(collect_submissions(course, moodle(tmp_path / "m.zip", fewer), tmp_path / "out")) == silent
+        assert not target.exists()
+
+
 def test_the_latest_version_counts_and_it_is_said(
     course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
 ) -> None:

@@ -10,6 +10,7 @@ import pytest
 from nbclient import NotebookClient
 
 from autograder.course.layout import Course
+from labsid.checks.kept_tries import read_tries
 from labsid.checks.time_limit import CELL_SECONDS
 from labsid.hand_in.kernel import CellOutcome, NotebookKernel
 
@@ -30,6 +31,24 @@ def test_an_answer_cell_that_failed_is_told(jupyter) -> None:
     assert shown.endswith("Correct that and run the cell, then this check.")
     assert "its answer cell stopped with SyntaxError" in jupyter.answer(CHECK, "t = = 3")
     assert jupyter.answer(CHECK, TIME).startswith("✓")
+
+
+def test_tries_are_those_of_changed_answers(jupyter) -> None:
+    jupyter.add(CHECK, "mine", "check.tries.keep()")
+    assert "From now on the checks keep your tries" in jupyter.run("mine")
+    jupyter.run(ANSWER, CHECK)  # as released: no try
+    for source in ("t = tt", "t = tt", TIME.replace(".reshape(-1, 1)", ""), TIME, TIME):
+        jupyter.answer(CHECK, source)
+    path = jupyter.path.with_name("prelab-sinusoids-tries.json")
+    tries = read_tries(path.read_bytes())
+    assert [(one.question, one.right) for one in tries] == [(CHECK, False), (CHECK, False), (CHECK, True)]
+    assert tries[0].slip == "Python error"
+    assert "linspace" not in path.read_text(encoding="utf-8")
+    jupyter.edit("mine", "check.tries()")
+    assert jupyter.run("mine").splitlines()[-1].split() == ["0", CHECK, "right"]
+    jupyter.edit("mine", "check.tries.delete()")
+    jupyter.run("mine")
+    assert not path.exists()
 
 
 def test_an_answer_that_was_changed_and_not_run_is_told(jupyter) -> None:

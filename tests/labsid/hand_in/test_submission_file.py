@@ -10,12 +10,13 @@ import nbformat
 import pytest
 
 from autograder.course.layout import RECORD_FILE, Course
+from labsid.checks.kept_tries import KeptTry, tries_bytes
 from labsid.checks.summary import PASSED
 from labsid.cli.commands import main
 from labsid.hand_in.clean_run import run_from_clean_start
 from labsid.hand_in.progress import show_progress
 from labsid.hand_in.saved_work import read_saved
-from labsid.hand_in.submission_file import find_work, pack, run_notebook, run_text
+from labsid.hand_in.submission_file import find_work, pack, run_notebook, run_text, tries_to_send
 
 PRELAB, LAB, POSTLAB = "prelab-sinusoids", "lab-identification", "postlab-model-order"
 
@@ -247,6 +248,36 @@ def test_at_a_terminal_submit_asks(
     assert f"8 questions are not right or not done. Write {out} all the same?" in shown.out
     assert out.exists() == (status == 0)
     assert (f"{out} was not written." in shown.err) == (status == 2)
+
+
+@pytest.mark.parametrize(
+    ("typed", "is_sent"),
+    [("n\n", False), ("\n", False), ("y\n", True), (None, False)],
+    ids=["no", "return alone", "yes", "no terminal"],
+)
+def test_tries_are_sent_after_a_yes_alone(
+    typed: str | None, is_sent: bool, work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    monkeypatch.setattr("labsid.hand_in.submission_file.run_notebook", lambda notebook: None)
+    answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = 3")
+    kept = work / PRELAB / f"{PRELAB}-tries.json"
+    kept.write_bytes(tries_bytes([KeptTry("prelab-1-time", 3, False, "row")]))
+    monkeypatch.setattr("sys.stdin", io.StringIO() if typed is None else Terminal(typed))
+    out = tmp_path / "hand-in.zip"
+    assert main(["submit", "--folder", str(work), "--out", str(out)]) == 0
+    shown = capsys.readouterr().out
+    with zipfile.ZipFile(out) as archive:
+        assert (f"{PRELAB}/{kept.name}" in archive.namelist()) == is_sent
+    assert ("Send them, too?" in shown) == (typed is not None)
+    assert ("[y/N]" in shown) == (typed is not None)
+
+
+@pytest.mark.parametrize("content", [None, tries_bytes([]), b"{", b" " * 500_000])
+def test_nobody_is_asked_about_tries_that_are_not_there(content: bytes | None, work: Path) -> None:
+    answer(work / PRELAB / f"{PRELAB}.ipynb", prelab_1_time_answer="t = 3")
+    if content is not None:
+        (work / PRELAB / f"{PRELAB}-tries.json").write_bytes(content)
+    assert tries_to_send(find_work(work).to_hand_in) == {}
 
 
 @pytest.mark.slow
