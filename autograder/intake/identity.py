@@ -139,9 +139,12 @@ def _refuse_shared(known: Iterable[Student], decided: Iterable[Student], rows: M
     numbers = {(student.id.casefold(), student.participant) for student in known}
     for student in known:
         namesake = participants.get(student.id.casefold())
-        if namesake is None or not student.participant or (student.id.casefold(), namesake.participant) in numbers:
+        if namesake is None:
             continue
-        if namesake.id == namesake.participant or _are_different(student, namesake):
+        by_number = namesake.id == namesake.participant  # nothing but the number says who it is
+        decided_before = (student.id.casefold(), namesake.participant) in numbers
+        unexpected = bool(student.participant) and by_number and not decided_before
+        if unexpected or ((student.participant or by_number) and _are_different(student, namesake)):
             raise ValueError(f"{_who(student)} and {_who(namesake)} have the same ID. {_REMEDY}")
     for student in (*known, *participants.values()):
         for value, kind in _identifiers(student, rows.get(student.participant, {})):

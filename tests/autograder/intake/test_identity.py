@@ -71,8 +71,23 @@ def test_what_was_decided_before_stays() -> None:
     assert ids(identify(sheet(ADA, BEN), known)) == ["old", "b"]
     number = [Student("z9", "Ada", participant="11")]
     assert ids(identify(sheet({**ADA, "Username": "", "Email address": ""}), number)) == ["z9"]
-    with pytest.raises(ValueError, match="ada is the username of Ada"):
+    with pytest.raises(ValueError, match=r"Eve \(z9\), participant 11 and Ada \(z9\), participant 11 have the same ID"):
         identify(sheet(ADA), [Student("old", "Ada", username="ada"), Student("z9", "Eve", participant="11")])
+
+
+def test_a_number_alone_makes_nobody_somebody_else() -> None:
+    """A participant number that is another's ID, and one that is used again on another site."""
+    listed = [Student("11", "Ada Able", "a@x"), Student("15", "Ben Brown", "b@x")]
+    with pytest.raises(ValueError, match=r"Ada Able \(11\) and Ben Brown \(11\), participant 11 have the same ID"):
+        identify(None, listed, {"11": "Ben Brown", "12": "Ada Able"})
+    assert ids(identify(None, [Student("11"), Student("12", "Brown, Ben")], {"11": "Ada", "12": "Ben Brown"})) == [
+        "11",
+        "12",
+    ]
+    before = [Student("z1", "Ada", "a@x", "ada", "12")]
+    with pytest.raises(ValueError, match=r"Ada \(z1\), participant 12 and Ben \(z1\), participant 12 have the same ID"):
+        identify(sheet(BEN), before)
+    assert ids(identify(sheet({**ADA, "Full name": "Ada Byron"}), [Student("z1", "Ada", "a@x", "ada", "11")])) == ["z1"]
 
 
 def test_who_is_not_in_the_worksheet_has_the_number_if_it_is_free() -> None:
