@@ -29,9 +29,8 @@ from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo
 
-from autograder.course.layout import Course
+from autograder.course.layout import SETTINGS_FILE, Course
 
-FILE_NAME = "course.toml"
 LATE_KEYS = ("grace", "per-day", "most")
 LEARNING_PLATFORMS = ("moodle",)
 _KEYS = ("title", "timezone", "secret", "students", "lms", "late", "assignments")
@@ -125,7 +124,7 @@ def read_settings(course: Course) -> CourseSettings:
     ValueError
         If the file is not TOML, or has an unknown key or a value of the wrong type.
     """
-    path = course.root / FILE_NAME
+    path = course.root / SETTINGS_FILE
     if not path.is_file():
         return CourseSettings()
     try:

@@ -14,7 +14,7 @@ import pytest
 from autograder.batch.fingerprint import template_hash
 from autograder.course import build
 from autograder.course.build import build_course, build_source
-from autograder.course.layout import Course, find_course, read_template
+from autograder.course.layout import Course, read_template
 from autograder.course.lint import SOLUTION_DELIMITERS, lint_checks, lint_release
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, Cell, Template, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
@@ -331,11 +331,6 @@ def test_a_text_that_is_none_is_said(write: Callable) -> None:
 def test_an_assignment_that_is_not_built_is_said(write: Callable) -> None:
     with pytest.raises(ValueError, match=r"tiny has not been built .*labsid course build"):
         read_template(write(ANSWER), "tiny")
-
-
-def test_the_own_course_is_found_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert (find_course().notebooks / "lab-identification" / "lab-identification.md").is_file()
 
 
 def test_any_change_of_a_release_changes_its_fingerprint() -> None:
