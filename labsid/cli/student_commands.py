@@ -61,11 +61,17 @@ def submit_command(
         print(remark)
     if work.untouched:
         print(f"Left out, because they are as they were released: {', '.join(one.name for one in work.untouched)}.")
+    for name, reason in work.unreadable.items():
+        print(f"{name} cannot be handed in: {reason}")
     missing = open_questions(runs)
     if missing and not yes:
         _ask_to_go_on(missing, out)
     pack(work.to_hand_in, out)
     print(f"Hand in this file: {out} ({', '.join(one.name for one in work.to_hand_in)})")
+    if work.unreadable:
+        print(
+            f"Not in it, because it cannot be read: {', '.join(work.unreadable)}. Mend it and run this command again."
+        )
 
 
 def _ask_to_go_on(missing: int, out: Path) -> None:
