@@ -11,6 +11,7 @@ from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import load_template, printable, write_feedback
 from autograder.results.gradebook import ManualGrades
+from autograder.results.nearly_equal import NearlyEqual, find_nearly_equal
 from autograder.results.result_files import StoredResult
 from autograder.results.similar import find_equal, find_similar
 from labsid._files import write_text
@@ -67,8 +68,14 @@ def report_page(
     by_name = {name: [result for result in stored if result.assignment == name] for name in names}
     levels = Counter(result.isolation for result in stored)
     equal = find_equal(stored)
-    same = [set(one.students) for one in equal if one.question is None]
-    pairs = [pair for pair in find_similar(stored) if not any({pair.first, pair.second} <= group for group in same)]
+    nearly = find_nearly_equal(stored)
+    same = [(one.assignment, set(one.students)) for one in equal if one.question is None]
+    same += [(one.assignment, set(one.students)) for one in nearly]
+    pairs = [
+        pair
+        for pair in find_similar(stored)
+        if not any(pair.assignment == name and {pair.first, pair.second} <= group for name, group in same)
+    ]
     return {
         "course": course,
         "names": {printable(student): printable(name) for student, name in (student_names or {}).items()},
@@ -91,6 +98,7 @@ def report_page(
             }
             for one in equal
         ],
+        "nearly": [_nearly_equal(one) for one in nearly],
         "similar": [
             {
                 "assignment": pair.assignment,
@@ -108,6 +116,19 @@ def report_page(
 def _person(student: str, assignment: str) -> dict[str, str]:
     """A student as the report shows one: ID, and the address of the feedback page."""
     return {"id": printable(student), "page": f"feedback/{quote(student, errors='replace')}/{assignment}.html"}
+
+
+def _nearly_equal(group: NearlyEqual) -> dict[str, Any]:
+    """A group of hand-ins with nearly all answers equal, as the report shows it."""
+    counts = f"{group.fewest}" if group.fewest == group.most else f"{group.fewest} to {group.most}"
+    return {
+        "assignment": group.assignment,
+        "students": [_person(student, group.assignment) for student in group.students],
+        "equal": f"{counts} of {group.compared}",
+        "different": group.different,
+        "to_the_letter": group.to_the_letter,
+        "same_mistakes": group.same_mistakes,
+    }
 
 
 def _copied(result: StoredResult) -> Iterator[dict[str, Any]]:
