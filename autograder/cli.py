@@ -17,6 +17,7 @@ from autograder.writing_commands import new_command, preview_command
 if TYPE_CHECKING:
     from autograder.course.settings import CourseSettings
     from autograder.course.students import Student
+    from autograder.results.extensions import Extensions
     from autograder.results.late import LateRules
 
 course = typer.Typer(help="Build the course, grade a class, write feedback and exports.", no_args_is_help=True)
@@ -167,6 +168,10 @@ def course_grade(
             "from due in started days; percentages are of all marks.",
         ),
     ] = None,
+    extensions: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV with student, assignment, due: own due dates of single students."),
+    ] = None,
     secret: SecretFile = None,
 ) -> None:
     """Grade a class; a second run grades only new and changed submissions.
@@ -180,6 +185,7 @@ def course_grade(
     from autograder.course.settings import read_settings
     from autograder.course.students import STUDENTS_FILE, write_students
     from autograder.results import gradebook
+    from autograder.results.extensions import extension_remarks, read_extensions
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
     from autograder.sandbox.escapes import open_escapes
@@ -190,11 +196,15 @@ def course_grade(
     here = open_course()
     settings = read_settings(here)
     rules = _late_rules(settings) if late is None else parse_rules(late)
+    own_dates: Extensions = {}
+    if (table := extensions or settings.extensions) is not None:
+        own_dates = read_extensions(table, here.assignments(), settings.timezone)
     secret = secret or settings.secret
     key = None if secret is None else read_secret(secret)
     students = _who_is_who(settings, out / STUDENTS_FILE, submitted / STUDENTS_FILE)
     batch = find_batch(here, submitted, *(assignment or ()), due=settings.due_by(datetime.now(UTC)))
-    for line in batch.remarks:
+    due, now = {**settings.due_dates, **{name: rule.due for name, rule in (rules or {}).items()}}, datetime.now(UTC)
+    for line in (*batch.remarks, *extension_remarks(own_dates, batch.students, batch.assignments, due, now)):
         warn(line)
     for name in batch.ignored:
         warn(f"{name}: not graded, because the folder's name is not valid UTF-8. Rename it to the student's ID.")
@@ -204,7 +214,7 @@ def course_grade(
         with open_executor(isolation, jobs, scheduler, warn) as executor:
             if open_to_students := open_escapes(executor.level):
                 warn(f"NOT ISOLATED: student code runs with limits, but can {'; '.join(open_to_students)}.")
-            graded = list(progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
+            graded = list(progress(grade_batch(here, batch, out, executor, key, rules, own_dates), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
     gradebook.enter_students(out, students)

@@ -1,6 +1,7 @@
 """Feedback pages: one self-contained HTML file for each submission, made from its stored result."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
@@ -68,11 +69,11 @@ def feedback_page(result: StoredResult, manual: ManualGrades, name: str = "", co
     dict
     """
     questions = []
+    headings = unique_headings(result)
     marks = grades.totals(result, manual.scores)
     for question in result.questions:
         key = (result.student, result.assignment, question.question)
-        heading = result.headings.get(question.question, "")
-        questions.append(_question_block(question, key, manual, heading))
+        questions.append(_question_block(question, key, manual, headings[question.question]))
     automatic = [block for block in questions if not block["by_hand"]]
     wrong = [block for block in questions if block["look"] == "wrong"]
     return {
@@ -82,7 +83,9 @@ def feedback_page(result: StoredResult, manual: ManualGrades, name: str = "", co
         "title": result.title,
         "score": plain_decimal(marks.score),
         "max_score": plain_decimal(marks.max_score),
+        "refusal": result.refusal.capitalize(),
         "late": result.late,
+        "extension": result.extension,
         "waiting": plain_decimal(marks.waiting),
         "automatic": len(automatic),
         "right": sum(block["look"] == "right" for block in automatic),
@@ -99,7 +102,7 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
     by_hand = question.status == "manual"
     return {
         "id": question.question,
-        "heading": heading or question.question,
+        "heading": heading,
         "by_hand": by_hand,
         "look": look,
         "mark": _MARKS[look],
@@ -115,6 +118,17 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
         "output": printable(question.output),
         "figures": question.figures,
     }
+
+
+def unique_headings(result: StoredResult) -> dict[str, str]:
+    """The heading of each question; those under the same heading of the notebook are numbered."""
+    texts = {one.question: result.headings.get(one.question) or one.question for one in result.questions}
+    total, seen = Counter(texts.values()), Counter[str]()
+    found = {}
+    for question, text in texts.items():
+        seen[text] += 1
+        found[question] = f"{text} ({seen[text]} of {total[text]})" if total[text] > 1 else text
+    return found
 
 
 def look_of(score: Decimal | None, max_score: Decimal) -> str:

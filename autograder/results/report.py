@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import load_template, printable, write_feedback
+from autograder.results.feedback import load_template, printable, unique_headings, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.nearly_equal import NearlyEqual, find_nearly_equal
 from autograder.results.result_files import StoredResult
@@ -164,7 +164,7 @@ def _class_list(
                 cells.append(None)
                 continue
             marks = grades.totals(result, manual.scores)
-            status = result.questions[0].status if result.is_refused else "waiting" if marks.waiting else ""
+            status = result.refusal or ("waiting" if marks.waiting else "")
             cells.append({**_person(student, name), "score": plain_decimal(marks.score), "status": status})
         rows.append({"id": printable(student), "cells": cells})
     return rows
@@ -180,9 +180,14 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
         "name": stored[0].assignment,
         "title": printable(stored[0].title),
         "handed_in": len(handed_in),
-        "refused": len(stored) - len(handed_in),
+        "refused": [
+            f"{count} {words}" for words, count in Counter(one.refusal for one in stored).most_common() if words
+        ],
         "second_record": _second_record(handed_in),
         "late": sum(one.penalty > 0 for one in totals),
+        "extensions": [
+            {"who": _person(one.student, one.assignment), "due": one.extension} for one in stored if one.extension
+        ],
         "max_score": plain_decimal(max_score),
         "mean": plain_decimal((sum(scores, Decimal(0)) / len(scores)).quantize(Decimal("0.01"))) if scores else "–",
         "median": plain_decimal(_median(scores)) if scores else "–",
@@ -215,10 +220,11 @@ def _questions(stored: Sequence[StoredResult], manual: ManualGrades) -> list[dic
     """Marks lost on each question, most costly first."""
     rows: dict[str, dict[str, Any]] = {}
     for result in stored:
+        headings = unique_headings(result)
         for question in result.questions:
             row = rows.setdefault(
                 question.question,
-                {"id": question.question, "heading": printable(result.headings.get(question.question, "")), "full": 0,
+                {"id": question.question, "heading": printable(headings[question.question]), "full": 0,
                  "none": 0, "graded": 0, "lost": Decimal(0), "max_score": plain_decimal(question.max_score),
                  "worth": question.max_score, "slips": Counter()},
             )  # fmt: skip
@@ -272,7 +278,7 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
         weight += 50
     for kind in _FAILURES:
         if status[kind]:
-            reasons.append(kind if result.is_refused else f"{kind}: {_named(result, kind)}")
+            reasons.append(f"{result.refusal} ({kind})" if result.is_refused else f"{kind}: {_named(result, kind)}")
             weight += 20
     automatic = [question for question in result.questions if question.status != "manual"]
     if not result.is_refused and automatic and all(question.score == 0 for question in automatic):
@@ -304,12 +310,12 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
 
 
 def _missing(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
-    """Students without a submission, by assignment."""
-    found: dict[str, list[str]] = {}
+    """Students without an answer to grade, by assignment and whether they handed in something."""
+    found: dict[tuple[str, str], list[str]] = {}
     for result in stored:
-        if all(question.status == "missing" for question in result.questions):
-            found.setdefault(result.assignment, []).append(printable(result.student))
-    return [{"assignment": name, "students": students} for name, students in found.items()]
+        if result.refusal in (result_files.NOT_HANDED_IN, result_files.AS_RELEASED):
+            found.setdefault((result.assignment, result.refusal), []).append(printable(result.student))
+    return [{"assignment": name, "words": words, "students": students} for (name, words), students in found.items()]
 
 
 def _named(result: StoredResult, status: str) -> str:
