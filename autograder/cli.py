@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from autograder.console import open_course, open_settings, progress, warn
+from autograder.console import open_course, open_course_if_any, progress, warn
+from autograder.feedback_texts import feedback_texts
+from autograder.solutions_command import solutions_command
 from autograder.writing_commands import new_command, preview_command
 
 if TYPE_CHECKING:
@@ -24,6 +26,13 @@ course = typer.Typer(help="Build the course, grade a class, write feedback and e
 course.command("new")(new_command)
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]
+Solutions = Annotated[
+    bool | None,
+    typer.Option(
+        "--solutions/--no-solutions",
+        help="Model answers in the feedback pages; default once an assignment is due for everybody.",
+    ),
+]
 SecretFile = Annotated[
     Path | None, typer.Option("--secret", metavar="FILE", help="File with the course's secret, for individual data.")
 ]
@@ -185,7 +194,7 @@ def course_grade(
     from autograder.course.settings import read_settings
     from autograder.course.students import STUDENTS_FILE, write_students
     from autograder.results import gradebook
-    from autograder.results.extensions import extension_remarks, read_extensions
+    from autograder.results.extensions import EXTENSIONS_FILE, extension_remarks, read_extensions, write_extensions
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
     from autograder.sandbox.escapes import open_escapes
@@ -218,6 +227,7 @@ def course_grade(
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
     gradebook.enter_students(out, students)
+    write_extensions(out / EXTENSIONS_FILE, own_dates)
     if students:
         write_students(out / STUDENTS_FILE, students)
     if settings.students is not None:
@@ -235,11 +245,12 @@ def course_grade(
 
 
 @course.command("feedback")
-def course_feedback(out: Out) -> None:
+def course_feedback(out: Out, solutions: Solutions = None) -> None:
     """Write OUT/feedback/<student>/<assignment>.html."""
     from autograder.results.feedback import write_feedback
 
-    pages = list(progress(write_feedback(out, open_settings().title), None, "feedback"))
+    here, settings = open_course_if_any()
+    pages = list(progress(write_feedback(out, feedback_texts(here, settings, out, solutions)), None, "feedback"))
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
@@ -264,13 +275,14 @@ def course_export(
     zero: Annotated[
         bool, typer.Option("--zero", help="Give 0 marks in the rows of the worksheet without a hand-in.")
     ] = False,
+    solutions: Solutions = None,
 ) -> None:
     """Export the grades, including manual grades, as CSV or to Moodle."""
     from autograder.export.grades_csv import export_csv
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
 
-    settings = open_settings()
+    here, settings = open_course_if_any()
     if format is None:
         format = settings.lms or "csv" if worksheet is not None else "csv"
     if format not in ("csv", "moodle"):
@@ -283,21 +295,26 @@ def course_export(
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
     weights = settings.weights
-    done = export_moodle(out, read_worksheet(worksheet), *(assignment or ()), weights=weights, scale=scale, zero=zero)
+    sheet, texts = read_worksheet(worksheet), feedback_texts(here, settings, out, solutions)
+    done = export_moodle(out, sheet, *(assignment or ()), weights=weights, scale=scale, zero=zero, texts=texts)
     for remark in done.remarks:
         print(remark)
     print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
 
 
 @course.command("report")
-def course_report(out: Out) -> None:
+def course_report(out: Out, solutions: Solutions = None) -> None:
     """Write OUT/report.html and the feedback pages to which it links.
 
     The report shows the distribution of marks, the most costly questions and mistakes, and submissions to review.
     """
     from autograder.results.report import write_report
 
-    print(f"Wrote {write_report(out, open_settings().title)}.")
+    here, settings = open_course_if_any()
+    print(f"Wrote {write_report(out, feedback_texts(here, settings, out, solutions))}.")
+
+
+course.command("solutions")(solutions_command)
 
 
 @course.command("mark")

@@ -21,15 +21,15 @@ def open_course() -> "Course":
     return found
 
 
-def open_settings() -> "CourseSettings":
-    """The settings of the course; the defaults outside of a course, for commands that do not need one."""
+def open_course_if_any() -> "tuple[Course | None, CourseSettings]":
+    """The course and its settings; None and the defaults outside of a course, for commands that do not need one."""
     from autograder.course.settings import CourseSettings, read_settings
 
     try:
         here = open_course()
     except ValueError:
-        return CourseSettings()
-    return read_settings(here)
+        return None, CourseSettings()
+    return here, read_settings(here)
 
 
 def warn(line: str) -> None:

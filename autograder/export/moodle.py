@@ -25,7 +25,7 @@ from autograder.intake.worksheet import (
     worksheet_text,
 )
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import write_feedback
+from autograder.results.feedback import FeedbackTexts, write_feedback
 from autograder.results.grades import Totals, write_grades
 from autograder.results.result_files import StoredResult
 from labsid._files import write_file, zip_bytes
@@ -59,6 +59,7 @@ def export_moodle(
     weights: Mapping[str, Decimal] | None = None,
     scale: bool = False,
     zero: bool = False,
+    texts: FeedbackTexts | None = None,
 ) -> MoodleExport:
     """Write ``OUT/moodle/worksheet.csv`` and ``OUT/moodle/feedback.zip``.
 
@@ -76,6 +77,8 @@ def export_moodle(
         Whether to convert the marks to the worksheet's maximum.
     zero : bool
         Whether rows without a hand-in and without a grade get 0 marks; otherwise they are not changed.
+    texts : FeedbackTexts, optional
+        For the feedback pages.
 
     Returns
     -------
@@ -108,7 +111,7 @@ def export_moodle(
     by_student: dict[str, list[StoredResult]] = {}
     for one in stored:
         by_student.setdefault(one.student, []).append(one)
-    pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out)}
+    pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out, texts)}
     rows: list[dict[str, str]] = []
     files: dict[str, bytes] = {}
     found: set[str] = set()

@@ -16,6 +16,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from autograder.course.settings import local_time, time_zone
+from labsid._files import csv_text, write_text
+
+EXTENSIONS_FILE = "extensions.csv"
+"""In OUT: the extensions with which it was graded."""
 
 COLUMNS = ("student", "assignment", "due")
 
@@ -93,6 +97,12 @@ def read_extensions(
     return found
 
 
+def write_extensions(path: Path, extensions: Extensions) -> None:
+    """Write extensions, with dates in UTC."""
+    rows = ([student, assignment, one.due.isoformat()] for (student, assignment), one in extensions.items())
+    write_text(path, csv_text(COLUMNS, rows))
+
+
 def extension_remarks(
     extensions: Extensions,
     students: Collection[str],
@@ -121,3 +131,17 @@ def extension_remarks(
         elif assignment in assignments and one.due > now:
             remarks.append(f"{who}: runs until {one.text}; grade again after that.")
     return remarks
+
+
+def closed_assignments(due: Mapping[str, datetime], extensions: Extensions, now: datetime) -> frozenset[str]:
+    """The assignments that nobody works on any more: due, also for the students with an extension.
+
+    Parameters
+    ----------
+    due : mapping
+        The due date of everybody, by assignment.
+    extensions : mapping
+    now : datetime
+    """
+    running = {assignment for (_, assignment), one in extensions.items() if one.due > now}
+    return frozenset(name for name, when in due.items() if when <= now and name not in running)

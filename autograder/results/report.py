@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import load_template, printable, unique_headings, write_feedback
+from autograder.results.feedback import FeedbackTexts, load_template, printable, unique_headings, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.nearly_equal import NearlyEqual, find_nearly_equal
 from autograder.results.result_files import StoredResult
@@ -22,14 +22,14 @@ MAX_MISTAKES = 12
 _FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
-def write_report(out: Path, course: str = "") -> Path:
+def write_report(out: Path, texts: FeedbackTexts | None = None) -> Path:
     """Write ``OUT/report.html``, and the feedback pages to which it links.
 
     Parameters
     ----------
     out : Path
-    course : str
-        Title of the course.
+    texts : FeedbackTexts, optional
+        For the feedback pages, and the title of the course.
 
     Raises
     ------
@@ -37,8 +37,11 @@ def write_report(out: Path, course: str = "") -> Path:
         If OUT holds no results.
     """
     path = out / "report.html"
-    list(write_feedback(out, course))
-    page = report_page(result_files.load_all(out), gradebook.read_manual_grades(out), gradebook.read_names(out), course)
+    texts = texts or FeedbackTexts()
+    list(write_feedback(out, texts))
+    page = report_page(
+        result_files.load_all(out), gradebook.read_manual_grades(out), gradebook.read_names(out), texts.title
+    )
     write_text(path, load_template("report.html.j2").render(page=page))
     return path
 

@@ -340,11 +340,12 @@ def test_a_term_is_as_the_readme_prints_it(
         raise KeyboardInterrupt
 
     opened: list[str] = []
-    monkeypatch.setattr("autograder.cli.datetime", Later)
+    for module in ("cli", "feedback_texts", "solutions_command"):
+        monkeypatch.setattr(f"autograder.{module}.datetime", Later)
     monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
     monkeypatch.setattr("webbrowser.open", opened.append)
     commands = re.findall(r"^    labsid (.*)$", guide, re.MULTILINE)
-    assert len(commands) == 10
+    assert len(commands) == 11
     for command in commands:
         assert main(command.split()) == 0, (command, capsys.readouterr().err)
     assert len(opened) == 1
@@ -354,6 +355,11 @@ def test_a_term_is_as_the_readme_prints_it(
     worksheet = Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
     assert f',0.95,1.00,"{PRELAB}: 0.95 of 1 marks.' in worksheet  # a day late, within the extension
     assert "Extension until 18 November 2026, 09:00 (Australia/Sydney)." in worksheet
+    page = Path("OUT", "feedback", "z1", f"{PRELAB}.html").read_text(encoding="utf-8")
+    assert "<summary>The question</summary>" in page
+    assert "<summary>Model answer</summary>" in page
+    with zipfile.ZipFile("solutions.zip") as archive:
+        assert archive.namelist() == [f"{PRELAB}/{PRELAB}-solution.{kind}" for kind in ("html", "ipynb")]
     assert Path("OUT", "moodle", "feedback.zip").is_file()
 
 

@@ -26,7 +26,7 @@ from autograder.intake.worksheet import Worksheet, read_worksheet
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
 from autograder.results.copied import Copied
-from autograder.results.feedback import write_feedback
+from autograder.results.feedback import FeedbackTexts, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.late import parse_rules
 from autograder.results.report import report_page, write_report
@@ -503,7 +503,7 @@ def test_the_report_names_students_and_links_to_their_pages(out: Path) -> None:
     result_files.store(out, stored("a/b".replace("/", " #?"), "tiny", question("a", "0", "0.6")))
     gradebook.prepare(Course(out), out, ())
     gradebook.enter_students(out, [Student("ada", "Lovelace, Ada"), Student("cat", "<i>Cat")])
-    page = write_report(out, "Identification").read_text(encoding="utf-8")
+    page = write_report(out, FeedbackTexts("Identification")).read_text(encoding="utf-8")
     assert "<h1>Identification: class report</h1>" in page
     assert "Ada Lovelace" in page
     assert "&lt;i&gt;Cat" in page

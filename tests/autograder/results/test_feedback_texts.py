@@ -1,0 +1,81 @@
+"""The text of the questions and the model answers in feedback pages."""
+
+from decimal import Decimal
+from pathlib import Path
+
+from autograder.batch.right_values import right_values
+from autograder.course.layout import Course
+from autograder.course.questions import QuestionText, read_questions
+from autograder.judge.outcome import QuestionResult
+from autograder.results import result_files
+from autograder.results.feedback import FeedbackTexts, values_of, write_feedback
+from autograder.results.result_files import StoredResult
+
+LAB, PRELAB = "lab-identification", "prelab-sinusoids"
+SECRET = b"0123456789abcdef0123456789abcdef"
+
+
+def test_questions_are_read_from_the_notebook_with_solutions(course: Course, tmp_path: Path) -> None:
+    found = read_questions(course, LAB)
+    sampling = found["lab-1a-sampling-time"]
+    assert sampling.task.startswith("Now find the **sampling time**")
+    assert sampling.model == "# Ts\nTs = t[1] - t[0]"
+    start = found["lab-3b-start"]
+    assert "why does the simulated output not start from the same point" in start.task
+    assert "from rest" in start.model
+    assert not any("### BEGIN" in one.model or "<details>" in one.task for one in found.values())
+    assert read_questions(Course(tmp_path), LAB) == {}
+    assert read_questions(None, LAB) == {}
+
+
+def test_right_values_are_those_of_the_students_own_record(course: Course, tmp_path: Path) -> None:
+    one, other = (right_values(course, tmp_path, SECRET, student, LAB) for student in ("z1", "z2"))
+    assert one["lab-1a-sampling-time"] == {"Ts": "0.75"}
+    assert one["lab-3a-mse"].keys() == {"mse_half", "mse_all"}
+    assert one["lab-3a-mse"] != other["lab-3a-mse"]
+    assert "Phi" not in one["lab-2a-phi"]
+    assert right_values(course, tmp_path, None, "z1", PRELAB) == {}
+    (tmp_path / ".secret").write_text("x", encoding="ascii")
+    assert (
+        right_values(course, tmp_path, None, "z1", LAB) == {}
+    )  # graded on individual records, which are not known here
+
+
+def test_values_of_other_questions_are_named_in_the_metadata() -> None:
+    known = {"q-1": {"a": "1", "b": "2"}, "q-2": {"c": "3"}}
+    assert values_of("q-2", QuestionText("", "x"), known) == {"c": "3"}
+    assert values_of("q-3", QuestionText("", "x"), known) == {}
+    assert values_of("q-3", QuestionText("", "x", values=("c", "a", "nosuch")), known) == {"c": "3", "a": "1"}
+
+
+def test_pages_have_the_question_and_the_model_answer_when_it_is_due(tmp_path: Path) -> None:
+    asked = (
+        QuestionResult("q-1", Decimal(0), Decimal(1), "graded", "Wrong.", answer="a = 2"),
+        QuestionResult("q-2", None, Decimal(1), "manual", "", answer="Because."),
+        QuestionResult("q-3", Decimal(0), Decimal(1), "graded", "Wrong."),
+    )
+    for student in ("ann", "bob"):
+        result_files.store(tmp_path, StoredResult(student, "tiny", "Tiny", asked, {}, (), "none", {}))
+    questions = {
+        "tiny": {"q-1": QuestionText("Find *a*.", "a = 1 < 2"), "q-2": QuestionText("Why?", "As $x$ is **so**.")}
+    }
+
+    def values(student: str, assignment: str) -> dict[str, dict[str, str]]:
+        return {"q-1": {"a": f"1 of {student} in {assignment}"}}
+
+    def pages(with_models: frozenset[str]) -> dict[str, str]:
+        texts = FeedbackTexts("Course", questions, with_models, values)
+        return {path.parent.name: path.read_text(encoding="utf-8") for path in write_feedback(tmp_path, texts)}
+
+    before = pages(frozenset({"other"}))["ann"]
+    assert "<p>Find <em>a</em>.</p>" in before
+    assert before.count("<summary>The question</summary>") == 2
+    assert "Model answer" not in before
+    assert "a = 1 &lt; 2" not in before
+    after = pages(frozenset({"tiny"}))
+    assert after["ann"].count("<summary>Model answer</summary>") == 2
+    assert "a = 1 &lt; 2</pre>" in after["ann"]
+    assert "is <strong>so</strong>" in after["ann"]
+    assert "On your record: <code>a</code> = 1 of ann in tiny." in after["ann"]
+    assert "of bob" not in after["ann"]
+    assert "of bob in tiny" in after["bob"]
