@@ -5,6 +5,7 @@ Each command parses its options, calls the package and prints; it imports what i
 
 from collections import Counter
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated
@@ -325,6 +326,9 @@ def course_mark(
     marker: Annotated[
         str | None, typer.Option(metavar="NAME", help="Who marks; default the name of this machine's user.")
     ] = None,
+    hide_names: Annotated[
+        bool, typer.Option("--hide-names", help="Number the answers, in another order for each question.")
+    ] = False,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port; default any free one.")] = 0,
     open_browser: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True,
 ) -> None:
@@ -332,13 +336,16 @@ def course_mark(
     import getpass
     import webbrowser
 
+    from autograder.course.settings import read_settings
     from autograder.marking.answers import open_questions, with_marks
     from autograder.marking.server import MarkingApp, make_server
     from autograder.results.grades import write_grades
 
     here = open_course()
     questions = open_questions(out, here, assignment, question)
-    app = MarkingApp(out, questions, marker or getpass.getuser(), lambda: datetime.now(UTC))
+    values = cache(feedback_texts(here, read_settings(here), out, solutions=True).values)
+    user = marker or getpass.getuser()
+    app = MarkingApp(out, questions, user, lambda: datetime.now(UTC), hide_names=hide_names, values=values)
     server = make_server(app, port)
     address = f"http://127.0.0.1:{server.server_address[1]}/{app.token}/"
     print(f"{sum(one.waiting for one in questions)} answers to mark, in {len(questions)} questions. Open {address}")

@@ -10,11 +10,8 @@ from pathlib import Path
 import nbformat
 
 from autograder.course.layout import Course
-from autograder.course.lint import SOLUTION_DELIMITERS
+from autograder.course.lint import METADATA, SOLUTION_DELIMITERS
 from labsid.checks.cells import HIDDEN_DELIMITERS, read_cell
-
-METADATA = "labsid"
-"""Key of a cell's metadata that is in the notebook with solutions alone."""
 
 _HIDDEN_REGION = re.compile(rf"[ \t]*{HIDDEN_DELIMITERS[0]}.*?{HIDDEN_DELIMITERS[1]}[^\n]*\n?", re.DOTALL)
 

@@ -138,10 +138,10 @@ def test_an_unanswered_question_has_no_marks_at_once_and_is_not_shown(out: Path,
 
 def test_task_and_model_answer_stand_beside(out: Path, course: Course) -> None:
     (shown,) = open_questions(out, course, PRELAB, OPEN)
-    assert shown.task.startswith("In Fig. 1(b) the time starts from zero")
-    assert shown.rubric.startswith("The first 200 samples")
+    assert shown.text.task.startswith("In Fig. 1(b) the time starts from zero")
+    assert shown.text.model.startswith("The first 200 samples")
     (without,) = open_questions(out, None)
-    assert (without.task, without.rubric) == ("", "")
+    assert (without.text.task, without.text.model) == ("", "")
     with pytest.raises(ValueError, match=r"holds no answer to an open question nosuch in prelab-sinusoids\."):
         open_questions(out, course, PRELAB, "nosuch")
     with pytest.raises(ValueError, match="holds no results"):
@@ -174,7 +174,10 @@ def test_the_pages_run_nothing_of_a_student(client: Client) -> None:
 
 def test_a_mark_is_in_the_gradebook_and_on_every_page(client: Client, out: Path) -> None:
     status, said = client.mark("ann", "0.04", "Which\nclock?")
-    assert (status, said) == (200, {"score": "0.04", "look": "partial", "state": "marked by Dr Öz on 2026-11-24"})
+    assert (status, said) == (
+        200,
+        {"score": "0.04", "look": "partial", "state": "marked by Dr Öz on 2026-11-24", "ticked": []},
+    )
     assert grade_in_gradebook(out, "ann") == (0.04, 0.04, False, "Which\nclock?")
     row = row_of(out, "ann")
     assert (row["score"], row["status"], row["reason"]) == ("0.04", "manual", "marked by Dr Öz on 2026-11-24")
@@ -200,7 +203,7 @@ def test_the_look_follows_the_points(client: Client, score: object, look: str) -
 
 def test_a_mark_is_taken_back_and_a_comment_can_stand_alone(client: Client, out: Path) -> None:
     assert client.mark("bob", "0.05", "Good.")[0] == 200
-    assert client.mark("bob", None, "Hm.") == (200, {"score": "", "look": "wait", "state": "not marked"})
+    assert client.mark("bob", None, "Hm.") == (200, {"score": "", "look": "wait", "state": "not marked", "ticked": []})
     assert grade_in_gradebook(out, "bob") == (None, 0.0, True, "Hm.")
     assert row_of(out, "bob")["score"] == ""
     assert gradebook.read_manual_grades(out).marks == {}
