@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from autograder.console import open_course, open_course_if_any, progress, warn
-from autograder.feedback_texts import feedback_texts
-from autograder.solutions_command import solutions_command
+from autograder.feedback_texts import make_feedback_texts
+from autograder.solutions_command import course_solutions
 from autograder.writing_commands import new_command, preview_command
 
 if TYPE_CHECKING:
@@ -251,7 +251,7 @@ def course_feedback(out: Out, solutions: Solutions = None) -> None:
     from autograder.results.feedback import write_feedback
 
     here, settings = open_course_if_any()
-    pages = list(progress(write_feedback(out, feedback_texts(here, settings, out, solutions)), None, "feedback"))
+    pages = list(progress(write_feedback(out, make_feedback_texts(here, settings, out, solutions)), None, "feedback"))
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
@@ -296,7 +296,7 @@ def course_export(
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
     weights = settings.weights
-    sheet, texts = read_worksheet(worksheet), feedback_texts(here, settings, out, solutions)
+    sheet, texts = read_worksheet(worksheet), make_feedback_texts(here, settings, out, solutions)
     done = export_moodle(out, sheet, *(assignment or ()), weights=weights, scale=scale, zero=zero, texts=texts)
     for remark in done.remarks:
         print(remark)
@@ -312,10 +312,10 @@ def course_report(out: Out, solutions: Solutions = None) -> None:
     from autograder.results.report import write_report
 
     here, settings = open_course_if_any()
-    print(f"Wrote {write_report(out, feedback_texts(here, settings, out, solutions))}.")
+    print(f"Wrote {write_report(out, make_feedback_texts(here, settings, out, solutions))}.")
 
 
-course.command("solutions")(solutions_command)
+course.command("solutions")(course_solutions)
 
 
 @course.command("mark")
@@ -343,7 +343,7 @@ def course_mark(
 
     here = open_course()
     questions = open_questions(out, here, assignment, question)
-    values = cache(feedback_texts(here, read_settings(here), out, solutions=True).values)
+    values = cache(make_feedback_texts(here, read_settings(here), out, solutions=True).values)
     user = marker or getpass.getuser()
     app = MarkingApp(out, questions, user, lambda: datetime.now(UTC), hide_names=hide_names, values=values)
     server = make_server(app, port)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from autograder.results.feedback import FeedbackTexts
 
 
-def feedback_texts(
+def make_feedback_texts(
     here: "Course | None", settings: "CourseSettings", out: Path, solutions: bool | None = None
 ) -> "FeedbackTexts":
     """The texts of the course for the feedback pages; none outside of a course.
@@ -25,7 +25,7 @@ def feedback_texts(
     solutions : bool, optional
         Whether the pages have model answers; by default those of assignments that nobody works on any more.
     """
-    from autograder.batch.right_values import right_values
+    from autograder.batch.right_values import find_right_values
     from autograder.course.questions import read_questions
     from autograder.results.extensions import closed_assignments
     from autograder.results.feedback import FeedbackTexts
@@ -44,7 +44,7 @@ def feedback_texts(
         settings.title,
         {name: read_questions(here, name) for name in names},
         closed,
-        lambda student, assignment: right_values(here, out, key, student, assignment),
+        lambda student, assignment: find_right_values(here, out, key, student, assignment),
     )
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from autograder.intake.worksheet import Worksheet
 
 
-def solutions_command(
+def course_solutions(
     out: Annotated[Path, typer.Option(metavar="FILE.zip", help="The zip file for everybody.")],
     assignment: Annotated[
         list[str] | None,

@@ -11,7 +11,7 @@ from labsid.checks.reference_values import find_reference_values
 from labsid.checks.values import Value
 
 
-def right_values(
+def find_right_values(
     course: Course, out: Path, secret: bytes | None, student: str, assignment: str
 ) -> Mapping[str, Mapping[str, str]]:
     """The right values that are numbers or texts, by question and name.

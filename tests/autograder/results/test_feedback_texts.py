@@ -3,7 +3,7 @@
 from decimal import Decimal
 from pathlib import Path
 
-from autograder.batch.right_values import right_values
+from autograder.batch.right_values import find_right_values
 from autograder.course.layout import Course
 from autograder.course.questions import QuestionText, read_questions
 from autograder.judge.outcome import QuestionResult
@@ -29,16 +29,14 @@ def test_questions_are_read_from_the_notebook_with_solutions(course: Course, tmp
 
 
 def test_right_values_are_those_of_the_students_own_record(course: Course, tmp_path: Path) -> None:
-    one, other = (right_values(course, tmp_path, SECRET, student, LAB) for student in ("z1", "z2"))
+    one, other = (find_right_values(course, tmp_path, SECRET, student, LAB) for student in ("z1", "z2"))
     assert one["lab-1a-sampling-time"] == {"Ts": "0.75"}
     assert one["lab-3a-mse"].keys() == {"mse_half", "mse_all"}
     assert one["lab-3a-mse"] != other["lab-3a-mse"]
     assert "Phi" not in one["lab-2a-phi"]
-    assert right_values(course, tmp_path, None, "z1", PRELAB) == {}
+    assert find_right_values(course, tmp_path, None, "z1", PRELAB) == {}
     (tmp_path / ".secret").write_text("x", encoding="ascii")
-    assert (
-        right_values(course, tmp_path, None, "z1", LAB) == {}
-    )  # graded on individual records, which are not known here
+    assert find_right_values(course, tmp_path, None, "z1", LAB) == {}  # graded on records that are not known here
 
 
 def test_values_of_other_questions_are_named_in_the_metadata() -> None:
