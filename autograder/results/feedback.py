@@ -15,7 +15,7 @@ from autograder.course.plain_text import plain_decimal
 from autograder.course.questions import QuestionText
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
-from autograder.results.gradebook import Key, ManualGrades
+from autograder.results.gradebook import Key, ManualGrades, Mark
 from autograder.results.prose import prose_html
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
@@ -106,9 +106,12 @@ def feedback_page(
         block = _question_block(question, key, manual, headings[question.question])
         block["task"] = _task(asked.get(question.question))
         block["model"] = _model(question, asked.get(question.question), values) if has_models else None
+        mark = manual.marks.get((result.student, result.assignment, question.question))
+        block["rubric"] = _rubric(asked.get(question.question), mark) if has_models else []
         questions.append(block)
     automatic = [block for block in questions if not block["by_hand"]]
     wrong = [block for block in questions if block["look"] == "wrong"]
+    is_absent = result.refusal in (result_files.NOT_HANDED_IN, result_files.AS_RELEASED)  # said by `refusal` alone
     return {
         "student": f"{printable(name)} ({result.student})" if name else result.student,
         "course": texts.title,
@@ -123,7 +126,7 @@ def feedback_page(
         "automatic": len(automatic),
         "right": sum(block["look"] == "right" for block in automatic),
         "first_wrong": wrong[0] if wrong else None,
-        "notes": [printable(note) for note in result.notes],
+        "notes": [] if is_absent else [printable(note) for note in result.notes],
         "questions": questions,
         "isolation": result.isolation,
     }
@@ -170,6 +173,16 @@ def _model(
         "code": text.model,
         "values": values_of(question.question, text, values),
     }
+
+
+def _rubric(text: QuestionText | None, mark: Mark | None) -> list[dict[str, Any]]:
+    """The lines of the rubric by which a question was marked; none if it was not marked by one."""
+    if text is None or mark is None or not mark.ticked:
+        return []
+    return [
+        {"text": prose_html(one.text), "points": plain_decimal(one.points), "ticked": number in mark.ticked}
+        for number, one in enumerate(text.rubric)
+    ]
 
 
 def values_of(question: str, text: QuestionText, values: Mapping[str, Mapping[str, str]]) -> dict[str, str]:

@@ -1,14 +1,16 @@
 """The text of the questions and the model answers in feedback pages."""
 
+from datetime import UTC, datetime
 from decimal import Decimal
 from pathlib import Path
 
 from autograder.batch.right_values import find_right_values
 from autograder.course.layout import Course
-from autograder.course.questions import QuestionText, read_questions
+from autograder.course.questions import Criterion, QuestionText, read_questions
 from autograder.judge.outcome import QuestionResult
 from autograder.results import result_files
-from autograder.results.feedback import FeedbackTexts, values_of, write_feedback
+from autograder.results.feedback import FeedbackTexts, feedback_page, load_template, values_of, write_feedback
+from autograder.results.gradebook import ManualGrades, Mark
 from autograder.results.result_files import StoredResult
 
 LAB, PRELAB = "lab-identification", "prelab-sinusoids"
@@ -77,3 +79,23 @@ def test_pages_have_the_question_and_the_model_answer_when_it_is_due(tmp_path: P
     assert "On your record: <code>a</code> = 1 of ann in tiny." in after["ann"]
     assert "of bob" not in after["ann"]
     assert "of bob in tiny" in after["bob"]
+
+
+def test_a_page_says_what_of_the_rubric_was_found() -> None:
+    asked = QuestionResult("q", None, Decimal("0.1"), "manual", "", answer="Because.")
+    stored = StoredResult("ann", "tiny", "Tiny", (asked,), {}, (), "none", {})
+    rubric = (Criterion("Says *why*.", Decimal("0.06")), Criterion("Says when.", Decimal("0.04")))
+    key, text = ("ann", "tiny", "q"), QuestionText("Why?", "As it is.", rubric)
+
+    def shown(ticked: tuple[int, ...], with_models: bool = True) -> list[tuple[str, bool]]:
+        mark = Mark(Decimal("0.06"), "Eva", datetime(2026, 12, 1, tzinfo=UTC), ticked)
+        manual = ManualGrades({key: mark.score}, {}, frozenset(), {key: mark})
+        texts = FeedbackTexts("", {"tiny": {"q": text}}, frozenset({"tiny"} if with_models else ()))
+        (block,) = feedback_page(stored, manual, "", texts)["questions"]
+        page = load_template("feedback.html.j2").render(page=feedback_page(stored, manual, "", texts))
+        assert ("Says <em>why</em>." in page) == bool(block["rubric"])
+        return [(one["points"], one["ticked"]) for one in block["rubric"]]
+
+    assert shown((0,)) == [("0.06", True), ("0.04", False)]
+    assert shown((0,), with_models=False) == []  # it would tell the answer
+    assert shown(()) == []  # other points were given
