@@ -3,29 +3,37 @@
 Each command parses its options, calls the package and prints; it imports what it needs when it runs.
 """
 
-import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from autograder.console import open_course, open_course_if_any, progress, warn
+from autograder.feedback_texts import make_feedback_texts
+from autograder.solutions_command import course_solutions
 from autograder.writing_commands import new_command, preview_command
 
 if TYPE_CHECKING:
     from autograder.course.settings import CourseSettings
     from autograder.course.students import Student
+    from autograder.results.extensions import Extensions
     from autograder.results.late import LateRules
-
-Item = TypeVar("Item")
 
 course = typer.Typer(help="Build the course, grade a class, write feedback and exports.", no_args_is_help=True)
 course.command("new")(new_command)
 
 Out = Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]
+Solutions = Annotated[
+    bool | None,
+    typer.Option(
+        "--solutions/--no-solutions",
+        help="Model answers in the feedback pages; default once an assignment is due for everybody.",
+    ),
+]
 SecretFile = Annotated[
     Path | None, typer.Option("--secret", metavar="FILE", help="File with the course's secret, for individual data.")
 ]
@@ -38,13 +46,12 @@ Assignments = Annotated[
 def course_build() -> None:
     """Build notebooks/*.md into autograder/source and autograder/release."""
     from autograder.course.build import build_course
-    from autograder.course.layout import find_course
     from autograder.course.own_secret import make_own_secret
 
-    here = find_course()
+    here = open_course()
     if make_own_secret(here):
         print(f"Made {here.secret_file}, the seed of what is withheld from students: a build elsewhere needs a copy.")
-    names = list(_progress(build_course(here), len(here.assignments()), "building"))
+    names = list(progress(build_course(here), len(here.assignments()), "building"))
     print(f"Built {len(names)} assignments: {', '.join(names)}.")
     print(f"Release: {here.release}")
 
@@ -70,7 +77,6 @@ def course_release(
 
     With a secret, FILE.zip has no data; the individual data are written apart, beside it, as FILE-packages.
     """
-    from autograder.course.layout import find_course
     from autograder.course.release import write_individual_release, write_release
     from autograder.course.settings import read_settings
     from autograder.course.students import read_students
@@ -78,7 +84,7 @@ def course_release(
     from autograder.intake.worksheet import read_worksheet
     from labsid.rig import read_secret
 
-    here = find_course()
+    here = open_course()
     settings = read_settings(here)
     secret, students = secret or settings.secret, students or settings.students
     if secret is None and worksheet is not None:
@@ -125,12 +131,11 @@ def course_collect(
 ) -> None:
     """Extract submissions from Moodle's zip file."""
     from autograder.batch.selection import handed_in_by, suggested_assignments
-    from autograder.course.layout import find_course
     from autograder.course.settings import read_settings, time_zone
     from autograder.intake.collect import collect_submissions
     from autograder.intake.worksheet import read_worksheet
 
-    here = find_course()
+    here = open_course()
     settings = read_settings(here)
     zone_name = timezone or settings.timezone
     zone = None if zone_name is None else time_zone(zone_name)
@@ -173,6 +178,10 @@ def course_grade(
             "from due in started days; percentages are of all marks.",
         ),
     ] = None,
+    extensions: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV with student, assignment, due: own due dates of single students."),
+    ] = None,
     secret: SecretFile = None,
 ) -> None:
     """Grade a class; a second run grades only new and changed submissions.
@@ -182,11 +191,11 @@ def course_grade(
     from autograder.batch.executors import open_executor
     from autograder.batch.grade import grade_batch
     from autograder.batch.selection import find_batch
-    from autograder.course.layout import find_course
     from autograder.course.nbgrader_access import import_nbgrader_api
     from autograder.course.settings import read_settings
     from autograder.course.students import STUDENTS_FILE, write_students
     from autograder.results import gradebook
+    from autograder.results.extensions import EXTENSIONS_FILE, extension_remarks, read_extensions, write_extensions
     from autograder.results.late import parse_rules
     from autograder.results.summary import class_table
     from autograder.sandbox.escapes import open_escapes
@@ -194,34 +203,39 @@ def course_grade(
 
     if isolation not in ("strict", "best", "none"):
         raise typer.BadParameter(f"got {isolation!r}, expected strict, best or none", param_hint="--isolation")
-    here = find_course()
+    here = open_course()
     settings = read_settings(here)
     rules = _late_rules(settings) if late is None else parse_rules(late)
+    own_dates: Extensions = {}
+    if (table := extensions or settings.extensions) is not None:
+        own_dates = read_extensions(table, here.assignments(), settings.timezone)
     secret = secret or settings.secret
     key = None if secret is None else read_secret(secret)
     students = _who_is_who(settings, out / STUDENTS_FILE, submitted / STUDENTS_FILE)
     batch = find_batch(here, submitted, *(assignment or ()), due=settings.due_by(datetime.now(UTC)))
-    for line in batch.remarks:
-        _warn(line)
+    due, now = {**settings.due_dates, **{name: rule.due for name, rule in (rules or {}).items()}}, datetime.now(UTC)
+    for line in (*batch.remarks, *extension_remarks(own_dates, batch.students, batch.assignments, due, now)):
+        warn(line)
     for name in batch.ignored:
-        _warn(f"{name}: not graded, because the folder's name is not valid UTF-8. Rename it to the student's ID.")
+        warn(f"{name}: not graded, because the folder's name is not valid UTF-8. Rename it to the student's ID.")
     Thread(target=import_nbgrader_api, daemon=True).start()  # slow, as is opening the launcher: do both at a time
     total = len(batch.students) * len(batch.assignments)
     try:
-        with open_executor(isolation, jobs, scheduler, _warn) as executor:
+        with open_executor(isolation, jobs, scheduler, warn) as executor:
             if open_to_students := open_escapes(executor.level):
-                _warn(f"NOT ISOLATED: student code runs with limits, but can {'; '.join(open_to_students)}.")
-            graded = list(_progress(grade_batch(here, batch, out, executor, key, rules), total, "grading"))
+                warn(f"NOT ISOLATED: student code runs with limits, but can {'; '.join(open_to_students)}.")
+            graded = list(progress(grade_batch(here, batch, out, executor, key, rules, own_dates), total, "grading"))
     except KeyboardInterrupt:
         raise ValueError("interrupted. Finished results are kept; run the same command again to continue.") from None
     gradebook.enter_students(out, students)
+    write_extensions(out / EXTENSIONS_FILE, own_dates)
     if students:
         write_students(out / STUDENTS_FILE, students)
     if settings.students is not None:
         listed = list(dict.fromkeys(student.id for student in students))
         absent = [student for student in listed if student not in batch.students]
         if absent:
-            _warn(f"nothing handed in by {len(absent)} of {len(listed)} students: {', '.join(absent)}")
+            warn(f"nothing handed in by {len(absent)} of {len(listed)} students: {', '.join(absent)}")
     fresh = sum(one.fresh for one in graded)
     print(class_table(out))
     for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():
@@ -232,11 +246,12 @@ def course_grade(
 
 
 @course.command("feedback")
-def course_feedback(out: Out) -> None:
+def course_feedback(out: Out, solutions: Solutions = None) -> None:
     """Write OUT/feedback/<student>/<assignment>.html."""
     from autograder.results.feedback import write_feedback
 
-    pages = list(_progress(write_feedback(out, _settings().title), None, "feedback"))
+    here, settings = open_course_if_any()
+    pages = list(progress(write_feedback(out, make_feedback_texts(here, settings, out, solutions)), None, "feedback"))
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
@@ -261,13 +276,14 @@ def course_export(
     zero: Annotated[
         bool, typer.Option("--zero", help="Give 0 marks in the rows of the worksheet without a hand-in.")
     ] = False,
+    solutions: Solutions = None,
 ) -> None:
     """Export the grades, including manual grades, as CSV or to Moodle."""
     from autograder.export.grades_csv import export_csv
     from autograder.export.moodle import export_moodle
     from autograder.intake.worksheet import read_worksheet
 
-    settings = _settings()
+    here, settings = open_course_if_any()
     if format is None:
         format = settings.lms or "csv" if worksheet is not None else "csv"
     if format not in ("csv", "moodle"):
@@ -280,21 +296,26 @@ def course_export(
     if worksheet is None:
         raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
     weights = settings.weights
-    done = export_moodle(out, read_worksheet(worksheet), *(assignment or ()), weights=weights, scale=scale, zero=zero)
+    sheet, texts = read_worksheet(worksheet), make_feedback_texts(here, settings, out, solutions)
+    done = export_moodle(out, sheet, *(assignment or ()), weights=weights, scale=scale, zero=zero, texts=texts)
     for remark in done.remarks:
         print(remark)
     print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
 
 
 @course.command("report")
-def course_report(out: Out) -> None:
+def course_report(out: Out, solutions: Solutions = None) -> None:
     """Write OUT/report.html and the feedback pages to which it links.
 
     The report shows the distribution of marks, the most costly questions and mistakes, and submissions to review.
     """
     from autograder.results.report import write_report
 
-    print(f"Wrote {write_report(out, _settings().title)}.")
+    here, settings = open_course_if_any()
+    print(f"Wrote {write_report(out, make_feedback_texts(here, settings, out, solutions))}.")
+
+
+course.command("solutions")(course_solutions)
 
 
 @course.command("mark")
@@ -305,6 +326,9 @@ def course_mark(
     marker: Annotated[
         str | None, typer.Option(metavar="NAME", help="Who marks; default the name of this machine's user.")
     ] = None,
+    hide_names: Annotated[
+        bool, typer.Option("--hide-names", help="Number the answers, in another order for each question.")
+    ] = False,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port; default any free one.")] = 0,
     open_browser: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True,
 ) -> None:
@@ -312,14 +336,16 @@ def course_mark(
     import getpass
     import webbrowser
 
-    from autograder.course.layout import find_course
+    from autograder.course.settings import read_settings
     from autograder.marking.answers import open_questions, with_marks
     from autograder.marking.server import MarkingApp, make_server
     from autograder.results.grades import write_grades
 
-    here = find_course()
+    here = open_course()
     questions = open_questions(out, here, assignment, question)
-    app = MarkingApp(out, questions, marker or getpass.getuser(), lambda: datetime.now(UTC))
+    values = cache(make_feedback_texts(here, read_settings(here), out, solutions=True).values)
+    user = marker or getpass.getuser()
+    app = MarkingApp(out, questions, user, lambda: datetime.now(UTC), hide_names=hide_names, values=values)
     server = make_server(app, port)
     address = f"http://127.0.0.1:{server.server_address[1]}/{app.token}/"
     print(f"{sum(one.waiting for one in questions)} answers to mark, in {len(questions)} questions. Open {address}")
@@ -346,7 +372,7 @@ def course_doctor(
     from autograder.sandbox.isolation import LEVELS
     from labsid._files import write_file
 
-    found = list(_progress(attempt_escapes(), len(LEVELS), "testing"))
+    found = list(progress(attempt_escapes(), len(LEVELS), "testing"))
     print(reports_text(found))
     if json_file is not None:
         write_file(json_file, reports_json(found).encode())
@@ -358,19 +384,7 @@ def demo(
     """Build the course, grade sample submissions and identify the lab's record, end to end."""
     from autograder.demonstration import run_demo
 
-    run_demo(out, _progress)
-
-
-def _settings() -> "CourseSettings":
-    """The settings of the course; the defaults outside of a course, which these commands do not need."""
-    from autograder.course.layout import find_course
-    from autograder.course.settings import CourseSettings, read_settings
-
-    try:
-        here = find_course()
-    except ValueError:
-        return CourseSettings()
-    return read_settings(here)
+    run_demo(out, progress)
 
 
 def _late_rules(settings: "CourseSettings") -> "LateRules | None":
@@ -393,19 +407,3 @@ def _who_is_who(settings: "CourseSettings", *tables: Path) -> "list[Student]":
     students = merge_students(*lists)
     identify(None, students)
     return students
-
-
-def _warn(line: str) -> None:
-    print(line, file=sys.stderr)
-
-
-def _progress(items: Iterable[Item], total: int | None, what: str) -> Iterator[Item]:
-    """Yield the items with a progress bar on stderr; without one if stderr is not a terminal."""
-    from rich.console import Console
-    from rich.progress import track
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield from items
-        return
-    yield from track(items, description=what, total=total, console=console, transient=True)

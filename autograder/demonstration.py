@@ -36,6 +36,8 @@ def run_demo(out: Path, progress: Progress) -> None:
         If `out` has other content, or the course is not found.
     """
     course = find_course()
+    if course.remark:
+        print(course.remark)
     _clear(out)
     names = list(progress(build_course(course), len(course.assignments()), "building the course"))
     print(f"1. Built {len(names)} assignments: {', '.join(names)}.")

@@ -1,21 +1,21 @@
 """The commands for who writes an assignment: ``labsid course new`` and ``labsid course preview``."""
 
-import sys
 import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from autograder.console import open_course, warn
+
 
 def new_command(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Its name, such as pid-control.")],
 ) -> None:
     """Write a new assignment with two worked questions: a notebook and its checks, to be replaced by your own."""
-    from autograder.course.layout import find_course
     from autograder.course.new_assignment import write_new_assignment
 
-    here = find_course()
+    here = open_course()
     notebook, questions, judges = (path.relative_to(here.root).as_posix() for path in write_new_assignment(here, name))
     print(f"Wrote {notebook}: text, cells and model solutions.")
     print(f"Wrote {questions}: the list of the questions.")
@@ -34,17 +34,16 @@ def preview_command(
     ] = True,
 ) -> None:
     """Open the release as a student sees it: its start page in JupyterLab, with the data that all students share."""
-    from autograder.course.layout import find_course
     from autograder.course.preview import changed_since_build, write_preview
     from autograder.course.settings import read_settings
     from labsid.hand_in.work_folder import open_jupyterlab
 
-    here = find_course()
+    here = open_course()
     due, wanted = read_settings(here).due_texts(), assignment or []
     target = folder or Path(tempfile.mkdtemp(prefix="labsid-preview-"))
     files = write_preview(here, target, wanted, due)
     for name in changed_since_build(here, wanted):
-        print(f"{name}: its text was changed after the last build. Run: labsid course build", file=sys.stderr)
+        warn(f"{name}: its text was changed after the last build. Run: labsid course build")
     print(f"Wrote {len(files)} files to {target}, as a student gets them.", flush=True)
     if open_lab:
         open_jupyterlab(target)

@@ -51,7 +51,9 @@ def test_the_hours_are_those_of_words_and_steps(name: str) -> None:
 def test_the_first_lines_say_what_is_assumed_and_how_many_marks_there_are(name: str) -> None:
     start = prose_of(name)[:800]
     assert "**Assumes:**" in start
-    points = sum(round(1000 * float(each)) for each in re.findall(r"points\"?: ([\d.]+)", text_of(name)))
+    points = sum(
+        round(1000 * float(each)) for each in re.findall(r'grade_id"?: "?[\w-]+"?, "?points"?: ([\d.]+)', text_of(name))
+    )
     assert points == 1000 * int(re.search(r"\*\*Marks:\*\* (\d)\.", start)[1])
 
 

@@ -24,6 +24,7 @@ from autograder.intake.submission import Submission, quarantined_submission
 from autograder.judge.outcome import SubmissionResult
 from autograder.results import gradebook, result_files
 from autograder.results.autograded import write_autograded
+from autograder.results.extensions import Extensions
 from autograder.results.grades import write_grades
 from autograder.results.late import ON_TIME, LateRules, late_penalty, read_timestamp
 from autograder.results.result_files import StoredResult
@@ -60,6 +61,7 @@ def grade_batch(
     executor: Executor,
     secret: bytes | None = None,
     late: LateRules | None = None,
+    extensions: Extensions | None = None,
 ) -> Iterator[Graded]:
     """Grade every student's submission of every assignment; yields each one after its result is written.
 
@@ -75,6 +77,8 @@ def grade_batch(
         The course's secret; each student is graded on the record derived from it and the student's ID.
     late : mapping, optional
         Rules for late submissions; without them there is no penalty.
+    extensions : mapping, optional
+        Own due dates of single students.
 
     Yields
     ------
@@ -94,7 +98,9 @@ def grade_batch(
         gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
         data_store = DataStore(course, secret, out / "records", read_settings(course).without_second_record)
         with contextlib.closing(JudgePool()) as judges:
-            grader = _BatchGrader(course, batch, out, executor, judges, data_store, late or {}, templates, previous)
+            grader = _BatchGrader(
+                course, batch, out, executor, judges, data_store, late or {}, extensions or {}, templates, previous
+            )
             yield from grader.run(gradebook.read_manual_grades(out))
         gradebook.enter(out, result_files.load_all(out))
         write_grades(out)
@@ -121,6 +127,7 @@ class _BatchGrader:
     judges: JudgePool
     data_store: DataStore
     late: LateRules
+    extensions: Extensions
     templates: Mapping[str, Template]
     previous: Mapping[tuple[str, str], StoredResult]
 
@@ -161,11 +168,12 @@ class _BatchGrader:
     def _with_penalty(self, stored: StoredResult) -> StoredResult:
         submitted = _submission_time(self.batch.submitted / stored.student / stored.assignment)
         marks = sum((question.max_score for question in stored.questions), Decimal(0))
-        late = ON_TIME if stored.is_refused else late_penalty(self.late, stored.assignment, submitted, marks)
+        own = self.extensions.get((stored.student, stored.assignment))
+        due, text = (None, "") if own is None else (own.due, own.text)
+        late = ON_TIME if stored.is_refused else late_penalty(self.late, stored.assignment, submitted, marks, due)
         when = None if submitted is None else submitted.isoformat()
-        if (stored.submitted, stored.penalty, stored.late) == (when, late.penalty, late.reason):
-            return stored
-        return replace(stored, submitted=when, penalty=late.penalty, late=late.reason)
+        new = replace(stored, submitted=when, penalty=late.penalty, late=late.reason, extension=text)
+        return stored if new == stored else new
 
     def _grade_if_needed(self, student: str, name: str) -> _NewResult | None:
         """Grade a submission; None if the previous result is still valid. Runs in a thread and writes no result."""

@@ -96,12 +96,12 @@ def handed_in_by(course: Course, submitted: Path) -> dict[str, list[str]]:
     Returns
     -------
     dict
-        By the assignments of which there is a folder; the list is empty if every notebook is as released.
+        By the assignments of which there is a notebook; the list is empty if every notebook is as released.
     """
     folders = [path for path in sorted(submitted.glob("[!.]*")) if path.is_dir() and _is_unicode(path.name)]
     owners: dict[str, list[str]] = {}
     for name in course.assignments():
-        found = [folder for folder in folders if (folder / name).is_dir()]
+        found = [folder for folder in folders if any((folder / name).glob("*.ipynb"))]
         if found:
             template = read_template(course, name)
             owners[name] = [folder.name for folder in found if is_handed_in(folder / name, template)]

@@ -16,7 +16,7 @@ import nbformat
 from jupytext.myst import MystMetadataParsingError
 
 from autograder.course.layout import Course, read_template
-from autograder.course.lint import lint_checks, lint_metadata, lint_release, lint_source
+from autograder.course.lint import METADATA, lint_checks, lint_metadata, lint_release, lint_source
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api, without_disk_sync
 from autograder.course.own_secret import shared_file
 from labsid._files import write_file, write_text
@@ -72,6 +72,9 @@ def build_source(path: Path) -> Any:
         kept = {key: value for key, value in cell.metadata.items() if key == "tags"}
         if short is not None:
             kept["nbgrader"] = nbgrader_metadata(short, cell.cell_type)
+            kept |= (
+                {METADATA: own} if (own := {key: short[key] for key in ("rubric", "values") if key in short}) else {}
+            )
         cell.metadata = kept
         cell.id = str(short["grade_id"]) if short else f"{path.stem[:24]}-{index}"
     problems = [*lint_source(notebook), *lint_checks(notebook, path.stem)]
@@ -142,7 +145,7 @@ def build_releases(course: Course, names: Sequence[str]) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="labsid-") as scratch:
         for name in names:
             notebook = _generate(course, name, Path(scratch))
-            _keep_running(notebook)
+            _finish_release(notebook)
             source = nbformat.read(course.source / name / f"{name}.ipynb", as_version=4)
             problems = list(lint_release(notebook, source))
             if problems:
@@ -180,9 +183,10 @@ def _generate(course: Course, name: str, scratch: Path) -> Any:
     return nbformat.read(scratch / "release" / "." / name / f"{name}.ipynb", as_version=4)
 
 
-def _keep_running(notebook: Any) -> None:
-    """Let "Run all" go on after a cell with an error, as grading does: of the release alone, which is unfinished."""
+def _finish_release(notebook: Any) -> None:
+    """Remove the rubrics, and let "Run all" go on after a cell with an error, as grading does."""
     for cell in notebook.cells:
+        cell.metadata.pop(METADATA, None)
         if cell.cell_type == "code":
             cell.metadata["tags"] = [*cell.metadata.get("tags", ()), GO_ON_TAG]
 

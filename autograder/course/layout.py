@@ -1,8 +1,8 @@
 """Folders of the course, order of its assignments, and the cells of its released notebooks."""
 
 import json
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,9 @@ from labsid.checks.timetable import in_course_order
 
 RECORD_FILE = "SysIdenData_StudentVersion.mat"
 
+SETTINGS_FILE = "course.toml"
+"""The settings of a course, in its root."""
+
 
 @dataclass(frozen=True, slots=True)
 class Course:
@@ -22,9 +25,12 @@ class Course:
     ----------
     root : Path
         The checkout, with ``notebooks``, ``autograder`` and ``data``.
+    remark : str
+        What to say about this choice of course; empty if it is the working folder, with the labsid that runs.
     """
 
     root: Path
+    remark: str = field(default="", compare=False)
 
     @property
     def notebooks(self) -> Path:
@@ -85,21 +91,39 @@ class Course:
 
 
 def find_course() -> Course:
-    """Find the course: the checkout of this package, or the one in or above the working folder.
+    """Find the course: the one in or above the working folder, otherwise the checkout of this package.
+
+    Returns
+    -------
+    Course
+        Its `remark` says which folder it is, if it is not the working folder.
 
     Raises
     ------
     ValueError
         If there is no course.
     """
-    own = Path(__file__).resolve().parents[2]
-    for root in (own, Path.cwd(), *Path.cwd().parents):
+    here, own = Path.cwd(), Path(__file__).resolve().parents[2]
+    for root in (here, *here.parents, own):
         if (root / "notebooks").is_dir() and (root / "autograder").is_dir():
-            return Course(root)
+            return Course(root, " ".join(_remarks(root, here, own)))
     raise ValueError(
-        f"no course found: neither {own} nor {Path.cwd()} has the folders 'notebooks' and 'autograder'. "
+        f"no course found: neither {own} nor {here} has the folders 'notebooks' and 'autograder'. "
         "Get a checkout of the course, which the wheel of labsid does not contain, and run this command in it."
     )
+
+
+def _remarks(root: Path, here: Path, own: Path) -> Iterator[str]:
+    """What an instructor may not expect of the course in `root`, seen from the working folder."""
+    if root != here:
+        yield f"Using the course in {root}: this folder has no folders 'notebooks' and 'autograder'."
+        if (here / SETTINGS_FILE).is_file():
+            yield f"{SETTINGS_FILE} of this folder is not read."
+    if root.resolve() != own and (root / "labsid" / "checks").is_dir():
+        yield (
+            f"The checks are those of the labsid in {own}, which runs this command, not those of {root / 'labsid'}. "
+            f"To use these, run: pip install --editable {root}"
+        )
 
 
 def read_template(course: Course, assignment: str) -> Template:

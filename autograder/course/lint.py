@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterator
+from decimal import Decimal
 from typing import Any
 
 from labsid.checks.cells import HIDDEN_DELIMITERS, Cell, read_cell
@@ -10,6 +11,9 @@ from labsid.checks.notebook import assignment_names, load_assignment
 from labsid.checks.question import Question
 
 SOLUTION_DELIMITERS = ("### BEGIN SOLUTION", "### END SOLUTION")
+METADATA = "labsid"
+"""Key of the metadata of a cell that are in the notebook with solutions alone."""
+
 STRAY_DELIMITER = re.compile(
     r"#\s*#*\s*(BEGIN|END)[ _-]*(SOLUTION|HIDDEN|MARK)|(BEGIN|END)\s+(SOL|HIDDEN|MARK)\w*", re.IGNORECASE
 )
@@ -30,12 +34,34 @@ def lint_metadata(cell: Any) -> Iterator[str]:
     if not isinstance(short, dict) or not re.fullmatch(r"[\w-]{1,64}", str(short.get("grade_id", "")), re.ASCII):
         yield f"{name}: needs a grade_id of letters, digits and hyphens, got nbgrader: {short}"
         return
-    unknown = set(short) - {"grade_id", "locked", "manual", "points", "solution"}
+    unknown = set(short) - {"grade_id", "locked", "manual", "points", "rubric", "solution", "values"}
     if unknown:
         yield f"{short['grade_id']}: unknown metadata {', '.join(sorted(unknown))}"
     points = short.get("points", 1)
     if not isinstance(points, int | float) or not 0 <= points < math.inf:
         yield f"{short['grade_id']}: points must not be negative, got {points}"
+    elif not short.get("manual") and {"rubric", "values"} & set(short):
+        yield f"{short['grade_id']}: only a question with manual: true has a rubric and values"
+    else:
+        yield from (f"{short['grade_id']}: {problem}" for problem in _lint_marking(short, points))
+
+
+def _lint_marking(short: dict[str, Any], points: float) -> Iterator[str]:
+    """Problems in the rubric and the values of a question that is marked by hand."""
+    values = short.get("values", [])
+    if not isinstance(values, list) or not all(isinstance(name, str) and name.isidentifier() for name in values):
+        yield f"values must be a list of names of variables, got {values!r}"
+    if "rubric" not in short:
+        return
+    try:
+        given = [Decimal(str(one["points"])) for one in short["rubric"] if str(one["text"]).strip()]
+        is_valid = bool(given) and len(given) == len(short["rubric"]) and all(one > 0 for one in given)
+    except (TypeError, KeyError, ArithmeticError):
+        is_valid = False
+    if not is_valid:
+        yield 'rubric must be a list of {"text": ..., "points": ...} with positive points'
+    elif sum(given) != Decimal(str(points)):
+        yield f"the points of the rubric add up to {sum(given)}, but the question has {points}"
 
 
 def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
@@ -117,6 +143,9 @@ def _has_own_tests(cell: Cell) -> bool:
 def lint_release(release: Any, source: Any) -> Iterator[str]:
     """Solutions and hidden tests that remain in the release."""
     texts = {cell.id: cell.source for cell in release.cells}
+    yield from (
+        f"{cell.id}: the release still contains its rubric" for cell in release.cells if METADATA in cell.metadata
+    )
     for cell in source.cells:
         known = read_cell(cell)
         if known is None or known.kind not in ("answer", "manual", "tests"):

@@ -6,6 +6,7 @@
     timezone = "Australia/Sydney"        # of due dates without an offset (default UTC) and of Moodle's worksheet
     secret = "../private/course-secret"  # for individual data; a path from the folder of course.toml
     students = "students.csv"            # columns id, name, e-mail
+    extensions = "extensions.csv"        # columns student, assignment, due: own due dates of single students
     lms = "moodle"
 
     [late]                               # as in --late; no penalty without it
@@ -29,12 +30,11 @@ from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo
 
-from autograder.course.layout import Course
+from autograder.course.layout import SETTINGS_FILE, Course
 
-FILE_NAME = "course.toml"
 LATE_KEYS = ("grace", "per-day", "most")
 LEARNING_PLATFORMS = ("moodle",)
-_KEYS = ("title", "timezone", "secret", "students", "lms", "late", "assignments")
+_KEYS = ("title", "timezone", "secret", "students", "extensions", "lms", "late", "assignments")
 _ASSIGNMENT_KEYS = ("due", "weight", "late", "second-record")
 
 
@@ -75,6 +75,8 @@ class CourseSettings:
         The learning platform.
     assignments : mapping
         AssignmentSettings by name.
+    extensions : Path or None
+        File with own due dates of single students.
     """
 
     title: str = ""
@@ -83,6 +85,7 @@ class CourseSettings:
     students: Path | None = None
     lms: str | None = None
     assignments: Mapping[str, AssignmentSettings] = field(default_factory=dict)
+    extensions: Path | None = None
 
     @property
     def weights(self) -> dict[str, Decimal]:
@@ -96,14 +99,16 @@ class CourseSettings:
 
     def due_texts(self) -> dict[str, str]:
         """Due dates for students, in the time zone of the course, by assignment."""
-        zone = UTC if self.timezone is None else time_zone(self.timezone)
-        named = f" ({self.timezone or 'UTC'})"
-        dates = {name: one.due for name, one in self.assignments.items() if one.due is not None}
-        return {name: f"{due.astimezone(zone):%d %B %Y, %H:%M}{named}" for name, due in dates.items()}
+        return {name: local_time(due, self.timezone) for name, due in self.due_dates.items()}
+
+    @property
+    def due_dates(self) -> dict[str, datetime]:
+        """Due dates in UTC, by assignment."""
+        return {name: one.due for name, one in self.assignments.items() if one.due is not None}
 
     def due_by(self, now: datetime) -> list[str] | None:
         """The assignments whose due dates have passed; None if there are no due dates."""
-        dates = {name: one.due for name, one in self.assignments.items() if one.due is not None}
+        dates = self.due_dates
         return [name for name, due in dates.items() if due <= now] if dates else None
 
     @property
@@ -125,7 +130,7 @@ def read_settings(course: Course) -> CourseSettings:
     ValueError
         If the file is not TOML, or has an unknown key or a value of the wrong type.
     """
-    path = course.root / FILE_NAME
+    path = course.root / SETTINGS_FILE
     if not path.is_file():
         return CourseSettings()
     try:
@@ -151,7 +156,7 @@ def _to_settings(found: dict[str, Any], course: Course) -> CourseSettings:
     lms = _value(found, "lms", _text)
     if lms not in (None, *LEARNING_PLATFORMS):
         raise ValueError(f"lms must be {' or '.join(LEARNING_PLATFORMS)}, got {lms!r}.")
-    secret, students = _value(found, "secret", _text), _value(found, "students", _text)
+    secret, students, extensions = (_value(found, key, _text) for key in ("secret", "students", "extensions"))
     return CourseSettings(
         _value(found, "title", _text) or "",
         zone_name,
@@ -159,6 +164,7 @@ def _to_settings(found: dict[str, Any], course: Course) -> CourseSettings:
         None if students is None else course.root / students,
         lms,
         {name: _assignment(tables[name], name, zone, late) for name in known if name in tables},
+        None if extensions is None else course.root / extensions,
     )
 
 
@@ -232,3 +238,9 @@ def time_zone(name: str) -> tzinfo:
         return ZoneInfo(name)
     except (KeyError, ValueError, OSError):  # not in the database, or not a valid name
         raise ValueError(f"the time zone {name} is not known; expected a name such as Australia/Sydney.") from None
+
+
+def local_time(when: datetime, zone_name: str | None) -> str:
+    """A time for students, in a time zone, which is UTC if it is None."""
+    zone = UTC if zone_name is None else time_zone(zone_name)
+    return f"{when.astimezone(zone):%d %B %Y, %H:%M} ({zone_name or 'UTC'})"

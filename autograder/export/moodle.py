@@ -25,7 +25,7 @@ from autograder.intake.worksheet import (
     worksheet_text,
 )
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import write_feedback
+from autograder.results.feedback import FeedbackTexts, write_feedback
 from autograder.results.grades import Totals, write_grades
 from autograder.results.result_files import StoredResult
 from labsid._files import write_file, zip_bytes
@@ -59,6 +59,7 @@ def export_moodle(
     weights: Mapping[str, Decimal] | None = None,
     scale: bool = False,
     zero: bool = False,
+    texts: FeedbackTexts | None = None,
 ) -> MoodleExport:
     """Write ``OUT/moodle/worksheet.csv`` and ``OUT/moodle/feedback.zip``.
 
@@ -76,6 +77,8 @@ def export_moodle(
         Whether to convert the marks to the worksheet's maximum.
     zero : bool
         Whether rows without a hand-in and without a grade get 0 marks; otherwise they are not changed.
+    texts : FeedbackTexts, optional
+        For the feedback pages.
 
     Returns
     -------
@@ -108,7 +111,7 @@ def export_moodle(
     by_student: dict[str, list[StoredResult]] = {}
     for one in stored:
         by_student.setdefault(one.student, []).append(one)
-    pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out)}
+    pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out, texts)}
     rows: list[dict[str, str]] = []
     files: dict[str, bytes] = {}
     found: set[str] = set()
@@ -207,16 +210,28 @@ def _is_locked(row: Mapping[str, str]) -> bool:
 
 
 def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:
-    parts = [f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
+    """The comment in the worksheet; it names the assignments that it is about."""
+    names = [one.assignment for one in stored]
+    parts = [f"{', '.join(names)}: {plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
     if marks.waiting:
         parts.append(f"{plain_decimal(marks.waiting)} marks not yet graded by hand.")
-    parts += [one.late for one in stored if one.late]
-    parts += [f"{one.assignment}: {one.questions[0].status}." for one in stored if one.is_refused]
+    for one in stored:
+        about = f"{one.assignment}: " if len(stored) > 1 else ""
+        parts += [f"{about}Extension until {one.extension}."] if one.extension else []
+        parts += [f"{about}{one.late}"] if one.late else []
+        parts += [f"{about}{_refusal_text(one)}"] if one.is_refused else []
     slips = dict.fromkeys(question.slip for one in stored for question in one.questions if question.slip)
     if slips:
         parts.append(f"Common mistakes: {'; '.join(filter(None, slips))}.")
     parts.append("See the feedback file for details.")
     return one_line(" ".join(parts))
+
+
+def _refusal_text(result: StoredResult) -> str:
+    """Why a submission was not graded, as a sentence; with the reason, if something was handed in."""
+    is_known = result.refusal == result_files.COULD_NOT_BE_GRADED and result.notes
+    why = f": {'; '.join(result.notes)}" if is_known else ""
+    return f"{result.refusal.capitalize()}{why}."
 
 
 def _maximum_grade(text: str) -> Decimal | None:

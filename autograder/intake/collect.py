@@ -16,7 +16,7 @@ from autograder.course.plain_text import one_line, shortened
 from autograder.course.students import STUDENTS_FILE, Student, merge_students, read_students, write_students
 from autograder.intake.download import HandIn, Participant, list_participants, read_hand_in
 from autograder.intake.identity import identify
-from autograder.intake.submission import VERSIONS_FILE
+from autograder.intake.submission import UNTOUCHED, UNTOUCHED_FILE, VERSIONS_FILE
 from autograder.intake.versions import Version, newest_version
 from autograder.intake.worksheet import Worksheet, participant_number, submission_time, utc_timestamp
 from labsid._files import write_file
@@ -124,6 +124,9 @@ def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp
             written.append(f"{name} ({', '.join(notes)})" if notes else name)
     others = [name for name in sorted(found.versions) if name not in wanted]
     untouched = sorted(found.untouched - found.versions.keys())
+    for name in untouched:
+        if name in wanted and not any((folder / name).glob("*.ipynb")):
+            _write_below(folder.parent, Path(folder.name, name, UNTOUCHED_FILE), f"{UNTOUCHED}\n".encode())
     remarks = [", ".join(written)] if written else []
     if untouched:
         remarks.append(f"as released, not collected: {', '.join(untouched)}")
@@ -167,6 +170,7 @@ def _write_assignment(
     notes = [f"the latest of {len(versions)} versions: {shortened(latest.path)}"] if len(versions) > 1 else []
     notes += [f"not clear which is the latest: {'; '.join(doubts)}"] if doubts else []
     notes += ["replaces what was collected before"] if replaced else []
+    (folder / name / UNTOUCHED_FILE).unlink(missing_ok=True)
     if not doubts:
         (folder / name / VERSIONS_FILE).unlink(missing_ok=True)
     stale = folder / name / TIMESTAMP_FILE

@@ -27,7 +27,11 @@ MAX_CELLS = 5_000
 
 MAX_NOTES, MAX_NOTE_CHARACTERS = 50, 500
 
-UNTOUCHED = "the notebook is as it was released: no answer was submitted"
+NOT_SUBMITTED = "no notebook was submitted"
+UNTOUCHED = "the notebook was handed in as it was released, without an answer"
+
+UNTOUCHED_FILE = "as-released.txt"
+"""In the folder of an assignment: its notebook was handed in as it was released, and not collected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,13 +90,15 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     Returns
     -------
     Submission
-        Invalid submissions are quarantined; they do not raise an error. A notebook as it was released is missing.
+        Invalid submissions are quarantined; they do not raise an error. A notebook as it was released is missing, and
+        the note says so.
     """
     name = f"{template.assignment}.ipynb"
     try:
         found = _find_notebook(folder, template.assignment)
         if found is None:
-            return Submission(student, template.assignment, "missing", (), ("no notebook was submitted",))
+            note = UNTOUCHED if is_plain_file(folder / UNTOUCHED_FILE, MAX_NOTE_CHARACTERS) else NOT_SUBMITTED
+            return Submission(student, template.assignment, "missing", (), (note,))
         name, notes = found[0].name, found[1]
         if any(path.is_symlink() for path in (folder.parent, folder, found[0])):
             raise ValueError("it is a symbolic link, or is below one: submit the file itself")

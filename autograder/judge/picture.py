@@ -65,10 +65,13 @@ def figure_svg(figure: FigureValue) -> str:
     Returns
     -------
     str
-        An SVG image in base64, with the axes one below the other.
+        An SVG image in base64, with the axes one below the other. Axes without a curve and without text are left out;
+        empty if all are.
     """
-    axes = figure.axes[:MAX_AXES]
-    height = max(len(axes), 1) * _HEIGHT
+    axes = [one for one in figure.axes if one.curves or one.texts][:MAX_AXES]
+    if not axes:
+        return ""
+    height = len(axes) * _HEIGHT
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" width="{_WIDTH}" height="{height}" '
         'font-family="system-ui, sans-serif" font-size="12" fill="#1d2733">',

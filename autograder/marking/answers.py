@@ -1,15 +1,13 @@
 """The answers to open questions that wait for a mark, with what the instructor needs beside them."""
 
-import json
-import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
 from autograder.course.layout import Course
+from autograder.course.questions import QuestionText, read_questions
 from autograder.results import gradebook, result_files
-from labsid.checks.cells import read_cell
 from labsid.checks.timetable import in_course_order
 
 STEPS = (Decimal(0), Decimal("0.25"), Decimal("0.5"), Decimal("0.75"), Decimal(1))
@@ -36,6 +34,8 @@ class OpenAnswer:
         Who marked it and when, if that is known.
     needs_review : bool
         Whether the submission changed after it was marked.
+    ticked : tuple of int
+        The lines of the rubric that were ticked, from 0.
     """
 
     student: str
@@ -45,6 +45,7 @@ class OpenAnswer:
     comment: str = ""
     marked_by: str = ""
     needs_review: bool = False
+    ticked: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,10 +56,8 @@ class OpenQuestion:
     ----------
     assignment, title, question, heading : str
     max_score : Decimal
-    task : str
-        The text of the notebook above the answer, in Markdown.
-    rubric : str
-        The model answer, in Markdown; empty if there is none.
+    text : QuestionText
+        Its task, model answer and rubric; all empty where the notebook with solutions is not here.
     answers : tuple of OpenAnswer
     """
 
@@ -67,8 +66,7 @@ class OpenQuestion:
     question: str
     heading: str
     max_score: Decimal
-    task: str
-    rubric: str
+    text: QuestionText
     answers: tuple[OpenAnswer, ...]
 
     @property
@@ -102,7 +100,7 @@ def open_questions(
         If OUT holds no results, or no answer to such a question.
     """
     stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
-    texts = {name: dict(_texts(course, name)) for name in {one.assignment for one in stored}}
+    texts = {name: read_questions(course, name) for name in {one.assignment for one in stored}}
     questions: dict[tuple[str, str], OpenQuestion] = {}
     for one in stored:
         for result in one.questions:
@@ -110,10 +108,8 @@ def open_questions(
                 continue
             key = one.assignment, result.question
             heading = one.headings.get(result.question, result.question)
-            task, rubric = texts[one.assignment].get(result.question, ("", ""))
-            first = OpenQuestion(
-                one.assignment, one.title, result.question, heading, result.max_score, task, rubric, ()
-            )
+            text = texts[one.assignment].get(result.question, QuestionText("", ""))
+            first = OpenQuestion(one.assignment, one.title, result.question, heading, result.max_score, text, ())
             known = questions.get(key, first)
             questions[key] = replace(known, answers=(*known.answers, OpenAnswer(one.student, result.answer)))
     if not questions:
@@ -139,29 +135,10 @@ def with_marks(out: Path, questions: Iterable[OpenQuestion]) -> list[OpenQuestio
             comment=manual.comments.get(key, ""),
             marked_by="" if mark is None else mark.text,
             needs_review=key in manual.needs_review,
+            ticked=() if mark is None else mark.ticked,
         )
 
     return [replace(one, answers=tuple(marked(answer, one) for answer in one.answers)) for one in questions]
-
-
-def _texts(course: Course | None, assignment: str) -> Iterator[tuple[str, tuple[str, str]]]:
-    """Task and model answer of each open question, from the built notebook with solutions."""
-    path = None if course is None else course.source / assignment / f"{assignment}.ipynb"
-    if path is None or not path.is_file():
-        return
-    task = ""
-    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
-        source = cell["source"] if isinstance(cell["source"], str) else "".join(cell["source"])
-        known = read_cell({**cell, "source": source})
-        if known is not None and known.kind == "manual":
-            yield known.id, (task, source)
-        task = _last_section(source) if cell["cell_type"] == "markdown" else ""
-
-
-def _last_section(text: str) -> str:
-    """Markdown from below its last heading."""
-    *_, last = re.split(r"^#{1,6}\s.*$", text, flags=re.MULTILINE)
-    return last.strip()
 
 
 def find_question(questions: Sequence[OpenQuestion], assignment: str, question: str) -> OpenQuestion | None:

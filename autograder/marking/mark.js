@@ -9,6 +9,8 @@ let current = -1;
 const isOpen = (answer) => answer.classList.contains("wait");
 const points = (answer) => answer.querySelector(".points");
 const comment = (answer) => answer.querySelector(".comment");
+const lines = (answer) => [...answer.querySelectorAll("input[data-line]")];
+const ticked = (answer) => lines(answer).filter((line) => line.checked).map((line) => Number(line.dataset.line));
 
 function say(text, isProblem) {
   message.textContent = text;
@@ -34,9 +36,11 @@ function selectOpen() {
   say("Every answer is marked.");
 }
 
-async function save(answer, score) {
+// Points are given as a number, or, with a list, by the ticked lines of the rubric.
+async function save(answer, score, list = null) {
   const text = comment(answer).value;
   const request = { student: answer.dataset.student, score: score === "" ? null : score, comment: text };
+  if (list !== null) request.ticked = list;
   try {
     const reply = await fetch(location.pathname, {
       method: "POST",
@@ -49,11 +53,15 @@ async function save(answer, score) {
     answer.dataset.score = found.score;
     answer.dataset.comment = text;
     points(answer).value = found.score;
+    lines(answer).forEach((line) => { line.checked = found.ticked.includes(Number(line.dataset.line)); });
+    answer.dataset.ticked = JSON.stringify(found.ticked);
     answer.querySelector(".state").textContent = found.state;
     document.getElementById("waiting").textContent = answers.filter(isOpen).length;
     say("Saved.");
     return true;
   } catch (error) {
+    const before = JSON.parse(answer.dataset.ticked);
+    lines(answer).forEach((line) => { line.checked = before.includes(Number(line.dataset.line)); });
     select(answers.indexOf(answer), false);
     say("Not saved: " + (error.message || "the command has ended; start it again."), true);
     return false;
@@ -69,6 +77,8 @@ async function give(answer, score) {
 }
 
 answers.forEach((answer, index) => {
+  answer.dataset.ticked = JSON.stringify(ticked(answer));
+  lines(answer).forEach((line) => line.addEventListener("change", () => save(answer, null, ticked(answer))));
   answer.dataset.comment = comment(answer).value;
   answer.addEventListener("focusin", () => select(index, false));
   answer.addEventListener("click", () => select(index, false));
@@ -95,16 +105,22 @@ answers.forEach((answer, index) => {
     }
   });
   comment(answer).addEventListener("change", () => {
-    if (comment(answer).value !== answer.dataset.comment) save(answer, answer.dataset.score);
+    const list = ticked(answer);
+    if (comment(answer).value !== answer.dataset.comment) save(answer, answer.dataset.score, list.length ? list : null);
   });
 });
 
 document.addEventListener("keydown", (event) => {
-  const typing = event.target.closest && event.target.closest("input, textarea");
+  const typing = event.target.closest && event.target.closest("input:not([type=checkbox]), textarea");
   if (typing || event.ctrlKey || event.metaKey || event.altKey || current < 0) return;
   const answer = answers[current];
   const step = steps[Number(event.key)];
-  if (/^[0-9]$/.test(event.key) && step !== undefined) give(answer, step);
+  const line = lines(answer)[Number(event.key) - 1];
+  if (/^[1-9]$/.test(event.key) && lines(answer).length) {
+    if (line === undefined) return;
+    line.checked = !line.checked;
+    save(answer, null, ticked(answer));
+  } else if (/^[0-9]$/.test(event.key) && step !== undefined) give(answer, step);
   else if (event.key === "j" || event.key === "ArrowDown") select(current + 1);
   else if (event.key === "k" || event.key === "ArrowUp") select(current - 1);
   else if (event.key === "u") selectOpen();

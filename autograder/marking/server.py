@@ -4,6 +4,8 @@ The address contains a random token; requests to another host name, with another
 refused. The pages run one script, which comes from here; text of students is Markdown rendered without their HTML.
 """
 
+import hashlib
+import hmac
 import json
 import secrets
 import sys
@@ -19,9 +21,10 @@ from typing import Any
 from urllib.parse import quote, unquote, urlsplit
 
 from autograder.course.plain_text import plain_decimal
-from autograder.marking.answers import OpenQuestion, find_question, with_marks
+from autograder.course.questions import Criterion
+from autograder.marking.answers import OpenAnswer, OpenQuestion, find_question, with_marks
 from autograder.results import gradebook
-from autograder.results.feedback import load_template, look_of, printable
+from autograder.results.feedback import load_template, look_of, printable, values_of
 from autograder.results.gradebook import Mark
 from autograder.results.prose import prose_html
 
@@ -74,6 +77,10 @@ class MarkingApp:
         Returns the time, with a time zone.
     token : str
         First part of every path.
+    hide_names : bool
+        Whether answers have numbers instead of names and IDs, in an order that is another one for each question.
+    values : callable
+        ``values(student, assignment)``: the right values on the student's own record, as text by name, by question.
     """
 
     out: Path
@@ -81,6 +88,8 @@ class MarkingApp:
     marker: str
     now: Callable[[], datetime]
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
+    hide_names: bool = False
+    values: Callable[[str, str], Mapping[str, Mapping[str, str]]] = lambda student, assignment: {}
     _lock: Any = field(default_factory=Lock)
 
     def respond(self, method: str, path: str, body: bytes = b"") -> Response:
@@ -124,19 +133,24 @@ class MarkingApp:
         before, after = self.questions[:place], self.questions[place + 1 :]
         neighbours = {"previous": before[-1:], "next": after[:1]}
         (shown,) = with_marks(self.out, [question])
-        answers = [
-            {
-                "student": answer.student,
-                "shown": printable(answer.name or answer.student),
-                "id": printable(answer.student) if answer.name else "",
-                "prose": prose_html(printable(answer.text)),
-                "score": "" if answer.score is None else plain_decimal(answer.score),
-                "look": "wait" if answer.needs_review else look_of(answer.score, shown.max_score),
-                "comment": printable(answer.comment),
-                "state": "changed since it was marked" if answer.needs_review else answer.marked_by,
-            }
-            for answer in shown.answers
-        ]
+        answers = []
+        for key, answer in self._by_key(shown).items():
+            name = "" if self.hide_names else answer.name
+            right = self.values(answer.student, shown.assignment) if shown.text.values else {}
+            answers.append(
+                {
+                    "key": key,
+                    "shown": printable(key if self.hide_names else name or answer.student),
+                    "id": printable(answer.student) if name else "",
+                    "prose": prose_html(printable(answer.text)),
+                    "values": values_of(shown.question, shown.text, right),
+                    "score": "" if answer.score is None else plain_decimal(answer.score),
+                    "look": "wait" if answer.needs_review else look_of(answer.score, shown.max_score),
+                    "comment": printable(answer.comment),
+                    "state": "changed since it was marked" if answer.needs_review else answer.marked_by,
+                    "ticked": answer.ticked,
+                }
+            )
         return {
             "base": f"/{self.token}/",
             "marker": self.marker,
@@ -146,8 +160,11 @@ class MarkingApp:
             "id": shown.question,
             "points": plain_decimal(shown.max_score),
             "steps": [plain_decimal(step) for step in shown.steps],
-            "task": prose_html(shown.task) if shown.task else "",
-            "rubric": prose_html(shown.rubric) if shown.rubric else "",
+            "task": prose_html(shown.text.task) if shown.text.task else "",
+            "model": prose_html(shown.text.model) if shown.text.model else "",
+            "criteria": [
+                {"text": prose_html(one.text), "points": plain_decimal(one.points)} for one in shown.text.rubric
+            ],
             "answers": answers,
             "waiting": shown.waiting,
             **{
@@ -160,19 +177,44 @@ class MarkingApp:
         """Enter one mark; `ValueError` if the request is not valid."""
         try:
             asked = json.loads(body)
-            student, score, comment = asked["student"], asked["score"], asked["comment"]
-        except (ValueError, KeyError, TypeError, RecursionError):
+            key, score, comment, ticked = asked["student"], asked["score"], asked["comment"], asked.get("ticked")
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             raise ValueError("expected a JSON object with student, score and comment.") from None
-        if student not in [answer.student for answer in shown.answers]:
-            raise ValueError(f"there is no answer of {student!r}.")
+        found = self._by_key(shown).get(key) if isinstance(key, str) else None
+        if found is None:
+            raise ValueError(f"there is no answer of {key!r}.")
         if not isinstance(comment, str) or len(comment) > MAX_COMMENT:
             raise ValueError(f"the comment must be text of at most {MAX_COMMENT} characters.")
-        mark = None if score is None else Mark(_points(score, shown.max_score), self.marker, self.now())
+        mark = None
+        if ticked is not None:
+            mark = self._ticked_mark(ticked, shown.text.rubric)
+        elif score is not None:
+            mark = Mark(_points(score, shown.max_score), self.marker, self.now())
         with self._lock:
-            gradebook.enter_mark(self.out, (student, shown.assignment, shown.question), mark, printable(comment))
+            gradebook.enter_mark(self.out, (found.student, shown.assignment, shown.question), mark, printable(comment))
         if mark is None:
-            return {"score": "", "look": "wait", "state": "not marked"}
-        return {"score": plain_decimal(mark.score), "look": look_of(mark.score, shown.max_score), "state": mark.text}
+            return {"score": "", "look": "wait", "state": "not marked", "ticked": []}
+        look = look_of(mark.score, shown.max_score)
+        return {"score": plain_decimal(mark.score), "look": look, "state": mark.text, "ticked": list(mark.ticked)}
+
+    def _ticked_mark(self, ticked: Any, rubric: Sequence[Criterion]) -> Mark:
+        """The mark that the ticked lines of a rubric add up; `ValueError` if they are not lines of it."""
+        valid = isinstance(ticked, list) and all(type(one) is int and 0 <= one < len(rubric) for one in ticked)
+        if not valid or len(set(ticked)) != len(ticked):
+            raise ValueError(f"ticked must be numbers of lines of the rubric, which has {len(rubric)}.")
+        score = sum((rubric[one].points for one in ticked), Decimal(0))
+        return Mark(score, self.marker, self.now(), tuple(sorted(ticked)))
+
+    def _by_key(self, shown: OpenQuestion) -> dict[str, OpenAnswer]:
+        """The answers by the key with which the page asks for them: the ID, or a number if names are hidden."""
+        if not self.hide_names:
+            return {answer.student: answer for answer in shown.answers}
+        mixed = sorted(shown.answers, key=lambda answer: self._digest(shown, answer.student))
+        return {f"Answer {number}": answer for number, answer in enumerate(mixed, 1)}
+
+    def _digest(self, shown: OpenQuestion, student: str) -> str:
+        text = f"{shown.assignment}\0{shown.question}\0{student}"
+        return hmac.new(self.token.encode(), text.encode(errors="surrogatepass"), hashlib.sha256).hexdigest()
 
 
 def _points(text: Any, most: Decimal) -> Decimal:

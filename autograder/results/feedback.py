@@ -1,7 +1,9 @@
 """Feedback pages: one self-contained HTML file for each submission, made from its stored result."""
 
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -10,9 +12,10 @@ import jinja2
 import markupsafe
 
 from autograder.course.plain_text import plain_decimal
+from autograder.course.questions import QuestionText
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
-from autograder.results.gradebook import Key, ManualGrades
+from autograder.results.gradebook import Key, ManualGrades, Mark
 from autograder.results.prose import prose_html
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
@@ -28,7 +31,29 @@ _WORDS = {
 }
 
 
-def write_feedback(out: Path, course: str = "") -> Iterator[Path]:
+@dataclass(frozen=True, slots=True)
+class FeedbackTexts:
+    """What the course adds to the feedback pages.
+
+    Attributes
+    ----------
+    title : str
+        Title of the course.
+    questions : mapping
+        The text of each question and its model answer, by assignment and question.
+    with_models : frozenset of str
+        Assignments whose pages have the model answers.
+    values : callable
+        ``values(student, assignment)``: the right values on the student's own record, as text by name, by question.
+    """
+
+    title: str = ""
+    questions: Mapping[str, Mapping[str, QuestionText]] = field(default_factory=dict)
+    with_models: frozenset[str] = frozenset()
+    values: Callable[[str, str], Mapping[str, Mapping[str, str]]] = lambda student, assignment: {}
+
+
+def write_feedback(out: Path, texts: FeedbackTexts | None = None) -> Iterator[Path]:
     """Write ``OUT/feedback/<student>/<assignment>.html`` for every result; yields each page's path.
 
     Includes the scores and comments of manual grading.
@@ -36,8 +61,7 @@ def write_feedback(out: Path, course: str = "") -> Iterator[Path]:
     Parameters
     ----------
     out : Path
-    course : str
-        Title of the course.
+    texts : FeedbackTexts, optional
 
     Raises
     ------
@@ -48,46 +72,61 @@ def write_feedback(out: Path, course: str = "") -> Iterator[Path]:
     page_template = load_template("feedback.html.j2")
     for result in result_files.load_all(out):
         path = out / "feedback" / result.student / f"{result.assignment}.html"
-        page = feedback_page(result, manual, names.get(result.student, ""), course)
+        page = feedback_page(result, manual, names.get(result.student, ""), texts)
         write_text(path, page_template.render(page=page))
         yield path
 
 
-def feedback_page(result: StoredResult, manual: ManualGrades, name: str = "", course: str = "") -> dict[str, Any]:
+def feedback_page(
+    result: StoredResult, manual: ManualGrades, name: str = "", texts: FeedbackTexts | None = None
+) -> dict[str, Any]:
     """The content of a feedback page, as plain text and safe HTML.
 
     Parameters
     ----------
     result : StoredResult
     manual : ManualGrades
-    name, course : str
-        Name of the student and title of the course, if known.
+    name : str
+        Name of the student, if known.
+    texts : FeedbackTexts, optional
 
     Returns
     -------
     dict
     """
+    texts = texts or FeedbackTexts()
+    asked = texts.questions.get(result.assignment, {})
+    has_models = result.assignment in texts.with_models
+    values = texts.values(result.student, result.assignment) if has_models else {}
     questions = []
+    headings = unique_headings(result)
     marks = grades.totals(result, manual.scores)
     for question in result.questions:
         key = (result.student, result.assignment, question.question)
-        heading = result.headings.get(question.question, "")
-        questions.append(_question_block(question, key, manual, heading))
+        block = _question_block(question, key, manual, headings[question.question])
+        block["task"] = _task(asked.get(question.question))
+        block["model"] = _model(question, asked.get(question.question), values) if has_models else None
+        mark = manual.marks.get((result.student, result.assignment, question.question))
+        block["rubric"] = _rubric(asked.get(question.question), mark) if has_models else []
+        questions.append(block)
     automatic = [block for block in questions if not block["by_hand"]]
     wrong = [block for block in questions if block["look"] == "wrong"]
+    is_absent = result.refusal in (result_files.NOT_HANDED_IN, result_files.AS_RELEASED)  # said by `refusal` alone
     return {
         "student": f"{printable(name)} ({result.student})" if name else result.student,
-        "course": course,
+        "course": texts.title,
         "assignment": result.assignment,
         "title": result.title,
         "score": plain_decimal(marks.score),
         "max_score": plain_decimal(marks.max_score),
+        "refusal": result.refusal.capitalize(),
         "late": result.late,
+        "extension": result.extension,
         "waiting": plain_decimal(marks.waiting),
         "automatic": len(automatic),
         "right": sum(block["look"] == "right" for block in automatic),
         "first_wrong": wrong[0] if wrong else None,
-        "notes": [printable(note) for note in result.notes],
+        "notes": [] if is_absent else [printable(note) for note in result.notes],
         "questions": questions,
         "isolation": result.isolation,
     }
@@ -99,7 +138,7 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
     by_hand = question.status == "manual"
     return {
         "id": question.question,
-        "heading": heading or question.question,
+        "heading": heading,
         "by_hand": by_hand,
         "look": look,
         "mark": _MARKS[look],
@@ -115,6 +154,54 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
         "output": printable(question.output),
         "figures": question.figures,
     }
+
+
+def _task(text: QuestionText | None) -> str:
+    """The text of a question as HTML; empty if it is not known."""
+    return prose_html(text.task) if text is not None and text.task else ""
+
+
+def _model(
+    question: QuestionResult, text: QuestionText | None, values: Mapping[str, Mapping[str, str]]
+) -> dict[str, Any] | None:
+    """The model answer of a question, with its values on the student's record; None if it is not known."""
+    if text is None or not text.model:
+        return None
+    by_hand = question.status == "manual"
+    return {
+        "prose": prose_html(text.model) if by_hand else None,
+        "code": text.model,
+        "values": values_of(question.question, text, values),
+    }
+
+
+def _rubric(text: QuestionText | None, mark: Mark | None) -> list[dict[str, Any]]:
+    """The lines of the rubric by which a question was marked; none if it was not marked by one."""
+    if text is None or mark is None or not mark.ticked:
+        return []
+    return [
+        {"text": prose_html(one.text), "points": plain_decimal(one.points), "ticked": number in mark.ticked}
+        for number, one in enumerate(text.rubric)
+    ]
+
+
+def values_of(question: str, text: QuestionText, values: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+    """The right values that belong to a model answer: those of the question, or those that its metadata name."""
+    if not text.values:
+        return dict(values.get(question, {}))
+    known = {name: value for found in values.values() for name, value in found.items()}
+    return {name: known[name] for name in text.values if name in known}
+
+
+def unique_headings(result: StoredResult) -> dict[str, str]:
+    """The heading of each question; those under the same heading of the notebook are numbered."""
+    texts = {one.question: result.headings.get(one.question) or one.question for one in result.questions}
+    total, seen = Counter(texts.values()), Counter[str]()
+    found = {}
+    for question, text in texts.items():
+        seen[text] += 1
+        found[question] = f"{text} ({seen[text]} of {total[text]})" if total[text] > 1 else text
+    return found
 
 
 def look_of(score: Decimal | None, max_score: Decimal) -> str:

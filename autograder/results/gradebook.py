@@ -40,11 +40,14 @@ class Mark:
         Name of who gave it.
     when : datetime
         In UTC.
+    ticked : tuple of int
+        The lines of the rubric that the score adds up, from 0; empty if it was not given by a rubric.
     """
 
     score: Decimal
     marker: str
     when: datetime
+    ticked: tuple[int, ...] = ()
 
     @property
     def text(self) -> str:
@@ -244,19 +247,18 @@ def enter_mark(out: Path, key: Key, mark: Mark | None, comment: str) -> None:
             text = gradebook.find_comment(question, assignment, assignment, student)
         except api.MissingEntry:
             raise ValueError(f"the gradebook has no question {question} of {student} in {assignment}.") from None
-        table = _marks_table(gradebook)
-        gradebook.db.execute(
-            table.delete().where(
-                table.c.student == student, table.c.assignment == assignment, table.c.question == question
-            )
-        )
+        row = {"student": student, "assignment": assignment, "question": question}
+        table, ticks = _marks_table(gradebook), _ticks_table(gradebook)
+        for written in (table, ticks):
+            gradebook.db.execute(written.delete().where(*(written.c[name] == value for name, value in row.items())))
         if mark is None:
             grade.manual_score, grade.needs_manual_grade = None, grade.auto_score is None
         else:
             grade.manual_score, grade.needs_manual_grade = float(mark.score), False
             values = {"score": str(mark.score), "marker": mark.marker, "marked": mark.when.astimezone(UTC).isoformat()}
-            row = {"student": student, "assignment": assignment, "question": question, **values}
-            gradebook.db.execute(table.insert().values(row))
+            gradebook.db.execute(table.insert().values(row | values))
+            if mark.ticked:
+                gradebook.db.execute(ticks.insert().values(row | {"ticked": " ".join(map(str, mark.ticked))}))
         text.manual_comment = comment.strip() or None
         gradebook.db.commit()
 
@@ -265,21 +267,34 @@ def _read_marks(gradebook: Any) -> dict[Key, Mark]:
     from sqlalchemy import select
 
     rows = gradebook.db.execute(select(_marks_table(gradebook))).all()
+    ticked = {
+        (row.student, row.assignment, row.question): tuple(map(int, row.ticked.split()))
+        for row in gradebook.db.execute(select(_ticks_table(gradebook))).all()
+    }
     return {
-        (row.student, row.assignment, row.question): Mark(
-            Decimal(row.score), row.marker, datetime.fromisoformat(row.marked)
+        (key := (row.student, row.assignment, row.question)): Mark(
+            Decimal(row.score), row.marker, datetime.fromisoformat(row.marked), ticked.get(key, ())
         )
         for row in rows
     }
 
 
 def _marks_table(gradebook: Any) -> Any:
+    return _own_table(gradebook, "labsid_marked", ("score", "marker", "marked"))
+
+
+def _ticks_table(gradebook: Any) -> Any:
+    return _own_table(gradebook, "labsid_ticked", ("ticked",))
+
+
+def _own_table(gradebook: Any, name: str, columns: Sequence[str]) -> Any:
+    """A table of ours beside those of nbgrader, with a row for a question of a student."""
     from sqlalchemy import Column, MetaData, String, Table
 
     metadata = MetaData()
-    keys = (Column(name, String(128), primary_key=True) for name in ("student", "assignment", "question"))
-    values = (Column(name, String(128), nullable=False) for name in ("score", "marker", "marked"))
-    table = Table("labsid_marked", metadata, *keys, *values)
+    keys = (Column(key, String(128), primary_key=True) for key in ("student", "assignment", "question"))
+    values = (Column(column, String(128), nullable=False) for column in columns)
+    table = Table(name, metadata, *keys, *values)
     metadata.create_all(gradebook.engine)
     return table
 

@@ -17,7 +17,7 @@ rule of their own. A submission whose time is unknown is not late, and the repor
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal, InvalidOperation
 
@@ -115,7 +115,9 @@ def parse_rules(text: str) -> LateRules:
     return rules
 
 
-def late_penalty(rules: LateRules, assignment: str, submitted: datetime | None, marks: Decimal) -> LatePenalty:
+def late_penalty(
+    rules: LateRules, assignment: str, submitted: datetime | None, marks: Decimal, own_due: datetime | None = None
+) -> LatePenalty:
     """Compute the late penalty of a submission.
 
     Parameters
@@ -127,8 +129,12 @@ def late_penalty(rules: LateRules, assignment: str, submitted: datetime | None, 
         Submission time in UTC; None if unknown.
     marks : Decimal
         All marks of the assignment.
+    own_due : datetime, optional
+        The student's own due date, which takes the place of the rule's.
     """
     rule = rules.get(assignment, rules.get(""))
+    if rule is not None and own_due is not None:
+        rule = replace(rule, due=own_due)
     if rule is not None and submitted is None:
         return LatePenalty(Decimal(0), TIME_UNKNOWN)
     if rule is None or submitted is None or submitted <= rule.due + rule.grace:
@@ -136,10 +142,11 @@ def late_penalty(rules: LateRules, assignment: str, submitted: datetime | None, 
     lateness = submitted - rule.due
     days = -(-lateness // _DAY)
     penalty = min(days * rule.per_day.in_marks(marks), rule.most.in_marks(marks), marks)
+    after = "late" if own_due is None else "after the extension"
     return LatePenalty(
         penalty,
-        f"Handed in {_duration_text(lateness)} late: {plain_decimal(penalty)} of {plain_decimal(marks)} marks deducted "
-        f"({rule.per_day} per started day).",
+        f"Handed in {_duration_text(lateness)} {after}: {plain_decimal(penalty)} of {plain_decimal(marks)} marks "
+        f"deducted ({rule.per_day} per started day).",
     )
 
 

@@ -46,6 +46,13 @@ def prose_html(text: str) -> markupsafe.Markup:
     return _rendered(text, SECONDS)
 
 
+def course_html(text: str) -> markupsafe.Markup:
+    """Render Markdown of the course itself: like `prose_html`, with its headings, and with folded hints unfolded."""
+    text = re.sub(r"<summary>(.*?)</summary>", r"**\1**", text, flags=re.DOTALL)
+    text = re.sub(r"</?details>", "", text)
+    return markupsafe.Markup(_render(text, float("inf"), keep_headings=True))
+
+
 def prose_for_notebook(text: str, seconds: float = SECONDS) -> str:
     """Render Markdown as a cell of Markdown for a program that does not clean it, such as formgrader.
 
@@ -84,11 +91,11 @@ def _rendered(text: str, seconds: float) -> markupsafe.Markup:
     return markupsafe.Markup("<pre>{}</pre>").format(shortened)
 
 
-def _render(text: str, deadline: float) -> str:
+def _render(text: str, deadline: float, keep_headings: bool = False) -> str:
     parser, environment = _parser(), {"deadline": deadline}
     tokens = parser.parse(text, environment)
     for token in tokens:
-        if token.type in ("heading_open", "heading_close"):
+        if token.type in ("heading_open", "heading_close") and not keep_headings:
             token.tag = "p"
         if token.children:
             _clean_links(token.children)

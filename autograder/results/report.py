@@ -9,9 +9,10 @@ from urllib.parse import quote
 
 from autograder.course.plain_text import plain_decimal
 from autograder.results import gradebook, grades, result_files
-from autograder.results.feedback import load_template, printable, write_feedback
+from autograder.results.feedback import FeedbackTexts, load_template, printable, unique_headings, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.hard_questions import HardAssignment, hard_csv, what_was_hard
+from autograder.results.nearly_equal import NearlyEqual, find_nearly_equal
 from autograder.results.result_files import StoredResult
 from autograder.results.sent_tries import StudentTries, load_sent
 from autograder.results.similar import find_equal, find_similar
@@ -24,7 +25,7 @@ HARD_TABLE = "what-was-hard.csv"
 _FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
-def write_report(out: Path, course: str = "") -> Path:
+def write_report(out: Path, texts: FeedbackTexts | None = None) -> Path:
     """Write ``OUT/report.html``, the feedback pages to which it links, and ``OUT/what-was-hard.csv``.
 
     The last one has the statistics of the tries that students sent, without names, if enough of them did.
@@ -32,8 +33,8 @@ def write_report(out: Path, course: str = "") -> Path:
     Parameters
     ----------
     out : Path
-    course : str
-        Title of the course.
+    texts : FeedbackTexts, optional
+        For the feedback pages, and the title of the course.
 
     Raises
     ------
@@ -41,10 +42,11 @@ def write_report(out: Path, course: str = "") -> Path:
         If OUT holds no results.
     """
     path = out / "report.html"
-    list(write_feedback(out, course))
+    texts = texts or FeedbackTexts()
+    list(write_feedback(out, texts))
     stored = result_files.load_all(out)
     sent = {name: load_sent(out, name) for name in {result.assignment for result in stored}}
-    page = report_page(stored, gradebook.read_manual_grades(out), gradebook.read_names(out), course, sent)
+    page = report_page(stored, gradebook.read_manual_grades(out), gradebook.read_names(out), texts.title, sent)
     write_text(path, load_template("report.html.j2").render(page=page))
     table = out / HARD_TABLE
     if page["hard"]:
@@ -82,8 +84,14 @@ def report_page(
     by_name = {name: [result for result in stored if result.assignment == name] for name in names}
     levels = Counter(result.isolation for result in stored)
     equal = find_equal(stored)
-    same = [set(one.students) for one in equal if one.question is None]
-    pairs = [pair for pair in find_similar(stored) if not any({pair.first, pair.second} <= group for group in same)]
+    nearly = find_nearly_equal(stored)
+    same = [(one.assignment, set(one.students)) for one in equal if one.question is None]
+    same += [(one.assignment, set(one.students)) for one in nearly]
+    pairs = [
+        pair
+        for pair in find_similar(stored)
+        if not any(pair.assignment == name and {pair.first, pair.second} <= group for name, group in same)
+    ]
     return {
         "course": course,
         "names": {printable(student): printable(name) for student, name in (student_names or {}).items()},
@@ -106,6 +114,7 @@ def report_page(
             }
             for one in equal
         ],
+        "nearly": [_nearly_equal(one) for one in nearly],
         "similar": [
             {
                 "assignment": pair.assignment,
@@ -133,6 +142,19 @@ def _hard(stored: Sequence[StoredResult], sent: Sequence[StudentTries]) -> HardA
 def _person(student: str, assignment: str) -> dict[str, str]:
     """A student as the report shows one: ID, and the address of the feedback page."""
     return {"id": printable(student), "page": f"feedback/{quote(student, errors='replace')}/{assignment}.html"}
+
+
+def _nearly_equal(group: NearlyEqual) -> dict[str, Any]:
+    """A group of hand-ins with nearly all answers equal, as the report shows it."""
+    counts = f"{group.fewest}" if group.fewest == group.most else f"{group.fewest} to {group.most}"
+    return {
+        "assignment": group.assignment,
+        "students": [_person(student, group.assignment) for student in group.students],
+        "equal": f"{counts} of {group.compared}",
+        "different": group.different,
+        "to_the_letter": group.to_the_letter,
+        "same_mistakes": group.same_mistakes,
+    }
 
 
 def _copied(result: StoredResult) -> Iterator[dict[str, Any]]:
@@ -168,7 +190,7 @@ def _class_list(
                 cells.append(None)
                 continue
             marks = grades.totals(result, manual.scores)
-            status = result.questions[0].status if result.is_refused else "waiting" if marks.waiting else ""
+            status = result.refusal or ("waiting" if marks.waiting else "")
             cells.append({**_person(student, name), "score": plain_decimal(marks.score), "status": status})
         rows.append({"id": printable(student), "cells": cells})
     return rows
@@ -184,9 +206,14 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
         "name": stored[0].assignment,
         "title": printable(stored[0].title),
         "handed_in": len(handed_in),
-        "refused": len(stored) - len(handed_in),
+        "refused": [
+            f"{count} {words}" for words, count in Counter(one.refusal for one in stored).most_common() if words
+        ],
         "second_record": _second_record(handed_in),
         "late": sum(one.penalty > 0 for one in totals),
+        "extensions": [
+            {"who": _person(one.student, one.assignment), "due": one.extension} for one in stored if one.extension
+        ],
         "max_score": plain_decimal(max_score),
         "mean": plain_decimal((sum(scores, Decimal(0)) / len(scores)).quantize(Decimal("0.01"))) if scores else "–",
         "median": plain_decimal(_median(scores)) if scores else "–",
@@ -219,10 +246,11 @@ def _questions(stored: Sequence[StoredResult], manual: ManualGrades) -> list[dic
     """Marks lost on each question, most costly first."""
     rows: dict[str, dict[str, Any]] = {}
     for result in stored:
+        headings = unique_headings(result)
         for question in result.questions:
             row = rows.setdefault(
                 question.question,
-                {"id": question.question, "heading": printable(result.headings.get(question.question, "")), "full": 0,
+                {"id": question.question, "heading": printable(headings[question.question]), "full": 0,
                  "none": 0, "graded": 0, "lost": Decimal(0), "max_score": plain_decimal(question.max_score),
                  "worth": question.max_score, "slips": Counter()},
             )  # fmt: skip
@@ -276,7 +304,7 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
         weight += 50
     for kind in _FAILURES:
         if status[kind]:
-            reasons.append(kind if result.is_refused else f"{kind}: {_named(result, kind)}")
+            reasons.append(f"{result.refusal} ({kind})" if result.is_refused else f"{kind}: {_named(result, kind)}")
             weight += 20
     automatic = [question for question in result.questions if question.status != "manual"]
     if not result.is_refused and automatic and all(question.score == 0 for question in automatic):
@@ -308,12 +336,12 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
 
 
 def _missing(stored: Sequence[StoredResult]) -> list[dict[str, Any]]:
-    """Students without a submission, by assignment."""
-    found: dict[str, list[str]] = {}
+    """Students without an answer to grade, by assignment and whether they handed in something."""
+    found: dict[tuple[str, str], list[str]] = {}
     for result in stored:
-        if all(question.status == "missing" for question in result.questions):
-            found.setdefault(result.assignment, []).append(printable(result.student))
-    return [{"assignment": name, "students": students} for name, students in found.items()]
+        if result.refusal in (result_files.NOT_HANDED_IN, result_files.AS_RELEASED):
+            found.setdefault((result.assignment, result.refusal), []).append(printable(result.student))
+    return [{"assignment": name, "words": words, "students": students} for (name, words), students in found.items()]
 
 
 def _named(result: StoredResult, status: str) -> str:

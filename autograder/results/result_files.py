@@ -13,12 +13,18 @@ from pathlib import Path
 from typing import Any
 
 from autograder.course.layout import to_json
+from autograder.intake.submission import UNTOUCHED
 from autograder.judge.outcome import QuestionResult, SubmissionResult
 from autograder.results.copied import Copied
 from labsid._files import write_text
 from labsid.checks.timetable import in_course_order
 
 SCHEMA = "labsid.result/3"
+
+NOT_HANDED_IN = "not handed in"
+AS_RELEASED = "handed in as it was released, without an answer"
+COULD_NOT_BE_GRADED = "handed in, but could not be graded"
+"""Why a submission was not graded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +52,8 @@ class StoredResult:
         Late penalty in marks.
     late : str
         Explanation of the penalty; empty if the submission was on time.
+    extension : str
+        The student's own due date, as text; empty without an extension.
     work : mapping
         Fingerprint and size of the student's normalised code, by question.
     copied : Copied
@@ -70,11 +78,21 @@ class StoredResult:
     work: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     copied: Copied = field(default_factory=Copied)
     second_record: str = ""
+    extension: str = ""
 
     @property
     def is_refused(self) -> bool:
         """Whether the submission was not graded: missing or quarantined."""
         return all(question.status in ("missing", "quarantined") for question in self.questions)
+
+    @property
+    def refusal(self) -> str:
+        """Why the submission was not graded, in a few words; empty if it was."""
+        if not self.is_refused:
+            return ""
+        if all(question.status == "missing" for question in self.questions):
+            return AS_RELEASED if UNTOUCHED in self.notes else NOT_HANDED_IN
+        return COULD_NOT_BE_GRADED
 
 
 def to_stored(
@@ -116,6 +134,7 @@ def store(out: Path, stored: StoredResult) -> None:
         "submitted": stored.submitted,
         "penalty": str(stored.penalty),
         "late": stored.late,
+        **({"extension": stored.extension} if stored.extension else {}),
         "work": {question: list(work) for question, work in stored.work.items()},
         "same_as": dict(stored.copied.same_as),
         "code_as_text": list(stored.copied.code_as_text),
@@ -156,6 +175,7 @@ def load(path: Path) -> StoredResult:
             work={question: (str(digest), int(size)) for question, (digest, size) in document["work"].items()},
             copied=Copied(dict(document["same_as"]), tuple(document["code_as_text"])),
             second_record=str(document["second_record"]),
+            extension=str(document.get("extension", "")),
         )
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise ValueError(

@@ -50,7 +50,8 @@ def class_table(out: Path) -> str:
             remarks += [f"{plain_decimal(marks.penalty)} late penalty"] if marks.penalty else []
             if any((student, name) == key[:2] for key in manual.needs_review):
                 remarks.append("review manual grades")
-            remarks += sorted(status & {"crashed", "timeout", "limit", "missing", "quarantined"})
+            failed = status & {"crashed", "timeout", "limit", "missing", "quarantined"}
+            remarks += ["as released"] if result.refusal == result_files.AS_RELEASED else sorted(failed)
             waiting += marks.waiting
         if waiting:
             remarks.append(f"{plain_decimal(waiting)} to grade by hand")

@@ -68,12 +68,18 @@ def submit_command(
         print(remark)
     if work.untouched:
         print(f"Left out, because they are as they were released: {', '.join(one.name for one in work.untouched)}.")
+    for name, reason in work.unreadable.items():
+        print(f"{name} cannot be handed in: {reason}")
     missing = open_questions(runs)
     if missing and not yes:
         _ask_to_go_on(missing, out)
     tries = tries_to_send(work.to_hand_in)
     pack(work.to_hand_in, out, tries if tries and _may_send(list(tries)) else None)
     print(f"Hand in this file: {out} ({', '.join(one.name for one in work.to_hand_in)})")
+    if work.unreadable:
+        print(
+            f"Not in it, because it cannot be read: {', '.join(work.unreadable)}. Mend it and run this command again."
+        )
 
 
 def _may_send(files: list[str]) -> bool:

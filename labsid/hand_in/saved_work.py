@@ -68,7 +68,12 @@ def read_saved(path: Path) -> SavedNotebook:
     ValueError
         If it is not a readable notebook, or not one of the course.
     """
-    data = path.read_bytes()
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise ValueError(
+            f"{path} cannot be read ({error.strerror or error}). Check the file and its permissions."
+        ) from None
     try:
         cells = plain_cells(json.loads(data))
         own = template_of(path.stem, cells)

@@ -1,7 +1,7 @@
 """The file to hand in: notebooks examined in a clean run, and packed."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from labsid._files import write_file, zip_bytes
@@ -24,11 +24,14 @@ class WorkFound:
     to_hand_in, untouched : tuple of SavedNotebook
     remarks : tuple of str
         On files that are not included.
+    unreadable : mapping
+        Why a notebook cannot be handed in, by its assignment.
     """
 
     to_hand_in: tuple[SavedNotebook, ...]
     untouched: tuple[SavedNotebook, ...]
     remarks: tuple[str, ...]
+    unreadable: Mapping[str, str] = field(default_factory=dict)
 
 
 def find_work(folder: Path, assignment: str | None = None) -> WorkFound:
@@ -48,11 +51,17 @@ def find_work(folder: Path, assignment: str | None = None) -> WorkFound:
     Raises
     ------
     ValueError
-        If there is no such notebook, one cannot be read, or all are as they were released.
+        If there is no such notebook, or each one cannot be read or is as it was released.
     """
     paths = [path for path in notebook_paths(folder) if assignment in (None, path.parent.name)]
-    notebooks = [read_saved(path) for path in paths if path.stem == path.parent.name]
-    if not notebooks:
+    notebooks: list[SavedNotebook] = []
+    unreadable: dict[str, str] = {}
+    for path in (path for path in paths if path.stem == path.parent.name):
+        try:
+            notebooks.append(read_saved(path))
+        except ValueError as error:
+            unreadable[path.stem] = str(error)
+    if not notebooks and not unreadable:
         expected = f"{assignment}/{assignment}.ipynb" if assignment else "<assignment>/<assignment>.ipynb"
         raise ValueError(f"{folder} contains no notebooks. Expected {expected} below it.")
     remarks = tuple(
@@ -61,10 +70,12 @@ def find_work(folder: Path, assignment: str | None = None) -> WorkFound:
         if path.stem != path.parent.name
     )
     begun = tuple(notebook for notebook in notebooks if not notebook.is_untouched)
+    if not begun and unreadable:
+        raise ValueError(f"there is nothing to hand in: {' '.join(unreadable.values())}")
     if not begun:
         names = ", ".join(notebook.name for notebook in notebooks)
         raise ValueError(f"there is nothing to hand in: {names} as released, without an answer. Save your notebooks.")
-    return WorkFound(begun, tuple(one for one in notebooks if one.is_untouched), remarks)
+    return WorkFound(begun, tuple(one for one in notebooks if one.is_untouched), remarks, unreadable)
 
 
 def run_notebook(notebook: SavedNotebook) -> CleanRun | None:

@@ -324,7 +324,9 @@ def test_a_term_is_as_the_readme_prints_it(
     (tmp_path / "course-secret.txt").write_bytes(SECRET)
     (tmp_path / "students.csv").write_text("id,name,email\nz1,Ada Öz,a@x.edu\n", encoding="utf-8")
     columns = "Identifier,Full name,ID number,Last modified (submission),Grade,Maximum Grade,Feedback comments"
-    row = 'Participant 1,Ada Öz,z1,"Sunday, 15 November 2026, 1:00 AM",,1.00,'
+    row = 'Participant 1,Ada Öz,z1,"Tuesday, 17 November 2026, 1:00 AM",,1.00,'
+    (extensions,) = re.findall(r"```csv\n(.*?)```", guide, re.DOTALL)
+    (tmp_path / "extensions.csv").write_text(extensions.replace("z5123456", "z1"), encoding="utf-8")
     Path("worksheet.csv").write_text(f"{columns}\r\n{row}\r\n", encoding="utf-8")
     with zipfile.ZipFile("submissions.zip", "w") as packed:
         packed.write(here.source / PRELAB / f"{PRELAB}.ipynb", f"Ada Öz_1_assignsubmission_file_/{PRELAB}.ipynb")
@@ -338,18 +340,26 @@ def test_a_term_is_as_the_readme_prints_it(
         raise KeyboardInterrupt
 
     opened: list[str] = []
-    monkeypatch.setattr("autograder.cli.datetime", Later)
+    for module in ("cli", "feedback_texts", "solutions_command"):
+        monkeypatch.setattr(f"autograder.{module}.datetime", Later)
     monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
     monkeypatch.setattr("webbrowser.open", opened.append)
     commands = re.findall(r"^    labsid (.*)$", guide, re.MULTILINE)
-    assert len(commands) == 10
+    assert len(commands) == 11
     for command in commands:
         assert main(command.split()) == 0, (command, capsys.readouterr().err)
     assert len(opened) == 1
     for name in ("release.zip", "release-packages.zip", "release-packages/z1.zip", "OUT/report.html", "OUT/export.csv"):
         assert Path(name).is_file()
     assert "Participant 1,Ada Öz,z1," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
-    assert ",0.95,1.00," in Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    worksheet = Path("OUT", "moodle", "worksheet.csv").read_text(encoding="utf-8")
+    assert f',0.95,1.00,"{PRELAB}: 0.95 of 1 marks.' in worksheet  # a day late, within the extension
+    assert "Extension until 18 November 2026, 09:00 (Australia/Sydney)." in worksheet
+    page = Path("OUT", "feedback", "z1", f"{PRELAB}.html").read_text(encoding="utf-8")
+    assert "<summary>The question</summary>" in page
+    assert "<summary>Model answer</summary>" in page
+    with zipfile.ZipFile("solutions.zip") as archive:
+        assert archive.namelist() == [f"{PRELAB}/{PRELAB}-solution.{kind}" for kind in ("html", "ipynb")]
     assert Path("OUT", "moodle", "feedback.zip").is_file()
 
 

@@ -605,7 +605,7 @@ def test_a_page_says_reason_slip_and_points(pages: Mapping, graded: Class) -> No
     assert 'src="data:image/svg+xml;base64,' in page
     assert "not yet graded by hand" in page
     assert "broken JSON" in pages["finn", LAB]
-    assert "no notebook was submitted" in pages["finn", PRELAB]
+    assert "<div>Not handed in.</div>" in pages["finn", PRELAB]
 
 
 def test_pages_are_the_same_when_written_again(graded: Class, pages: Mapping) -> None:

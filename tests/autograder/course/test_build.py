@@ -14,8 +14,9 @@ import pytest
 from autograder.batch.fingerprint import template_hash
 from autograder.course import build
 from autograder.course.build import build_course, build_source
-from autograder.course.layout import Course, find_course, read_template
+from autograder.course.layout import Course, read_template
 from autograder.course.lint import SOLUTION_DELIMITERS, lint_checks, lint_release
+from autograder.course.questions import read_questions
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, Cell, Template, read_cell
 from labsid.checks.notebook import assignment_names, load_assignment
 
@@ -212,6 +213,17 @@ def question(points: str, source: str = 'check("t")') -> str:
         pytest.param(question("points: many"), "points must not be negative, got many",
                      id="points of text"),
         pytest.param(question("point: 1"), "t: unknown metadata point", id="point"),
+        pytest.param(question("points: 1, values: [a]"), "t: only a question with manual: true has a rubric and values",
+                     id="values of a check"),
+        pytest.param(question("points: 1, manual: true, values: [a b]"), r"t: values must be a list of names .*'a b'",
+                     id="values that are no names"),
+        pytest.param(question("points: 1, manual: true, rubric: [{text: a, points: 0.3}]"),
+                     "t: the points of the rubric add up to 0.3, but the question has 1", id="a sum that is not right"),
+        pytest.param(question("points: 1, manual: true, rubric: [{text: a}]"), "t: rubric must be a list of",
+                     id="a line without points"),
+        pytest.param(question("points: 1, manual: true, rubric: [{text: a, points: 2}, {text: b, points: -1}]"),
+                     "t: rubric must be a list of", id="negative points of a line"),
+        pytest.param(question("points: 1, manual: true, rubric: 3"), "t: rubric must be a list of", id="no list"),
         pytest.param(cell("{grade_id: t u, locked: true}", "a = 3"), "needs a grade_id of letters", id="id with space"),
         pytest.param(cell("{locked: true}", "a = 3"), "the cell 'a = 3': needs a grade_id", id="no id"),
         pytest.param(cell("3", "a = 3"), "needs a grade_id .*got nbgrader: 3", id="metadata that is a number"),
@@ -333,9 +345,17 @@ def test_an_assignment_that_is_not_built_is_said(write: Callable) -> None:
         read_template(write(ANSWER), "tiny")
 
 
-def test_the_own_course_is_found_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert (find_course().notebooks / "lab-identification" / "lab-identification.md").is_file()
+def test_a_rubric_is_with_the_solutions_and_in_no_release(course: Course) -> None:
+    for name in course.assignments():
+        release = (course.release / name / f"{name}.ipynb").read_text(encoding="utf-8")
+        assert "rubric" not in release
+        for question, text in read_questions(course, name).items():
+            assert not any(one.text in release for one in text.rubric), question
+    (marked,) = (text for text in read_questions(course, "postlab-model-order").values() if text.rubric)
+    assert marked.values == ("mse_1", "mse_2")
+    assert [one.points for one in marked.rubric] == [Decimal(points) for points in ("0.04", "0.02", "0.03", "0.01")]
+    notebook = nbformat.read(course.source / "postlab-model-order" / "postlab-model-order.ipynb", as_version=4)
+    assert next(iter(lint_release(notebook, notebook))).endswith("the release still contains its rubric")
 
 
 def test_any_change_of_a_release_changes_its_fingerprint() -> None:

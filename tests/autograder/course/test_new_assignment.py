@@ -152,7 +152,7 @@ def test_a_student_sees_the_new_assignment_in_the_preview(built: Path, labsid: L
 def test_a_second_one_of_the_same_name_is_refused(built: Path, labsid: Labsid) -> None:
     done = labsid("course", "new", NAME)
     assert done.returncode == 2
-    (line,) = done.stderr.splitlines()
+    *_, line = done.stderr.splitlines()
     assert line.startswith(f"labsid: error: there is an assignment '{NAME}' already (")
 
 
@@ -164,12 +164,12 @@ def test_the_build_says_what_to_write_for_a_question_and_a_check(built: Path, la
     file = "labsid/checks/assignments/pid_control/__init__.py"
     try:
         notebook.write_text(kept[notebook].replace(RESPONSE, f"{NAME}-2-step"), encoding="utf-8")
-        (line,) = labsid("course", "build").stderr.splitlines()
+        *_, line = labsid("course", "build").stderr.splitlines()
         assert f'Write Question("{NAME}-2-step", judge), with a function judge(ask) that returns a Verdict: ' in line
         assert f"add it to the questions of ASSIGNMENT in {file};" in line
         assert f'{{grade_id: {RESPONSE}, points: 1}} with check("{RESPONSE}") in notebooks/{NAME}/{NAME}.md' in line
         checks.write_text(kept[checks] + "\n)", encoding="utf-8")
-        (line,) = labsid("course", "build").stderr.splitlines()
+        *_, line = labsid("course", "build").stderr.splitlines()
         assert f"{file} cannot be imported: SyntaxError: unmatched ')'" in line
     finally:
         for path, text in kept.items():

@@ -19,6 +19,7 @@ title = "Identification"
 timezone = "Australia/Sydney"
 secret = "../private/secret"
 students = "class.csv"
+extensions = "../own-dates.csv"
 lms = "moodle"
 [late]
 grace = "2h"
@@ -53,7 +54,7 @@ def test_every_key_is_read(settings: Callable[[str], CourseSettings], tmp_path: 
     found = settings(WHOLE)
     assert found == CourseSettings(
         "Identification", "Australia/Sydney", tmp_path / "../private/secret", tmp_path / "class.csv", "moodle",
-        {"one": one, "two": two},
+        {"one": one, "two": two}, tmp_path / "../own-dates.csv",
     )  # fmt: skip
     assert found.weights == {"two": Decimal("2.5")}
     rules = parse_rules(found.late_rules)

@@ -7,6 +7,7 @@ import re
 import shutil
 import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from urllib.parse import unquote
@@ -20,12 +21,12 @@ from autograder.course.layout import Course
 from autograder.course.students import Student, write_students
 from autograder.export.grades_csv import export_csv
 from autograder.export.moodle import export_moodle
-from autograder.intake.submission import NotebookCell
+from autograder.intake.submission import UNTOUCHED, NotebookCell
 from autograder.intake.worksheet import Worksheet, read_worksheet
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
 from autograder.results.copied import Copied
-from autograder.results.feedback import write_feedback
+from autograder.results.feedback import FeedbackTexts, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.late import parse_rules
 from autograder.results.report import report_page, write_report
@@ -107,8 +108,10 @@ def test_the_worksheet_comes_back_with_grades_and_nothing_else_changed(out: Path
     for row, before in zip(rows, sheet.rows, strict=True):
         kept = [column for column in sheet.columns if column not in ("Grade", "Feedback comments")]
         assert [row[column] for column in kept] == [before[column] for column in kept]
-    assert rows[1]["Feedback comments"].startswith("1.2 of 2 marks. Handed in 1 d late. Common mistakes: sign of a.")
-    assert "quarantined" in rows[2]["Feedback comments"]
+    assert rows[1]["Feedback comments"].startswith(
+        "tiny: 1.2 of 2 marks. Handed in 1 d late. Common mistakes: sign of a."
+    )
+    assert "Handed in, but could not be graded." in rows[2]["Feedback comments"]
     assert rows[4]["Feedback comments"] == "mine"
     assert rows[5]["Feedback comments"] == ""
     assert done.filled == 5
@@ -311,7 +314,8 @@ def test_hand_grading_survives_and_is_flagged_when_the_automatic_part_changes(
 def test_the_report_adds_up_exactly(out: Path) -> None:
     page = report_page(result_files.load_all(out), NOTHING)
     (tiny,) = page["assignments"]
-    assert (tiny["handed_in"], tiny["refused"], tiny["late"]) == (4, 1, 1)
+    assert (tiny["handed_in"], tiny["late"]) == (4, 1)
+    assert tiny["refused"] == ["1 handed in, but could not be graded"]
     assert (tiny["median"], tiny["mean"], tiny["max_score"], tiny["waiting"]) == ("1.7", "1.65", "2", "0.6")
     assert [bar["count"] for bar in tiny["bars"]] == [0, 0, 0, 0, 0, 0, 1, 1, 0, 2]
     costliest = tiny["questions"][0]
@@ -319,10 +323,74 @@ def test_the_report_adds_up_exactly(out: Path) -> None:
     assert costliest["slip"] == "sign of a (1)"
     assert tiny["slips"] == [{"slip": "sign of a", "count": 1, "lost": "0.6"}]
     assert [(review["student"], review["reasons"]) for review in page["reviews"]] == [
-        ("cat", ["quarantined"]),
+        ("cat", ["handed in, but could not be graded (quarantined)"]),
         ("ben@x.edu", ["Handed in 1 d late."]),
     ]
     assert page["unisolated"] == 5
+
+
+def test_a_comment_on_several_assignments_names_each_one(out: Path, sheet: Worksheet) -> None:
+    own = stored("ada", "other", question("a", "1", "1"), extension="4 December", late="Handed in 1 h late.")
+    result_files.store(out, own)
+    result_files.store(out, replace(stored("cat", "other", question("a", "0", "1", "missing")), notes=(UNTOUCHED,)))
+    done = export_moodle(out, sheet, scale=True)
+    text = done.worksheet.read_bytes().decode().removeprefix("\ufeff")
+    comments = [row["Feedback comments"] for row in csv.DictReader(io.StringIO(text, newline=""))]
+    assert comments[0] == (
+        "other, tiny: 3 of 3 marks. other: Extension until 4 December. other: Handed in 1 h late. "
+        "See the feedback file for details."
+    )
+    assert "other: Handed in as it was released, without an answer." in comments[2]
+    assert "tiny: Handed in, but could not be graded." in comments[2]
+
+
+def test_missing_untouched_and_unreadable_hand_ins_have_words_of_their_own(out: Path) -> None:
+    missing = [question("a", "0", "0.6", "missing")]
+    class_ = [
+        stored("ann", "tiny", *missing),
+        replace(stored("bob", "tiny", *missing), notes=(UNTOUCHED,)),
+        replace(stored("cat", "tiny", question("a", "0", "0.6", "quarantined")), notes=("x.ipynb cannot be read",)),
+        stored("dan", "tiny", question("a", "0", "0.6"), extension="4 December 2026, 23:59 (UTC)"),
+    ]
+    page = report_page(class_, NOTHING)
+    assert page["missing"] == [
+        {"assignment": "tiny", "words": "not handed in", "students": ["ann"]},
+        {"assignment": "tiny", "words": "handed in as it was released, without an answer", "students": ["bob"]},
+    ]
+    assert [row["cells"][0]["status"] for row in page["class"]] == [
+        "not handed in",
+        "handed in as it was released, without an answer",
+        "handed in, but could not be graded",
+        "",
+    ]
+    said = {}
+    for one in class_:
+        result_files.store(out, one)
+    for path in write_feedback(out):
+        said[path.parent.name] = path.read_text(encoding="utf-8")
+    assert "<div>Not handed in.</div>" in said["ann"]
+    assert "<div>Handed in as it was released, without an answer.</div>" in said["bob"]
+    assert "<div>Handed in, but could not be graded.</div>" in said["cat"]
+    for refused in ("ann", "bob", "cat"):
+        assert "automatically graded questions are right" not in said[refused]
+    assert "0 of 1 automatically graded questions are right." in said["dan"]
+    assert "Extension: due for you on 4 December 2026, 23:59 (UTC)." in said["dan"]
+    written = write_report(out).read_text(encoding="utf-8")
+    assert re.search(r"Extensions: <a [^>]*>dan</a> until 4 December 2026, 23:59 \(UTC\)\.", written)
+
+
+def test_no_heading_of_a_page_is_twice_there(out: Path) -> None:
+    twice = [question(name, "0", "0.5", slip="sign of a") for name in ("q-1", "q-2", "q-3")]
+    headings = {"q-1": "1. Read", "q-2": "2. Offsets", "q-3": "2. Offsets"}
+    for name in ("tiny", "other"):
+        result_files.store(out, replace(stored("fay", name, *twice), headings=headings))
+    written = [*write_feedback(out), write_report(out)]
+    for path in written:
+        found = re.findall(r"<h[1-6][^>]*>(.*?)</h[1-6]>", path.read_text(encoding="utf-8"), re.DOTALL)
+        assert len(found) == len(set(found)), path
+    page = (out / "feedback" / "fay" / "tiny.html").read_text(encoding="utf-8")
+    assert "2. Offsets (1 of 2)</h2>" in page
+    assert "1. Read</h2>" in page
 
 
 def test_each_reason_to_look_is_given() -> None:
@@ -435,7 +503,7 @@ def test_the_report_names_students_and_links_to_their_pages(out: Path) -> None:
     result_files.store(out, stored("a/b".replace("/", " #?"), "tiny", question("a", "0", "0.6")))
     gradebook.prepare(Course(out), out, ())
     gradebook.enter_students(out, [Student("ada", "Lovelace, Ada"), Student("cat", "<i>Cat")])
-    page = write_report(out, "Identification").read_text(encoding="utf-8")
+    page = write_report(out, FeedbackTexts("Identification")).read_text(encoding="utf-8")
     assert "<h1>Identification: class report</h1>" in page
     assert "Ada Lovelace" in page
     assert "&lt;i&gt;Cat" in page

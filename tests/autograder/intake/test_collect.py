@@ -16,10 +16,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from autograder.batch.fingerprint import submission_hash
+from autograder.batch.selection import handed_in_by
 from autograder.course import archive
-from autograder.course.layout import Course
+from autograder.course.layout import Course, read_template
 from autograder.course.students import Student, read_students
 from autograder.intake.collect import collect_submissions
+from autograder.intake.submission import NOT_SUBMITTED, UNTOUCHED, read_submission
 from autograder.intake.worksheet import Worksheet, folder_name, read_worksheet
 from labsid.hand_in.saved_work import read_saved
 from labsid.hand_in.submission_file import pack
@@ -140,6 +143,28 @@ def test_running_again_touches_nothing_and_takes_what_is_new(
     newer = with_mark(notebooks[LAB], "newer")
     list(collect_submissions(course, moodle(path, [(entry(f"{ADA}/a.ipynb"), newer)]), tmp_path / "out"))
     assert target.read_bytes() == newer
+
+
+def test_a_notebook_handed_in_as_released_is_not_taken_for_none(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    template = read_template(course, LAB)
+    released = (course.release / LAB / f"{LAB}.ipynb").read_bytes()
+    path, out = tmp_path / "m.zip", tmp_path / "out"
+    (line,) = collect_submissions(course, moodle(path, [(entry(f"{ADA}/{LAB}.ipynb"), released)]), out)
+    assert line == f"1001 (Ada Lovelace): as released, not collected: {LAB}"
+    found = read_submission(out / "1001" / LAB, "1001", template)
+    assert (found.status, found.notes) == ("missing", (UNTOUCHED,))
+    assert read_submission(out / "1001" / PRELAB, "1001", template).notes == (NOT_SUBMITTED,)
+    assert handed_in_by(course, out) == {}
+    untouched = submission_hash(out / "1001" / LAB, ".mat")
+
+    list(collect_submissions(course, moodle(path, [(entry(f"{ADA}/{LAB}.ipynb"), notebooks[LAB])]), out))
+    assert there(out) == [f"1001/{LAB}/{LAB}.ipynb"]
+    assert read_submission(out / "1001" / LAB, "1001", template).status == "ready"
+    assert submission_hash(out / "1001" / LAB, ".mat") != untouched
+    list(collect_submissions(course, moodle(path, [(entry(f"{ADA}/{LAB}.ipynb"), released)]), out))
+    assert there(out) == [f"1001/{LAB}/{LAB}.ipynb"]  # an untouched copy does not replace work
 
 
 def test_a_later_zip_does_not_replace_the_hand_ins_of_earlier_weeks(

@@ -48,6 +48,21 @@ def test_a_figure_shows_its_curves_labels_and_legend() -> None:
     assert curves(root)[1].startswith("M62 208H")
 
 
+def test_a_panel_without_curves_is_left_out() -> None:
+    figure = Figure()
+    upper, lower = figure.subplots(2, 1)
+    lower.set(xlabel="Time (s)", ylabel="Level (V)")
+    assert figure_svg(describe_figure(figure)) == ""
+    upper.plot([0, 1, 2], [0, 1, 0])
+    root = drawn(describe_figure(figure))
+    assert root.attrib["height"] == "250"
+    assert len(curves(root)) == 1
+    assert "Level (V)" not in texts(root)
+    upper.lines[0].remove()
+    lower.text(0.5, 0.5, "no data")
+    assert "no data" in texts(drawn(describe_figure(figure)))
+
+
 @pytest.mark.parametrize(
     ("label", "shown"),
     [

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from decimal import Decimal
 from pathlib import Path
@@ -138,10 +138,10 @@ def test_an_unanswered_question_has_no_marks_at_once_and_is_not_shown(out: Path,
 
 def test_task_and_model_answer_stand_beside(out: Path, course: Course) -> None:
     (shown,) = open_questions(out, course, PRELAB, OPEN)
-    assert shown.task.startswith("In Fig. 1(b) the time starts from zero")
-    assert shown.rubric.startswith("The first 200 samples")
+    assert shown.text.task.startswith("In Fig. 1(b) the time starts from zero")
+    assert shown.text.model.startswith("The first 200 samples")
     (without,) = open_questions(out, None)
-    assert (without.task, without.rubric) == ("", "")
+    assert (without.text.task, without.text.model) == ("", "")
     with pytest.raises(ValueError, match=r"holds no answer to an open question nosuch in prelab-sinusoids\."):
         open_questions(out, course, PRELAB, "nosuch")
     with pytest.raises(ValueError, match="holds no results"):
@@ -174,7 +174,10 @@ def test_the_pages_run_nothing_of_a_student(client: Client) -> None:
 
 def test_a_mark_is_in_the_gradebook_and_on_every_page(client: Client, out: Path) -> None:
     status, said = client.mark("ann", "0.04", "Which\nclock?")
-    assert (status, said) == (200, {"score": "0.04", "look": "partial", "state": "marked by Dr Öz on 2026-11-24"})
+    assert (status, said) == (
+        200,
+        {"score": "0.04", "look": "partial", "state": "marked by Dr Öz on 2026-11-24", "ticked": []},
+    )
     assert grade_in_gradebook(out, "ann") == (0.04, 0.04, False, "Which\nclock?")
     row = row_of(out, "ann")
     assert (row["score"], row["status"], row["reason"]) == ("0.04", "manual", "marked by Dr Öz on 2026-11-24")
@@ -200,7 +203,7 @@ def test_the_look_follows_the_points(client: Client, score: object, look: str) -
 
 def test_a_mark_is_taken_back_and_a_comment_can_stand_alone(client: Client, out: Path) -> None:
     assert client.mark("bob", "0.05", "Good.")[0] == 200
-    assert client.mark("bob", None, "Hm.") == (200, {"score": "", "look": "wait", "state": "not marked"})
+    assert client.mark("bob", None, "Hm.") == (200, {"score": "", "look": "wait", "state": "not marked", "ticked": []})
     assert grade_in_gradebook(out, "bob") == (None, 0.0, True, "Hm.")
     assert row_of(out, "bob")["score"] == ""
     assert gradebook.read_manual_grades(out).marks == {}
@@ -223,6 +226,64 @@ def test_grading_again_keeps_marks_and_who_gave_them(
     assert not any(one.fresh for one in grade_batch(course, batch, out, LocalExecutor(launcher)))
     assert row_of(out, "ann")["reason"] == "marked by Dr Öz on 2026-11-24"
     assert "0.05 to grade by hand" in class_table(out)  # Bob
+
+
+def test_the_lines_of_a_rubric_add_up_and_are_kept(client: Client, out: Path) -> None:
+    asked = {"student": "ann", "score": None, "comment": "", "ticked": [2, 0]}
+    status, text, _ = client("POST", client.question, asked)
+    said = json.loads(text)
+    assert (status, said["score"], said["look"], said["ticked"]) == (200, "0.03", "partial", [0, 2])
+    assert grade_in_gradebook(out, "ann")[0] == 0.03
+    assert gradebook.read_manual_grades(out).marks["ann", PRELAB, OPEN].ticked == (0, 2)
+    page = client("GET", client.question)[1]
+    assert re.findall(r'data-line="(\d)"( checked)?', page) == [
+        ("0", " checked"), ("1", ""), ("2", " checked"), ("0", ""), ("1", ""), ("2", ""),
+    ]  # fmt: skip
+    assert "With t_new the formula is" in page
+    assert client("POST", client.question, asked | {"ticked": []})[0] == 200
+    assert grade_in_gradebook(out, "ann")[0] == 0  # nothing of the rubric is there
+    client.mark("ann", "0.04")  # other points
+    assert gradebook.read_manual_grades(out).marks["ann", PRELAB, OPEN].ticked == ()
+    client("POST", client.question, asked | {"ticked": [0, 1, 2]})
+    assert grade_in_gradebook(out, "ann")[0] == 0.05
+    client.mark("ann", None)
+    assert " checked" not in client("GET", client.question)[1]
+
+
+@pytest.mark.parametrize("ticked", [[3], [-1], [0, 0], ["0"], [True], [0.0], "0", {}, 1])
+def test_lines_that_are_not_in_the_rubric_are_refused(client: Client, out: Path, ticked: object) -> None:
+    status, text, _ = client("POST", client.question, {"student": "ann", "score": "0", "comment": "", "ticked": ticked})
+    assert (status, json.loads(text)["error"]) == (
+        400, "ticked must be numbers of lines of the rubric, which has 3.",
+    )  # fmt: skip
+    assert grade_in_gradebook(out, "ann")[0] is None
+
+
+def test_names_are_hidden_on_request(out: Path, course: Course) -> None:
+    app = MarkingApp(out, open_questions(out, course), "Dr Öz", lambda: NOW, token="t" * 32, hide_names=True)
+    path = f"/{app.token}/{PRELAB}/{OPEN}"
+    page = app.respond("GET", path).body.decode()
+    assert re.findall(r"\b(?:ann|bob)\b", page, re.IGNORECASE) == []
+    assert re.findall(r"<h2>(Answer \d)</h2>", page) == ["Answer 1", "Answer 2"]
+    first = page.partition('data-student="Answer 1"')[2].partition("</article>")[0]
+    student = "ann" if "clock" in first else "bob"
+    asked = {"student": "Answer 1", "score": "0.05", "comment": ""}
+    assert app.respond("POST", path, json.dumps(asked).encode()).status == 200
+    assert grade_in_gradebook(out, student)[0] == 0.05
+    assert app.respond("POST", path, json.dumps(asked | {"student": student}).encode()).status == 400
+
+
+def test_the_right_values_of_each_record_stand_below_the_answer(out: Path, course: Course) -> None:
+    (shown,) = open_questions(out, course)
+    with_values = replace(shown, text=replace(shown.text, values=("a", "b")))
+
+    def values(student: str, assignment: str) -> dict[str, dict[str, str]]:
+        return {"q-1": {"a": f"1 of {student} in {assignment}", "c": "3"}}
+
+    app = MarkingApp(out, [with_values], "Dr Öz", lambda: NOW, values=values)
+    page = app.respond("GET", f"/{app.token}/{PRELAB}/{OPEN}").body.decode()
+    articles = re.findall(r'data-student="(\w+)".*?Right on this record: (.*?)\.</p>', page, re.DOTALL)
+    assert articles == [(who, f"<code>a</code> = 1 of {who} in {PRELAB}") for who in ("ann", "bob")]
 
 
 @pytest.mark.parametrize("score", ["0.06", "-0.01", "", "much", "NaN", "1e-9", [], {}, True, "0.01 0.01"])

@@ -4,6 +4,7 @@ import contextlib
 import re
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -50,6 +51,25 @@ def test_the_student_is_told_how_late_and_what_it_costs() -> None:
         Decimal("0.4"), "Handed in 1 d 3 h 1 min late: 0.4 of 2 marks deducted (10 % per started day)."
     )
     assert late_penalty(parse_rules(RULE), "lab", DUE, Decimal("2")).reason == ""
+
+
+def test_an_extension_takes_the_place_of_the_due_date() -> None:
+    rules, own = parse_rules(RULE), DUE + 5 * DAY
+    assert late_penalty(rules, "lab", own + 2 * HOUR, Decimal(2), own) == LatePenalty(Decimal(0), "")
+    late = late_penalty(rules, "lab", own + 3 * HOUR, Decimal(2), own)
+    assert late.penalty == Decimal("0.2")
+    assert late.reason == "Handed in 3 h after the extension: 0.2 of 2 marks deducted (10 % per started day)."
+    assert late_penalty({}, "lab", own + DAY, Decimal(2), own).penalty == 0
+
+
+def test_the_example_of_the_guide_is_right() -> None:
+    guide = (Path(__file__).parents[3] / "autograder" / "README.md").read_text(encoding="utf-8")
+    taken_off = re.findall(r"^\| (Monday|Tuesday|a week).*\| ([\d.]+|nothing) \|$", guide, re.MULTILINE)
+    rule = "due=2026-11-16T09:00,grace=2h,per-day=10%,most=50%"
+    after = (HOUR + 59 * MINUTE, 2 * HOUR + MINUTE, DAY + MINUTE, 7 * DAY)
+    due = datetime(2026, 11, 16, 9, tzinfo=UTC)
+    found = [penalty(rule, due + one, "1") for one in after]
+    assert [(Decimal(0) if said == "nothing" else Decimal(said)) for _, said in taken_off] == found
 
 
 def test_a_hand_in_without_a_time_is_not_late() -> None:

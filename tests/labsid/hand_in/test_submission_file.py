@@ -112,11 +112,48 @@ def test_a_notebook_of_another_name_is_said_to_be_left_out(work: Path) -> None:
 )
 def test_a_notebook_that_cannot_be_read_is_not_handed_in(work: Path, content: bytes) -> None:
     (work / PRELAB / f"{PRELAB}.ipynb").write_bytes(content)
-    said = r"prelab-sinusoids.ipynb is not a readable notebook \(\w+\)\. Open it"
+    said = r"nothing to hand in: .*prelab-sinusoids.ipynb is not a readable notebook \(\w+\)\. Open it"
     with pytest.raises(ValueError, match=said) as error:
         find_work(work)
     assert "\n" not in str(error.value)
     assert "is not a readable notebook" in repr(show_progress(work))
+
+
+def test_a_notebook_that_cannot_be_read_does_not_hold_back_the_others(
+    work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answer(work / LAB / f"{LAB}.ipynb", lab_3b_start="It starts from rest.")
+    (work / PRELAB / f"{PRELAB}.ipynb").write_bytes(b'{"cells": [')
+    found = find_work(work)
+    assert [one.name for one in found.to_hand_in] == [LAB]
+    assert list(found.unreadable) == [PRELAB]
+    with pytest.raises(ValueError, match=r"nothing to hand in: .* is not a readable notebook"):
+        find_work(work, PRELAB)
+
+    monkeypatch.setattr("labsid.hand_in.submission_file.run_notebook", lambda notebook: None)
+    out = tmp_path / "hand-in.zip"
+    assert main(["submit", "--folder", str(work), "--out", str(out)]) == 0
+    with zipfile.ZipFile(out) as archive:
+        assert sorted(archive.namelist()) == [f"{LAB}/{RECORD_FILE}", f"{LAB}/{LAB}.ipynb"]
+    said = capsys.readouterr().out.splitlines()
+    assert f"{PRELAB} cannot be handed in: {work / PRELAB / PRELAB}.ipynb is not a readable notebook" in "\n".join(said)
+    assert said[-2:] == [
+        f"Hand in this file: {out} ({LAB})",
+        f"Not in it, because it cannot be read: {PRELAB}. Mend it and run this command again.",
+    ]
+
+
+def test_a_file_that_the_machine_does_not_give_is_named(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    answer(work / LAB / f"{LAB}.ipynb", lab_3b_start="It starts from rest.")
+    read = Path.read_bytes
+
+    def refused(path: Path) -> bytes:
+        if path.stem == PRELAB:
+            raise PermissionError(13, "Permission denied", str(path))
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", refused)
+    assert "cannot be read (Permission denied)" in find_work(work).unreadable[PRELAB]
 
 
 def test_a_notebook_of_somebody_else_is_not_handed_in(work: Path) -> None:
