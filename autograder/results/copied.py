@@ -20,7 +20,7 @@ MIN_NODES = 60
 """Stretches of code with fewer syntax tree nodes are not compared."""
 
 MIN_CHARACTERS, MIN_ELEMENTS = 200, 200
-"""Shorter texts, and lists with fewer elements, carry no code."""
+"""Less text in a cell, and lists with fewer elements, carry no code."""
 
 MAX_CHARACTERS = 100_000
 """Longer cells are not parsed."""
@@ -32,6 +32,7 @@ _UNPACKING = frozenset((
     "exec", "eval", "compile", "__import__", "import_module", "ModuleType", "b64decode", "b85decode", "a85decode",
     "b32decode", "b16decode", "decompress", "unhexlify", "fromhex", "frombuffer", "fromstring", "loads", "bytes",
     "bytearray", "decode", "unpack", "literal_eval", "maketrans", "translate", "exec_module", "run_cell", "chr",
+    "to_bytes", "write", "write_text", "writelines",
 ))  # fmt: skip
 
 
@@ -80,16 +81,24 @@ def find_copied(cells: Sequence[NotebookCell], released: Iterable[str]) -> Copie
 
 
 def carries_code(source: str) -> bool:
-    """Whether a cell has a long literal, and calls something that decodes, unpacks, executes or imports."""
+    """Whether a cell has a long literal, or many short ones, and calls what decodes, unpacks, executes or writes it."""
     tree = _parse(source)
     if tree is None:
         return False
-    is_long = any(
-        (isinstance(node, ast.Constant) and isinstance(node.value, str | bytes) and len(node.value) >= MIN_CHARACTERS)
-        or (isinstance(node, ast.List | ast.Tuple | ast.Set) and _is_list_of_codes(node))
-        for node in _without_docstrings(tree)
-    )
-    return is_long and not _UNPACKING.isdisjoint(_called(tree))
+    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    reads_docstrings = any(isinstance(node, ast.Attribute) and node.attr == "__doc__" for node in ast.walk(tree))
+    nodes = list(ast.walk(tree) if reads_docstrings else _without_docstrings(tree))
+    characters = sum(_characters(node.value) for node in nodes if isinstance(node, ast.Constant))
+    is_list = any(isinstance(node, ast.List | ast.Tuple | ast.Set) and _is_list_of_codes(node) for node in nodes)
+    unpacks = "__builtins__" in names or not _UNPACKING.isdisjoint(_called(tree))
+    return (characters >= MIN_CHARACTERS or is_list) and unpacks
+
+
+def _characters(value: object) -> int:
+    """Length of a text, or of the bytes that a large integer stands for."""
+    if isinstance(value, str | bytes):
+        return len(value)
+    return value.bit_length() // 8 if isinstance(value, int) else 0
 
 
 def _is_list_of_codes(node: ast.List | ast.Tuple | ast.Set) -> bool:

@@ -111,6 +111,9 @@ class NoChecks:
     def hint(self, question_id: str | None = None) -> None:
         """Do nothing: hints are for the notebook."""
 
+    def practice(self, question_id: str | None = None) -> None:
+        """Do nothing: practice is for the notebook."""
+
     def predict(self, prediction_id: str) -> None:
         """Do nothing: predictions are for the notebook."""
 

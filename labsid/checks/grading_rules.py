@@ -5,6 +5,7 @@ reference for all code. `labsid submit` runs on the student's machine, where `li
 """
 
 import builtins
+import importlib
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -43,8 +44,9 @@ def follow_rules(shell: Any) -> None:
 
 
 def limit_process() -> None:
-    """Refuse programs, other processes and the network in the first thread, and limit the memory, where possible."""
+    """Refuse programs, other processes and the network, and limit the memory, where possible."""
     sys.addaudithook(_refuse)
+    _refuse_semaphores()
     try:
         import resource
 
@@ -57,10 +59,27 @@ def limit_process() -> None:
 
 
 def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
-    if not event.startswith((*_PROGRAMS, *_NETWORK)) or threading.current_thread() is not threading.main_thread():
+    if not event.startswith((*_PROGRAMS, *_NETWORK)):
         return
+    if event.startswith(_NETWORK) and threading.current_thread() is not threading.main_thread():
+        return  # the kernel's own
     what = "there is no network" if event.startswith(_NETWORK) else "no program and no other process can be started"
     raise PermissionError(f"while a notebook is graded {what}")
+
+
+def _refuse_semaphores() -> None:
+    """Locks between processes, which a sandbox has no memory for."""
+    try:
+        inner = importlib.import_module("_multiprocessing")
+        usual = inner.SemLock
+    except (ImportError, AttributeError):  # not on this system
+        return
+
+    class SemLock(usual):  # type: ignore[misc,valid-type]
+        def __new__(cls, *_: Any) -> Any:
+            raise PermissionError("while a notebook is graded no other process can be started")
+
+    inner.SemLock = SemLock  # type: ignore[attr-defined]
 
 
 def _no_output(command: str, *_: Any, **__: Any) -> list[str]:

@@ -36,8 +36,9 @@ WRITE_YOURSELF = "write the step yourself (the start page says what may be used 
 
 SKIPPED_MAGICS = (
     "pip", "conda", "mamba", "micromamba", "uv", "sx", "system", "bash", "sh", "script", "cmd", "perl", "ruby",
+    "autosave", "connect_info", "edit", "qtconsole", "subshell",
 )  # fmt: skip
-"""Magic commands that install or start something."""
+"""Magic commands that install or start something, or that only a front end has."""
 
 _PROGRAM = re.compile(rf"!|\w+\s*=\s*!|%+({'|'.join(SKIPPED_MAGICS)})\b")
 """A line that starts a program: a shell escape, or such a magic command."""

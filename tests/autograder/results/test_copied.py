@@ -99,6 +99,11 @@ PACKED = "x" * 300
         f"eval(compile('{PACKED}', 'x', 'exec'))",
         f"exec(bytes({list(range(250))}).decode())",
         f"exec(''.join(map(chr, {list(range(250))})))\nchr(1)",
+        f"n = 0x{'61' * 300}\nexec(n.to_bytes(300, 'big'))",
+        "q = ''\n" + "".join(f"q += 'abcdefghij{n}'\n" for n in range(30)) + "exec(q)",
+        f"def f():\n    '{PACKED}'\nexec(f.__doc__)",
+        f"with open('hm.py', 'w') as file:\n    file.write('{PACKED}')\nimport hm",
+        f"s = '{PACKED}'\ngetattr(__builtins__, 'exe' + 'c')(s)",
         f"import types\nm = types.ModuleType('m')\nexec('''{PACKED}''', m.__dict__)",
     ],
 )

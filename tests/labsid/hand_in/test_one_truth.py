@@ -28,6 +28,8 @@ SAME = {
     "%pip": f"%pip install numpy\n{RIGHT}",
     "output of a program": f"files = !ls\n{RIGHT}",
     "getuser": f"import getpass\nname = getpass.getuser()\n{RIGHT}",
+    "%autosave": f"%autosave 30\n{RIGHT}",
+    "practice": f"check.practice()\n{RIGHT}",
     "display": f"display(3)\n{RIGHT}",
     "threads": f"from concurrent.futures import ThreadPoolExecutor\nlist(ThreadPoolExecutor(2).map(abs, [1]))\n{RIGHT}",
 }
@@ -39,6 +41,9 @@ SAID = {
     "a taught module": f"import labsid.lab.arx\n{RIGHT}",
     "subprocess": f"import subprocess\nsubprocess.run(['ls'], check=True)\n{RIGHT}",
     "multiprocessing": f"import multiprocessing\nmultiprocessing.Pool(2).map(abs, [1, 2])\n{RIGHT}",
+    "a lock between processes": f"import multiprocessing\nmultiprocessing.Lock()\n{RIGHT}",
+    "subprocess of a thread": "import subprocess\nfrom concurrent.futures import ThreadPoolExecutor\n"
+    f"ThreadPoolExecutor().submit(subprocess.run, ['ls']).result()\n{RIGHT}",
     "socket": f"import socket\nsocket.create_connection(('127.0.0.1', 9), 1)\n{RIGHT}",
     "3 GB": f"big = np.zeros(3 * 2**27)\n{RIGHT}",
 }
