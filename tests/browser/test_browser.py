@@ -172,7 +172,7 @@ def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instr
     instructor.labsid("course", "feedback", "--out", "OUT")
     page.goto((home / "OUT" / "report.html").as_uri())
     found += problems(page, "report")
-    page.get_by_role("link", name="0.82").click()
+    page.get_by_role("link", name="0.83").click()
     section = page.locator("#prelab-6-clock")
     expect(section).to_contain_text("0.03 / 0.05")
     found += problems(page, "feedback-prelab")
@@ -185,7 +185,7 @@ def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instr
     said = instructor.labsid(*export, "--assignment", PRELAB)
     with (home / "OUT" / "moodle" / "worksheet.csv").open(encoding="utf-8-sig", newline="") as file:
         grades = {row["ID number"]: row["Grade"] for row in csv.DictReader(file)}
-    assert grades == {"ann": "0.82", "bob": "0.8125", "cat": ""}
+    assert grades == {"ann": "0.83", "bob": "0.82", "cat": ""}
 
 
 def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -> None:
