@@ -13,9 +13,15 @@ _PARSING = Lock()
 
 
 def parse_python(source: str | bytes) -> ast.Module:
-    """Parse Python in one thread at a time, because Python 3.11 counts the recursion depth of all threads together."""
+    """Parse Python in one thread at a time, because Python 3.11 counts the recursion depth of all threads together.
+
+    Code that is nested too deeply for Python is a `SyntaxError` like others; Python's parser then lacks memory.
+    """
     with _PARSING:
-        return ast.parse(source)
+        try:
+            return ast.parse(source)
+        except (MemoryError, RecursionError):
+            raise SyntaxError("the code is nested too deeply") from None
 
 
 def assigned_names(source: str) -> frozenset[str]:

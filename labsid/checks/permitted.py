@@ -86,7 +86,7 @@ def is_taught(value: object) -> bool:
 def _taught_names(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
     try:
         tree = ast.parse(without_magic(source))
-    except SyntaxError:  # the cell has failed, which is said elsewhere
+    except (SyntaxError, MemoryError, RecursionError):  # the cell has failed, which is said elsewhere
         return
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from labsid.checks.cell_names import assigned_names, used_names
+from labsid.checks.cell_names import assigned_names, parse_python, read_names, used_names
 
 
 @pytest.mark.parametrize(
@@ -40,3 +40,10 @@ def test_assigned(source: str, assigned: set[str]) -> None:
 )
 def test_used(source: str, used: set[str]) -> None:
     assert used_names(source) == used
+
+
+@pytest.mark.parametrize("source", ["x = " + "-" * 50_000 + "1", "x = " + "(" * 5_000 + ")" * 5_000])
+def test_code_that_is_nested_too_deeply_is_no_python(source: str) -> None:
+    with pytest.raises(SyntaxError):
+        parse_python(source)
+    assert assigned_names(source) == used_names(source) == read_names(source) == frozenset()
