@@ -31,6 +31,7 @@ from labsid.gap.search.candidates import (
 from labsid.gap.search.forms import alternative_forms, remove_effect, transfer_theta
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.gap.search.refinement import converge, polish, retried_without_one
+from labsid.gap.search.sets import set_fits
 
 Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]
@@ -106,17 +107,23 @@ def _search_from(
     levels: list[Level] = [{(): base}]
     path = [base]
     beam = [base]
+    together: list[Fit] = []
     for step in range(most):
         level: Level = {}
         for number, parent in enumerate(beam):
             tried = _extensions(data, parent, highpass, step, progress, (number, len(beam)))
             fits = [best_fit(data, few, kept=3) for few in tried]
             keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
+        keep_best(level, (fit for fit in together if len(fit.hypothesis.names) == step + 1))
         if not level:
             break
         _polish_best(data, level)
         levels.append(level)
         best = _best_accepted(data, path[-1], level)
+        if step == 0 and most > 1 and not residual_is_white(data, best or base):
+            fits = set_fits(data, base, highpass, _candidates(data), most)
+            together = [fit for fit in fits if not disguised(fit)]
+            best = best or _first_of_set(data, base, level, together)
         if best is None:
             break
         if step == 1:
@@ -131,6 +138,16 @@ def _search_from(
             keep_best(levels[1], retried_without_one(data, best))
         beam = select_parents(data, level) if step == 0 else [min(level.values(), key=attrgetter("bic"))]
     return tuple(levels), _pruned(data, levels, path)
+
+
+def _first_of_set(data: Data, base: Fit, level: Level, together: list[Fit]) -> Fit | None:
+    """The best single effect of a set that improves on the baseline, where no single effect does; None without one."""
+    for fit in sorted(together, key=attrgetter("bic")):
+        if is_improvement(data, base, fit):
+            singles = [level[name,] for name in fit.hypothesis.names if (name,) in level]
+            if singles:
+                return min(singles, key=attrgetter("bic"))
+    return None
 
 
 def whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:
