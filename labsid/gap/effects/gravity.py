@@ -1,6 +1,5 @@
 """Gravity on a joint: a torque with the sine of the angle."""
 
-from collections.abc import Mapping
 from itertools import product
 from typing import ClassVar
 
@@ -22,14 +21,13 @@ MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range 
 class Gravity(PlantEffect):
     """A torque with the sine of the angle about an angle of rest.
 
-    In a position loop the output is the angle that the input commands; `variant` "unsprung" is a joint without a spring
-    or a loop, "free" a position loop whose gain and unit of the angle are fitted.
+    In a position loop the output is the angle that the input commands, in radians or degrees. `variant` "unsprung" is a
+    joint without a spring or a loop, whose unit of the angle is fitted.
     """
 
     name = "gravity"
     sizes = ("torque",)
     variants: ClassVar[tuple[str, ...]] = ("", "unsprung")
-    richer: ClassVar[Mapping[str, tuple[str, ...]]] = {"": ("free",)}
 
     def applies(self, context: Context) -> bool:
         """Require an output that swings as an angle does, and that follows its command or integrates it."""

@@ -114,16 +114,16 @@ def _search_from(
             tried = _extensions(data, parent, highpass, step, progress, (number, len(beam)))
             fits = [best_fit(data, few, kept=3) for few in tried]
             keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
-        keep_best(level, (fit for fit in together if len(fit.hypothesis.names) == step + 1))
+        keep_best(level, _of_size(together, step + 1))
         if not level:
             break
         _polish_best(data, level)
         levels.append(level)
         best = _best_accepted(data, path[-1], level)
         if step == 0 and most > 1 and not residual_is_white(data, best or base):
-            fits = set_fits(data, base, highpass, _candidates(data), most)
+            fits = set_fits(data, base, highpass, _candidates(data))
             together = [fit for fit in fits if not disguised(fit)]
-            best = best or _first_of_set(data, base, level, together)
+        best = best or _towards_a_set(data, path[-1], level, together)
         if best is None:
             break
         if step == 1:
@@ -137,16 +137,24 @@ def _search_from(
         if step == 1:
             keep_best(levels[1], retried_without_one(data, best))
         beam = select_parents(data, level) if step == 0 else [min(level.values(), key=attrgetter("bic"))]
+    for size in range(len(levels), max((len(fit.hypothesis.names) for fit in together), default=0) + 1):
+        levels.append({})
+        keep_best(levels[-1], _of_size(together, size))
     return tuple(levels), _pruned(data, levels, path)
 
 
-def _first_of_set(data: Data, base: Fit, level: Level, together: list[Fit]) -> Fit | None:
-    """The best single effect of a set that improves on the baseline, where no single effect does; None without one."""
+def _of_size(fits: Iterable[Fit], size: int) -> list[Fit]:
+    """The fits with so many effects."""
+    return [fit for fit in fits if len(fit.hypothesis.names) == size]
+
+
+def _towards_a_set(data: Data, simpler: Fit, level: Level, together: list[Fit]) -> Fit | None:
+    """The best fit of a level whose effects belong to a larger set that improves on `simpler`; None without one."""
     for fit in sorted(together, key=attrgetter("bic")):
-        if is_improvement(data, base, fit):
-            singles = [level[name,] for name in fit.hypothesis.names if (name,) in level]
-            if singles:
-                return min(singles, key=attrgetter("bic"))
+        names = set(fit.hypothesis.names)
+        parts = [one for tried, one in level.items() if set(tried) < names]
+        if parts and is_improvement(data, simpler, fit):
+            return min(parts, key=attrgetter("bic"))
     return None
 
 

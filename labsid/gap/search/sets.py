@@ -62,9 +62,21 @@ SETS = (
 )
 
 
-def set_fits(
-    data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect, ...]], most: int
-) -> list[Fit]:
+def set_around(name: str, names: frozenset[str]) -> frozenset[str]:
+    """The largest set that contains an effect and is part of an explanation; empty if there is none.
+
+    Parameters
+    ----------
+    name : str
+        The effect.
+    names : frozenset of str
+        All effects of the explanation.
+    """
+    sets = (frozenset(one.names) for one in SETS)
+    return max((one for one in sets if name in one and one <= names), key=len, default=frozenset())
+
+
+def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect, ...]]) -> list[Fit]:
     """The best fit of each set whose effects the record can identify.
 
     Parameters
@@ -76,23 +88,26 @@ def set_fits(
         A linear fit to the high-pass filtered record.
     groups : sequence of tuple of Effect
         The forms that the search adds, in a group for each name.
-    most : int
-        Largest number of effects.
     """
     forms = {group[0].name: group for group in groups}
     starts: dict[tuple[str, ...], list[Trial]] = {(): [_unchanged(data, base)]}
-    found = []
+    found: dict[frozenset[str], Fit] = {}
     for one in SETS:
-        if len(one.names) > most or set(one.names) & set(base.hypothesis.names):
+        if set(one.names) & set(base.hypothesis.names):
             continue
         for size, name in enumerate(one.names, 1):
             if one.names[:size] not in starts:
                 before = starts[one.names[: size - 1]]
                 starts[one.names[:size]] = _with_one_more(data, before, base, forms[name], highpass)
-        fit = _best(data, starts[one.names], len(one.names))
-        if fit is not None:
-            found.append(fit)
-    return found
+        trials = starts[one.names][:SKETCHED]
+        for names, fit in found.items():
+            if names < set(one.names) and len(names) == len(one.names) - 1:
+                (missing,) = set(one.names) - names
+                trials = [*trials, *_with_one_more(data, [_unchanged(data, fit)], base, forms[missing], highpass)[:1]]
+        best = _best(data, trials, len(one.names))
+        if best is not None:
+            found[frozenset(one.names)] = best
+    return list(found.values())
 
 
 def _unchanged(data: Data, fit: Fit) -> Trial:
@@ -128,7 +143,7 @@ def _as_fit(trial: Trial, base: Fit) -> Fit:
 
 def _best(data: Data, starts: list[Trial], count: int) -> Fit | None:
     """The best plausible fit from a few start points; None if none is plausible."""
-    sketched = sorted((one.continued(4) for one in starts[:SKETCHED]), key=attrgetter("score"))
+    sketched = sorted((one.continued(4) for one in starts), key=attrgetter("score"))
     fits = [finish(data, one.hypothesis, one.continued(25).point) for one in sketched[:FITTED]]
     plausible = [fit for fit in fits if is_plausible(data, fit, count)]
     return min(plausible, key=attrgetter("bic"), default=None)
