@@ -229,7 +229,7 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     drive = w - own.get("centre", reference)
     turn = float(np.exp(own.get("log_turn", 0.0))) * unit
     stiffest = own.get("torque", 0.0) * turn
-    fastest = max(c, np.sqrt(k + stiffest))
+    fastest = max(c, np.sqrt(max(k + stiffest, 0.0)))
     substeps = int(min(max(np.ceil(fastest / (0.15 if plant.abrupt else 0.3)), 2), 12))
     substeps *= LAW_SUBSTEPS if plant.friction in ("smooth", "peak") else 1
     cubic = own.get("cubic", 0.0) * unit**3

@@ -80,6 +80,10 @@ class Step:
         1 if the beam search, which ranks by BIC, found this effect, too; -1 if it found others, 0 if it found none.
     rivals : tuple of (str, Reduction)
         Other effects in its place, best first: the factor is their error over that of this one.
+    mates : frozenset of str
+        The other effects of the explanation that belong to a set with it, and are tried together with it.
+    together : Reduction or None
+        The whole set compared with the simulation before; None without mates.
     """
 
     name: str
@@ -89,6 +93,8 @@ class Step:
     lead: float
     agreement: int
     rivals: tuple[tuple[str, Reduction], ...] = ()
+    mates: frozenset[str] = frozenset()
+    together: Reduction | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -279,7 +285,12 @@ def _steps(pool: _Pool, best: Candidate, searched: tuple[str, ...]) -> tuple[Ste
         alone = None if single is None else pool.reduction(pool.start, single)
         rivals = _rivals(pool, whole, name)
         agreement = 1 if name in searched else -1 if searched else 0
-        steps.append(Step(name, best.fit, best.errors, alone, _lead(pool, name), agreement, rivals))
+        whole_set = set_around(name, whole.names)
+        known = pool.best.get(whole_set) if whole_set else None
+        together = None if known is None else pool.reduction(pool.start, known)
+        mates = whole_set - {name} if together else frozenset[str]()
+        lead = _lead(pool, name)
+        steps.append(Step(name, best.fit, best.errors, alone, lead, agreement, rivals, mates, together))
         best = fewer
     return tuple(reversed(steps))
 
