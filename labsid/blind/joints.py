@@ -48,17 +48,19 @@ def draw_joint(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | No
     start = joint.rest if loop == "torque" else float(command[0]) if loop == "position" else 0.0
     angle = run_joint(joint, command, Ts, start)
     y = angle[:, 1 if loop == "speed" else 0]
-    if not np.isfinite(y).all() or np.abs(angle[:, 0]).max() > 3.0 and loop != "speed":
+    if not np.isfinite(y).all() or (np.abs(angle[:, 0]).max() > 3.0 and loop != "speed"):
         return None
     sigma = float(np.std(y)) * float(np.exp(rng.uniform(np.log(0.003), np.log(0.02))))
     gap = _linear_gap(command, y, joint, Ts)
-    if effects and gap < CLEAR_RATIOS[0] * sigma or not effects and gap > 0.2 * sigma:
+    if (effects and gap < CLEAR_RATIOS[0] * sigma) or (not effects and gap > 0.2 * sigma):
         return None
     left = {one: _linear_gap(command, _without(joint, one, command, Ts, start), joint, Ts) for one in effects}
     if len(effects) > 1 and max(left.values()) > (1.0 - MIN_SHARE) * gap:
         return None
     degrees = bool(rng.random() < 0.25)
-    of_u = _DEGREES if degrees and loop != "torque" else float(np.exp(rng.uniform(-3.0, 1.0))) if loop == "torque" else 1.0
+    of_u = (
+        _DEGREES if degrees and loop != "torque" else float(np.exp(rng.uniform(-3.0, 1.0))) if loop == "torque" else 1.0
+    )
     of_y = _DEGREES if degrees else 1.0
     t = Ts * np.arange(samples, dtype=np.float64)
     noisy = of_y * (y + sigma * rng.standard_normal(samples))

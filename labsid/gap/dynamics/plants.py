@@ -11,7 +11,16 @@ import numpy as np
 from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Named, PlantForm
-from labsid.gap.dynamics.responses import force_unit, free_responses, lag_mean, lag_output, mode_mean, real_rates, response, section
+from labsid.gap.dynamics.responses import (
+    force_unit,
+    free_responses,
+    lag_mean,
+    lag_output,
+    mode_mean,
+    real_rates,
+    response,
+    section,
+)
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
 MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized

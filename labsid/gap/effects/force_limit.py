@@ -34,13 +34,10 @@ class ForceLimit(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """A mass in a loop with a limit."""
-        return plant.modified(
-            kind="mechanics", limit=self.variant, unsprung=plant.unsprung or self.variant == "speed"
-        )
+        return plant.modified(kind="mechanics", limit=self.variant, unsprung=plant.unsprung or self.variant == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Limits that the error of the parent's loop exceeds seldom and often, with faster dynamics for the latter."""
-        c, k = context.rates
         slack = {"log_k+": SLACK_LOG_STIFFNESS} if self.variant == "speed" else {}
         error = np.abs(_loop_error(context, self.variant))
         starts = []

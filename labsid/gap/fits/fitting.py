@@ -303,6 +303,7 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     size = fit.theta.size + fit.gains.size
     if J is None:
         return np.full((size, size), np.nan)
+    J[:, list(known_values(data, fit.hypothesis))] = 0.0
     gram, scale = scaled_gram(J)
     inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-10, hermitian=True), np.float64) * fit.noise.sigma2
     return np.asarray(inverse / np.outer(scale, scale))

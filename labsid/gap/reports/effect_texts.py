@@ -172,9 +172,9 @@ EFFECT_TEXTS: dict[str, EffectText] = {
             "A weight turns the joint towards {angle} with a torque of up to {torque}",
             "A weight turns the joint towards its angle of rest",
         ),
-        "The torque is proportional to the sine of the angle between the joint and its rest. It is given as the command "
-        "that holds it. Look for an arm or a load off the axis that the simulation lacks, or a wrong mass or centre "
-        "of mass.",
+        "The torque is proportional to the sine of the angle between the joint and its rest. It is given as the "
+        "command that holds it. Look for an arm or a load off the axis that the simulation lacks, or a wrong mass or "
+        "centre of mass.",
     ),
     "force-limit": EffectText(
         "a limit in the loop of the drive",
@@ -182,8 +182,8 @@ EFFECT_TEXTS: dict[str, EffectText] = {
             "The drive gives no more force once the error of its loop exceeds {limit}",
             "The force of the drive is limited",
         ),
-        "The loop inside the drive runs into the largest current or voltage: the command is reached later, not cut off. "
-        "Check the limits of current, voltage and duty cycle in the drive, and the supply.",
+        "The loop inside the drive runs into the largest current or voltage: the command is reached later, not cut "
+        "off. Check the limits of current, voltage and duty cycle in the drive, and the supply.",
     ),
     "slow-mode": EffectText(
         "a slow mode",

@@ -117,9 +117,7 @@ def _unchanged(data: Data, fit: Fit) -> Trial:
     return Trial(problem, point)
 
 
-def _with_one_more(
-    data: Data, before: list[Trial], base: Fit, group: tuple[Effect, ...], highpass: Fit
-) -> list[Trial]:
+def _with_one_more(data: Data, before: list[Trial], base: Fit, group: tuple[Effect, ...], highpass: Fit) -> list[Trial]:
     """The start points with one more effect, of least error."""
     found = [trial for one in before for trial in _extended(data, _as_fit(one, base), group, highpass)]
     return sorted(found, key=attrgetter("point.cost"))[:KEPT_STARTS]

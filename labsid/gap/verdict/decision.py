@@ -210,7 +210,7 @@ class PartialEvidence(NamedTuple):
 
 
 PARTIAL_PRIOR = -4.5
-PARTIAL_WEIGHTS = PartialEvidence(alone=2.9, lead=2.3, margin=1.1, agreement=1.8, others=-0.5, together=0.0)
+PARTIAL_WEIGHTS = PartialEvidence(alone=2.9, lead=2.3, margin=1.1, agreement=1.8, others=-0.5, together=1.9)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:

@@ -239,7 +239,7 @@ def search_held_out(
 
 
 def _best_paying(pool: _Pool) -> Candidate:
-    """The candidate of least error in which every effect pays: the best one, or one of the next without its last ones."""
+    """The candidate of least error in which every effect pays: one of the best, without the effects that do not."""
     best = pool.start
     for candidate in sorted(pool.best.values(), key=lambda one: one.total)[:COMPARED]:
         if candidate.total < best.total:
@@ -248,14 +248,21 @@ def _best_paying(pool: _Pool) -> Candidate:
 
 
 def _paying(pool: _Pool, candidate: Candidate) -> Candidate:
-    """The candidate without the effects that do not pay; those of a set pay together, and each has to reduce the error."""
+    """The candidate without the effects that do not pay.
+
+    Those of a set pay together; each of them has to reduce the error.
+    """
     while candidate.names:
         name, fewer = _least_missed(pool, candidate)
         found = pool.reduction(fewer, candidate)
         if found.pays:
             return candidate
         together = set_around(name, candidate.names)
-        if found.factor < MAX_FACTOR and together and pool.reduction(_without_all(pool, candidate, together), candidate).pays:
+        if (
+            found.factor < MAX_FACTOR
+            and together
+            and pool.reduction(_without_all(pool, candidate, together), candidate).pays
+        ):
             return candidate
         candidate = fewer
     return candidate

@@ -109,12 +109,16 @@ def run_joint(joint: Joint, command: FloatArray, Ts: float, start: float = 0.0) 
     if joint.law not in LAWS:
         raise ValueError(f"law must be one of {', '.join(LAWS)}; got {joint.law!r}.")
     steps = int(np.ceil(Ts / LARGEST_STEP))
-    numbers = np.array(
-        [joint.gain, joint.damping, joint.gravity, joint.rest, joint.limit, joint.friction, joint.excess]
-        + [joint.stribeck]
-    )
+    friction = (joint.friction, joint.excess, joint.stribeck)
+    numbers = np.array([joint.gain, joint.damping, joint.gravity, joint.rest, joint.limit, *friction])
     return _run(
-        np.ascontiguousarray(command, np.float64), Ts, steps, start, LOOPS.index(joint.loop), LAWS.index(joint.law), numbers
+        np.ascontiguousarray(command, np.float64),
+        Ts,
+        steps,
+        start,
+        LOOPS.index(joint.loop),
+        LAWS.index(joint.law),
+        numbers,
     )
 
 
