@@ -14,7 +14,7 @@ from labsid.gap.record.data import Data
 
 DEGREES = 180.0 / np.pi
 LEAST_SWING, LARGEST_SWING = 0.25, 13.0  # radians: less shows a constant and a spring, more is no swing of an arm
-UNIT_ERROR = 1.35  # largest factor between a fitted unit of the angle and the radian or the degree
+UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree
 MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command
 
 
@@ -33,9 +33,7 @@ class Gravity(PlantEffect):
         """Require an output that swings as an angle does, and that follows its command or integrates it."""
         if not angle_unit(context.data):
             return False
-        if self.variant == "unsprung":
-            return real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
-        return context.follows
+        return context.follows != (self.variant == "unsprung")
 
     def extend(self, plant: Plant) -> Plant:
         """A mass in the field of gravity."""

@@ -121,8 +121,8 @@ def _search_from(
         levels.append(level)
         best = _best_accepted(data, path[-1], level)
         if step == 0 and most > 1 and not residual_is_white(data, best or base):
-            fits = set_fits(data, base, highpass, _candidates(data))
-            together = [fit for fit in fits if not disguised(fit)]
+            sets = set_fits(data, base, highpass, _candidates(data))
+            together = [fit for fit in sets if not disguised(fit)]
         best = best or _towards_a_set(data, path[-1], level, together)
         if best is None:
             break
