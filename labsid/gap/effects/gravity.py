@@ -6,10 +6,10 @@ from typing import ClassVar
 import numpy as np
 
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import force_unit, real_rates
+from labsid.gap.dynamics.responses import force_unit
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
-from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
+from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS
 from labsid.gap.record.data import Data
 
 DEGREES = 180.0 / np.pi
