@@ -30,10 +30,16 @@ class Gravity(PlantEffect):
     variants: ClassVar[tuple[str, ...]] = ("", "unsprung")
 
     def applies(self, context: Context) -> bool:
-        """Require an output that swings as an angle does, and that follows its command or integrates it."""
+        """Require an output that swings as an angle does, beside no other effects than those of a mass.
+
+        In a position loop it follows the command.
+        """
         if not angle_unit(context.data):
             return False
-        return context.follows != (self.variant == "unsprung")
+        before = context.parent.hypothesis
+        return (before.plant.kind == "mechanics" or not before.effects) and context.follows != (
+            self.variant == "unsprung"
+        )
 
     def extend(self, plant: Plant) -> Plant:
         """A mass in the field of gravity."""
