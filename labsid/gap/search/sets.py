@@ -87,13 +87,17 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
     highpass : Fit
         A linear fit to the high-pass filtered record.
     groups : sequence of tuple of Effect
-        The forms that the search adds, in a group for each name.
+        The forms that the search adds, in a group for each name; a set with another name is left out.
+
+    Returns
+    -------
+    list of Fit
     """
     forms = {group[0].name: group for group in groups}
     starts: dict[tuple[str, ...], list[Trial]] = {(): [_unchanged(data, base)]}
     found: dict[frozenset[str], Fit] = {}
     for one in SETS:
-        if set(one.names) & set(base.hypothesis.names):
+        if not set(one.names) <= forms.keys() - set(base.hypothesis.names):
             continue
         for size, name in enumerate(one.names, 1):
             if one.names[:size] not in starts:
