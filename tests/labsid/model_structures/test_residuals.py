@@ -114,6 +114,18 @@ def test_least_squares_makes_the_lags_in_phi_vanish():
     assert whiteness_test(residual).p_value < 1e-6
 
 
+def test_the_coefficients_at_the_lags_in_phi_are_small_and_not_zero():
+    found = []
+    for seed in range(200):
+        u, e = white(seed, 200)
+        y = free_run(PolynomialModel([1, -0.8], [1.0], [1]), u, e)
+        residual = fit_structure(Structure(1, 1), u, y).fit.residual
+        correlation = cross_correlation(u[1:], residual, 1)
+        found.append(correlation.values[correlation.lags == 1][0])
+    assert 0.004 < np.sqrt(np.mean(np.square(found))) < 0.012
+    assert correlation.band > 0.13
+
+
 U, E = white(0, 50)
 
 
