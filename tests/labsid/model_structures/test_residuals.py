@@ -1,4 +1,4 @@
-"""Whiteness and input-residual tests: statsmodels, and how often they cry wolf."""
+"""Whiteness and input-residual tests, compared with statsmodels, and their rate of false alarms."""
 
 import numpy as np
 import pytest
