@@ -1,6 +1,8 @@
 """A figure with its own notebook representation."""
 
+from base64 import b64encode
 from collections.abc import Collection
+from html import escape
 from io import BytesIO
 
 from matplotlib.figure import Figure
@@ -27,8 +29,11 @@ class ShownFigure(Figure):
 
     def _repr_mimebundle_(
         self, include: Collection[str] | None = None, exclude: Collection[str] | None = None
-    ) -> tuple[dict[str, bytes], dict[str, dict[str, str]]]:
-        """The image with its description; the inline backend replaces the image and keeps the description."""
+    ) -> dict[str, str]:
+        """The image as HTML with its description, if there is one: for a bare image, notebooks show none."""
         if not self.alt:
-            return {}, {}
-        return {"image/png": self._repr_png_()}, {"image/png": {"alt": self.alt}}
+            return {}
+        data = b64encode(self._repr_png_()).decode("ascii")
+        return {
+            "text/html": f'<img alt="{escape(self.alt)}" src="data:image/png;base64,{data}" style="max-width: 100%">'
+        }
