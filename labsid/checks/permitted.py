@@ -17,18 +17,18 @@ ALLOWED_MODULES = (
     "checks.notebook_tries", "checks.origin_of_values", "checks.permitted", "checks.python_errors", "checks.question",
     "checks.relations", "checks.stops", "checks.summary", "checks.time_limit", "checks.values", "checks.verdict",
     "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
-    "plots.figure_values", "plots.lecture_diagrams", "plots.style", "rig", "rig.seeds",
+    "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "rig", "rig.seeds",
 )  # fmt: skip
 """The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
 of a student's own results and the rigs with withheld effects are not among them."""
 
 RULE = (
     "Answers may use Python, numpy, scipy, python-control and matplotlib. Of labsid they may use `load_record`, the "
-    "rig of the lab (`labsid.rig`) and the block diagrams (`labsid.plots`: `figure_2` to `figure_4`). The rest of "
-    "labsid, the functions that do a step of the lab or of a lecture and the figures of its results, is the reference: "
-    "grading refuses it, and so do the checks in the notebook. While a notebook is graded nothing can be installed, no "
-    "program can be started and there is no network: lines such as `!ls` and `%pip install` are skipped. A cell may "
-    "take up to {seconds:g} seconds, and a notebook 2 GB of memory."
+    "rig of the lab (`labsid.rig`) and the diagrams (`labsid.plots`: `sketch_rig`, `figure_2` to `figure_4`). The rest "
+    "of labsid, the functions that do a step of the lab or of a lecture and the figures of its results, is the "
+    "reference: grading refuses it, and so do the checks in the notebook. While a notebook is graded nothing can be "
+    "installed, no program can be started and there is no network: lines such as `!ls` and `%pip install` are skipped. "
+    "A cell may take up to {seconds:g} seconds, and a notebook 2 GB of memory."
 )
 """The rule as students read it on the start page."""
 

@@ -77,7 +77,7 @@ def instrumental_variables(Z: ArrayLike, Phi: ArrayLike, Y: ArrayLike) -> Instru
     Parameters
     ----------
     Z : array_like, shape (n, p)
-        Instruments: correlated with the regressors, not with the noise.
+        Instruments: correlated with the regressors, not with the noise, whose mean is zero.
     Phi : array_like, shape (n, p)
         Regressors.
     Y : array_like, shape (n,)
@@ -146,7 +146,8 @@ def fit_instrumental(
     Notes
     -----
     Reading lectures, L8, "Choice of the instrumental variable". The first instruments come from the least-squares
-    model: biased, but its output, made from u alone, knows nothing of the noise.
+    estimates: biased, but their output is computed from u alone, so it does not contain the noise. The estimate is
+    consistent only for noise of mean zero: subtract the means of u and y first.
     """
     if structure.na < 1 or structure.nb < 1 or structure.nc or iterations < 1:
         raise ValueError(

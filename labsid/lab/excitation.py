@@ -89,8 +89,8 @@ def excitation_order(u: ArrayLike, largest: int = 50, rounding: float = 0.0) -> 
     -------
     int
         The largest n <= `largest` for which the matrix with the rows ``[u(k) .. u(k+n-1)]`` has full column
-        rank; at most (N + 1) / 2. A model of order n has 2 n unknowns and requires order 2 n; order n suffices
-        if noise excites the past outputs.
+        rank; at most (N + 1) / 2. Order 2 n determines the 2 n unknowns of a model of order n. Less can suffice: order
+        n if noise excites the past outputs, and a sinusoid of order 2 if the record begins with a transient.
 
     Raises
     ------
@@ -100,8 +100,9 @@ def excitation_order(u: ArrayLike, largest: int = 50, rounding: float = 0.0) -> 
     Notes
     -----
     UNSW lab, "Selection of a Suitable Input". Zero has order 0, a constant 1, a sum of m sinusoids 2 m, a
-    PRBS its period. Singular values below ``N * eps`` times the largest count as zero; noise and transients
-    therefore raise the order, however small they are.
+    PRBS its period, a step at sample k the smaller of k + 1 and N - k. Singular values
+    below ``N * eps`` times the largest count as zero; noise and transients therefore raise the order, however
+    small they are.
     """
     u = as_signal("u", u)
     if largest < 1:

@@ -143,8 +143,14 @@ def find_offsets(u: ArrayLike, y: ArrayLike) -> Offsets:
 
     The whole first period is averaged, as in the lab, if it stays within 2 % of the range of y about its mean and
     a straight line through it rises by at most the same 2 %. Otherwise the record contains a start-up: the longest
-    tail is averaged that stays within the same band and rises by at most 1 %. On an exponential approach, a rise of
-    r biases the mean by about r / 6. The tail has at least 8 samples and a quarter of the period.
+    tail is averaged that stays within the same band and rises by at most 1 %. The tail has at least 8 samples and a
+    quarter of the period.
+
+    "settled" does not exclude a bias. If y still approaches its level exponentially and rises by r within the tail, the
+    mean of a tail of x time constants is biased by 1.0 r for x = 1, 0.4 r for x = 3, 0.2 r for x = 10, and r / 6 for a
+    long tail. A record that starts with empty tanks is called settled from about 6 time constants in the first period
+    on; the bias is then up to 0.7 % of the range of y. A first period that is short compared with the time constant
+    does not show that y still moves: it is called settled with a bias of several times the rise.
 
     Noise widens these limits: the band to four standard deviations, the rise to two standard errors. For a tail,
     two standard errors must not exceed 2 % of the range, because larger noise could hide a trend. The noise is the

@@ -32,7 +32,7 @@ FUNCTIONS = (
     Function("svd(A)", "np.linalg.svd(A)", "singular value decomposition; numpy returns V' and not V"),
     Function("eig(A)", "np.linalg.eig(A)", "eigenvalues and eigenvectors"),
     Function("rank(A)", "np.linalg.matrix_rank(A)", "number of independent rows or columns"),
-    Function("cond(A)", "np.linalg.cond(A)", "condition number: largest amplification of relative errors"),
+    Function("cond(A)", "np.linalg.cond(A)", "condition number: largest over smallest singular value"),
     Function("det(A)", "np.linalg.det(A)", "determinant"),
     Function("inv(A)", "np.linalg.inv(A)", "inverse"),
     Function("pinv(A)", "np.linalg.pinv(A)", "pseudo-inverse, (A'A)^-1 A' for full column rank"),

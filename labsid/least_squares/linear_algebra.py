@@ -55,7 +55,9 @@ def singular_values(A: ArrayLike) -> SingularValues:
     Notes
     -----
     Reading notes, appendix, "Singular value decomposition" and "Note on numerical computation". The condition
-    number is the largest factor by which a relative error of the right-hand side is amplified in the solution.
+    number kappa bounds the relative error of the solution of ``A x = b``: a relative error of b is amplified by at
+    most kappa if A is square, and in least squares by at most ``kappa / cos(alpha)``, where alpha is the angle between
+    b and the column space of A.
     """
     A = as_matrix("A", A)
     U, s, Vt = np.linalg.svd(A, full_matrices=False)

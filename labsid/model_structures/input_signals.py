@@ -46,7 +46,9 @@ def step(samples: int, amplitude: float = 1.0, at: int = 0) -> FloatArray:
     Returns
     -------
     ndarray, shape (N,)
-        Persistently exciting of order 1.
+        Persistently exciting of order 1 if it steps at the first sample. A later step has the order
+        ``min(at + 1, N - at)`` over this record, but only about its edge: more samples do not add information about
+        the dynamics.
 
     Raises
     ------
@@ -152,7 +154,8 @@ def sinusoids(samples: int, amplitudes: ArrayLike, omegas: ArrayLike, phases: Ar
     Returns
     -------
     ndarray, shape (N,)
-        Persistently exciting of order 2 m; a frequency of 0 or pi contributes 1 instead of 2.
+        Persistently exciting of order 2 m. A frequency of 0 or pi contributes 1 instead of 2, and nothing if its phase
+        is a multiple of pi: its samples are then zero.
 
     Raises
     ------

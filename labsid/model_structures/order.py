@@ -198,8 +198,8 @@ def pair_roots(numerator: ArrayLike, denominator: ArrayLike) -> RootPairs:
 
     Notes
     -----
-    Reading notes, Example 7-2: ``(1 + a q^-1)(1 + d q^-1)`` over ``(1 + c q^-1)(1 + d q^-1)`` describes the same
-    system for every d. The closest pair is matched first, then the closest of the remaining roots. Whether a pair
+    Reading notes, Example 7-2: ``(1 + c q^-1)(1 + d q^-1)`` over ``(1 + a q^-1)(1 + d q^-1)``, C over A, describes the
+    same process for every d. The closest pair is matched first, then the closest of the remaining roots. Whether a pair
     cancels depends on the standard errors of the parameters.
     """
     zeros, poles = (_roots(name, p) for name, p in (("numerator", numerator), ("denominator", denominator)))

@@ -117,8 +117,9 @@ def cross_correlation(u: ArrayLike, e: ArrayLike, lags: int = 20, confidence: fl
     Notes
     -----
     As Fig. 12, for the input. The band is ``z sqrt(P / N)``, ``P = sum r_e(k) r_u(k)``: it is wider if both signals
-    are coloured. The sum is tapered up to `lags`, which keeps P positive. Least squares makes the correlation exactly
-    zero at the lags of u that are in phi.
+    are coloured. The sum is tapered up to `lags`, which keeps P positive. Least squares makes the
+    sum of e(t) u(t-k) over its own rows zero at the lags k of u that are in phi. The coefficients at these lags are
+    therefore small, but not exactly zero, since the means are removed and the sums are cut at the ends.
     """
     u, e = _centred(lags, u=u, e=e)
     ahead, behind = _covariances(e, u, lags), _covariances(u, e, lags)
@@ -190,8 +191,8 @@ def input_residual_test(u: ArrayLike, e: ArrayLike, first: int, lags: int = 20) 
     u, e : array_like, shape (N,)
         Input and prediction errors. Their means are removed.
     first : int
-        First lag, 0 or more. Start after the lags of u that are in phi (at delay + nb): their correlation is zero by
-        construction.
+        First lag, 0 or more. Start after the lags of u that are in phi (at delay + nb): their correlation is
+        nearly zero by construction.
     lags : int
         Number of lags, first .. first + lags - 1.
 

@@ -13,6 +13,7 @@ from labsid.plots.style import save_png, save_svg
 if TYPE_CHECKING:
     from labsid.plots.block_diagrams import figure_2, figure_3, figure_4
     from labsid.plots.lab import figure_1, figure_5, figure_6, figure_offsets, plot_input
+    from labsid.plots.rig_sketch import sketch_rig
     from labsid.plots.step_response import figure_a1, figure_a2
     from labsid.plots.verification import figure_7, figure_7_initial_state, figure_8, plot_simulated_on_measured
 
@@ -34,11 +35,13 @@ __all__ = [
     "plot_simulated_on_measured",
     "save_png",
     "save_svg",
+    "sketch_rig",
 ]
 
 _MODULES = {
     "block_diagrams": ("figure_2", "figure_3", "figure_4"),
     "lab": ("figure_1", "figure_5", "figure_6", "figure_offsets", "plot_input"),
+    "rig_sketch": ("sketch_rig",),
     "step_response": ("figure_a1", "figure_a2"),
     "verification": ("figure_7", "figure_7_initial_state", "figure_8", "plot_simulated_on_measured"),
 }

@@ -67,18 +67,18 @@ def junction(ax: Axes, centre: Point, *, left: str = "", top: str = "", bottom: 
     return _part(centre, r, r)
 
 
-def wire(ax: Axes, *points: Point) -> None:
-    """Draw a line through `points`."""
+def wire(ax: Axes, *points: Point, color: str = BLACK, width: float = LINE_WIDTH) -> None:
+    """Draw a line through `points`, `width` points wide."""
     xs, ys = zip(*points, strict=True)
-    ax.plot(xs, ys, color=BLACK, linewidth=LINE_WIDTH, solid_joinstyle="miter", solid_capstyle="butt")
+    ax.plot(xs, ys, color=color, linewidth=width, solid_joinstyle="miter", solid_capstyle="butt")
 
 
-def arrow(ax: Axes, *points: Point) -> None:
-    """Draw a line through `points` with an arrow head at the last one."""
+def arrow(ax: Axes, *points: Point, color: str = BLACK, width: float = LINE_WIDTH) -> None:
+    """Draw a line through `points`, `width` points wide, with an arrow head at the last one."""
     from matplotlib.patches import FancyArrowPatch
 
     if len(points) > 2:
-        wire(ax, *points[:-1])
+        wire(ax, *points[:-1], color=color, width=width)
     head = FancyArrowPatch(
         points[-2],
         points[-1],
@@ -86,8 +86,8 @@ def arrow(ax: Axes, *points: Point) -> None:
         mutation_scale=14,
         shrinkA=0,
         shrinkB=0,
-        color=BLACK,
-        linewidth=LINE_WIDTH,
+        color=color,
+        linewidth=width,
         joinstyle="miter",
         zorder=2,
     )

@@ -30,11 +30,13 @@ TEXT_SIZE = 12
 SMALL_TEXT_SIZE = 11
 
 
-def new_figure(width: float = 8.0, height: float = 6.0) -> Figure:
-    """Create an empty white figure of `width` by `height` inches with constrained layout."""
+def new_figure(width: float = 8.0, height: float = 6.0, alt: str = "") -> Figure:
+    """Create an empty white figure of `width` by `height` inches with constrained layout and the description `alt`."""
     from labsid.plots.figure import ShownFigure
 
-    return ShownFigure(figsize=(width, height), layout="constrained", facecolor="white")
+    figure = ShownFigure(figsize=(width, height), layout="constrained", facecolor="white")
+    figure.alt = alt
+    return figure
 
 
 def axes_or_new(ax: Axes | None) -> Axes:

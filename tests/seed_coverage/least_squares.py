@@ -122,7 +122,7 @@ ROWS = (
             "labsid.least_squares.glossary:FUNCTIONS",
             "labsid.least_squares.glossary:ACRONYMS",
         ),
-        ("least-squares/ls-11-identities",),
+        ("least-squares/ls-11-functions",),
         (
             "tests/labsid/least_squares/test_glossary.py::test_every_python_expression_runs_and_is_what_the_matlab_one_is",
             "tests/labsid/least_squares/test_glossary.py::test_the_acronyms_of_the_notes_are_there",
@@ -196,7 +196,7 @@ ROWS = (
         "SUSTech",
         "Example 2",
         ("labsid.least_squares.constrained:fit_with_known",),
-        ("least-squares/ls-7-gain",),
+        ("least-squares/ls-7-example-2",),
         ("tests/labsid/least_squares/test_constrained.py::test_sustech_example_2",),
     ),
     Row(

@@ -102,7 +102,7 @@ ROWS = (
         "Reading",
         "L3: Example 3-1, Table 1",
         ("labsid.model_structures.structures:fit_structure",),
-        ("model-structures/ms-5-example-3-1",),
+        ("model-structures/ms-5-example-3-1", "model-structures/ms-5-table-1"),
         ("tests/labsid/model_structures/test_structures.py::test_example_3_1_rows", VARIANT),
     ),
     Row(

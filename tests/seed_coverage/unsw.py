@@ -146,7 +146,7 @@ ROWS = (
         "UNSW",
         "covariance and standard errors",
         ("labsid.least_squares.solve:solve_least_squares",),
-        ("lab-identification/lab-2b-excitation",),
+        ("least-squares/ls-10-confidence", "armax-and-instruments/ai-4-covariance"),
         (LS + "test_covariance_and_standard_errors_agree_with_an_independent_regression",),
     ),
     Row(
@@ -163,8 +163,11 @@ ROWS = (
         "UNSW",
         "recommended inputs: PRBS, square wave, sum of sinusoids",
         ("labsid.lab.excitation:prbs", "labsid.lab.excitation:square_wave", "labsid.lab.excitation:sum_of_sinusoids"),
-        ("lab-identification/lab-2b-excitation",),
-        (EXC + "test_prbs_has_two_levels_its_period_and_the_correlation_of_white_noise",),
+        ("model-structures/ms-7-prbs",),
+        (
+            EXC + "test_prbs_has_two_levels_its_period_and_the_correlation_of_white_noise",
+            "tests/test_notebook_statements.py::test_the_orders_of_the_three_recommended_inputs",
+        ),
     ),
     Row(
         "UNSW",
@@ -261,6 +264,13 @@ ROWS = (
         ("labsid.lab.diagrams:offset_compensated_loop",),
         ("postlab-model-order/postlab-3-choice",),
         (LOOP + "test_the_closed_loop_is_the_textbook_one",),
+    ),
+    Row(
+        "UNSW",
+        "the rig: pump, two tanks, level sensor; physical and empirical modelling, why discrete time",
+        ("labsid.plots:sketch_rig",),
+        ("lab-identification/lab-rig",),
+        (PLOT + "test_rig_sketch.py::test_each_tank_drains_into_the_next",),
     ),
     Row(
         "UNSW",

@@ -217,6 +217,7 @@ from labsid.checks import notebook_checks
 notebook_checks("lab-identification", globals())("q")
 record = load_record("record.mat")
 plots.figure_3()
+plots.sketch_rig()
 np.savetxt("mine.txt", record.y[:3])
 plt.plot(record.t, record.y)
 plt.savefig("mine.png")
@@ -690,6 +691,7 @@ got += " ".join(os.listdir("."))
         ("labsid.records.record", False),
         ("labsid.plots", False),
         ("labsid.plots.block_diagrams", False),
+        ("labsid.plots.rig_sketch", False),
         ("labsid.plots.lab", True),
         ("labsid.plots.verification", True),
         ("labsid.rig.switchable", True),

@@ -48,6 +48,18 @@ def test_a_single_sinusoid_cannot_identify_third_order_but_a_sum_can():
         assert persistent_excitation(regression.Phi).positive_definite is definite
 
 
+def test_from_rest_a_single_sinusoid_identifies_second_order_and_in_steady_state_it_does_not():
+    model = ArxModel([1, -1.5, 0.7], [1.0, 0.5], 1.0)
+    u = sum_of_sinusoids(800, [60.0])
+    y = simulate(model, u)
+    from_rest, steady = (build_phi(u, y, order=2, start=start) for start in (2, 400))
+    assert excitation_order(u) == 2
+    assert persistent_excitation(from_rest.Phi).rank == 4
+    error = solve_least_squares(from_rest.Phi, from_rest.Y).theta - [1.5, -0.7, 1.0, 0.5]
+    assert np.max(np.abs(error)) < 1e-11
+    assert np.linalg.matrix_rank(steady.Phi, tol=1e-9 * np.linalg.norm(steady.Phi)) == 2
+
+
 @pytest.mark.parametrize(
     ("u", "order"),
     [

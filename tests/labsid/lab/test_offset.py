@@ -118,6 +118,41 @@ def test_a_record_that_starts_settled_keeps_the_lab_rule(first_period, noise):
         assert offsets.y_offset == pytest.approx(mean_of_first_period(u, y))
 
 
+def bias_and_rise(x):
+    """Bias of the mean, and rise of the line, of ``1 - exp(-t)`` over x time constants, for a remainder of 1."""
+    bias = (1 - np.exp(-x)) / x
+    rise = 12 * (bias / 2 - (1 - (1 + x) * np.exp(-x)) / x**2)
+    return bias, rise
+
+
+@pytest.mark.parametrize(("x", "ratio"), [(1, 1.0), (3, 0.4), (10, 0.2), (1000, 1 / 6)])
+def test_a_rise_biases_the_mean_by_more_than_its_sixth(x, ratio):
+    bias, rise = bias_and_rise(x)
+    assert bias / rise == pytest.approx(ratio, rel=0.06)
+    k = np.arange(20_000) / 20_000
+    y = 1 - np.exp(-k * x)
+    assert 1 - y.mean() == pytest.approx(bias, rel=0.03)
+    assert np.polyfit(k, y, 1)[0] == pytest.approx(rise, rel=0.03)
+
+
+@pytest.mark.parametrize(("periods_per_tau", "bias"), [(6, 0.0064), (10, 0.0025), (20, 0.0013)])
+def test_settled_leaves_a_bias_of_less_than_seven_thousandths(periods_per_tau, bias):
+    y = tank(levels_after(1000, hold=600), 1000 / periods_per_tau, start=0.0)
+    y[1000:] = np.clip(y[1000:], 0, 1)
+    offsets = find_offsets(levels_after(1000, hold=600), y)
+    assert offsets.status == "settled"
+    assert 1 - offsets.y_offset == pytest.approx(bias, rel=0.1)
+
+
+def test_a_short_first_period_is_called_settled_though_the_output_moves():
+    u = levels_after(40)
+    offsets = find_offsets(u, tank(u, tau=200, start=0.97))
+    assert (offsets.status, offsets.settled) == ("settled", (0, 40))
+    bias, rise = bias_and_rise(0.2)
+    assert 1 - offsets.y_offset == pytest.approx(0.03 * bias, rel=0.03)
+    assert bias > 5 * rise
+
+
 def test_an_overshooting_start_up_is_not_averaged_though_its_trend_cancels():
     u = levels_after(200)
     k = np.arange(200)

@@ -126,6 +126,32 @@ def test_kinds_are_told_apart():
     assert not is_skew_symmetric([[1, 2], [-2, 0]])
 
 
+def amplification(A, b, error):
+    """Relative error of the least-squares solution, over that of b."""
+    x, changed = np.linalg.pinv(A) @ b, np.linalg.pinv(A) @ (b + error)
+    return np.linalg.norm(changed - x) / np.linalg.norm(x) / (np.linalg.norm(error) / np.linalg.norm(b))
+
+
+def test_the_amplification_of_least_squares_may_exceed_the_condition_number():
+    A, b = np.array([[1.0], [0.0]]), np.array([0.001, 1.0])
+    assert singular_values(A).condition_number == 1
+    assert amplification(A, b, np.array([1e-6, 0.0])) == pytest.approx(1000, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_amplification_is_bounded_by_the_condition_number_over_the_cosine(seed):
+    rng = np.random.default_rng(seed)
+    A, b = rng.standard_normal((6, 3)) * [1, 10, 0.1], rng.standard_normal(6)
+    parts = singular_values(A)
+    cosine = np.linalg.norm(A @ np.linalg.pinv(A) @ b) / np.linalg.norm(b)
+    for error in rng.standard_normal((50, 6)):
+        assert amplification(A, b, 1e-3 * error) <= parts.condition_number / cosine
+    # Reached where x lies along the largest singular value and the error along the smallest.
+    worst = parts.U[:, 0] + 0.5 * np.linalg.svd(A)[0][:, -1]
+    reached = amplification(A, worst, 1e-3 * parts.U[:, -1])
+    assert reached == pytest.approx(parts.condition_number * np.hypot(1, 0.5), rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -17,6 +17,12 @@ def test_step_by_hand():
     assert excitation_order(step(60, 1.7)) == 1
 
 
+@pytest.mark.parametrize(("samples", "at"), [(200, 0), (200, 5), (200, 100), (200, 150), (61, 30), (9, 8)])
+def test_a_step_inside_the_record_has_a_large_order_about_its_edge(samples, at):
+    assert excitation_order(step(samples, at=at), largest=samples) == min(at + 1, samples - at)
+    assert excitation_order(step(samples, at=at)[at:]) == 1
+
+
 def test_uniform_noise_has_its_moments_and_excites_any_order():
     u = uniform_noise(np.random.default_rng(0), 100_000)
     assert -2 <= u.min() < -1.999 < 1.999 < u.max() <= 2
@@ -45,6 +51,14 @@ def test_sinusoids_are_those_of_example_7_1():
 def test_order_of_excitation_of_sinusoids(omegas, order):
     m = len(omegas)
     assert excitation_order(sinusoids(400, np.ones(m), omegas, np.full(m, 0.5))) == order
+
+
+@pytest.mark.parametrize("omega", [0.0, np.pi])
+def test_a_frequency_of_0_or_pi_adds_nothing_where_its_samples_are_zero(omega):
+    np.testing.assert_allclose(sinusoids(400, [1.0], [omega], [0.0]), 0, atol=1e-12)
+    other = [omega, 0.5] if omega == 0 else [0.5, omega]
+    assert excitation_order(sinusoids(400, [1, 1], other, [0.0, 0.0])) == 2
+    assert excitation_order(sinusoids(400, [1, 1], other, [0.5, 0.5])) == 3
 
 
 def test_feedback_by_hand():

@@ -129,7 +129,8 @@ def test_an_overfitted_noisy_arx_is_not_singular_however_long_the_record():
 
 @pytest.mark.parametrize("d", [-0.9, 0.0, 0.3, 2.0])
 def test_the_common_factor_cancels_whatever_d_is(d):
-    pairs = pair_roots(multiply([1, 0.5], [1, d]), multiply([1, -0.8], [1, d]))
+    c, a = 0.5, -0.8  # Example 7-2: C over A
+    pairs = pair_roots(multiply([1, c], [1, d]), multiply([1, a], [1, d]))
     assert pairs.distance[0] == pytest.approx(0, abs=1e-12)
     assert pairs.poles[0] == pytest.approx(-d, abs=1e-12)
     assert pairs.distance[1] == pytest.approx(1.3)

@@ -1,4 +1,4 @@
-"""The sim-to-real gap: where it lies, which effect makes it, how far it shrinks; grading alone knows the effect."""
+"""The sim-to-real gap: where it lies, which effect causes it, how much of it is closed; only grading has the effect."""
 
 from labsid.checks.assignments.sim_to_real_gap.error_shares import check_frequency, check_operating, check_time
 from labsid.checks.assignments.sim_to_real_gap.linear_model import check_linear, check_size, right_linear, right_size
