@@ -48,7 +48,7 @@ from labsid.gap.verdict.several_records import (
     score_by_record,
 )
 from labsid.lab.findings import Finding
-from labsid.records.record import Record, bridge_gaps
+from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.simulators.meter import RunMeter
 
 MIN_SAMPLES = 100  # samples
@@ -312,6 +312,8 @@ def _prepare(
     order: int,
     exclude: Sequence[tuple[float, float]],
 ) -> _Prepared:
+    record, holdout = between_outputs(record), None if holdout is None else between_outputs(holdout)
+    _refuse_sparse(record)
     given, given_holdout = record, holdout
     (gaps, record), (other_gaps, holdout) = _without_gaps(record), _without_gaps(holdout)
     record, holdout = _common_sampling_time(record, holdout, simulation)
@@ -356,7 +358,7 @@ def _prepare_several(
         raise ValueError("of several records each in turn is held out. Omit the holdout, or give it as one of them.")
     if len(exclude):
         raise ValueError("--exclude refers to the times of one record. Cut the records instead.")
-    given = records
+    given = records = list(map(between_outputs, records))
     gaps, records = zip(*map(_without_gaps, records), strict=True)
     records = at_one_sampling_time(records, stated_sampling_time(simulation))
     for number, record in enumerate(records, 1):
@@ -417,6 +419,17 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     report["replay"] = replay_content(record, inside, measured, answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model)
+
+
+def _refuse_sparse(record: Record) -> None:
+    """Refuse a record whose output has hardly two samples in a row: noise cannot be told from motion in it."""
+    apart = np.diff(np.flatnonzero(~record.missing))
+    if apart.size and np.median(apart) > 1.0:
+        step = float(np.median(apart)) * record.Ts
+        raise ValueError(
+            f"y of the record is there at every {np.median(apart):.0f}. sample or less often. Read both signals at its "
+            f"rate: --resample {step:g}."
+        )
 
 
 @overload

@@ -12,7 +12,7 @@ from labsid.lab.offset import Offsets, find_offsets, remove_offsets
 from labsid.lab.verification import Verification, verify
 from labsid.least_squares.solve import LeastSquares
 from labsid.model_structures.structures import Regression
-from labsid.records.record import Record, bridge_gaps
+from labsid.records.record import Record, between_outputs, bridge_gaps
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,8 +85,10 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     Notes
     -----
     UNSW lab, exercises 1c to 3a, and with ``order=1`` the post-lab exercise. The rows are the samples
-    k = start .. N // 2 - 1, less those with an output that is missing from the record.
+    k = start .. N // 2 - 1, less those with an output that is missing from the record,
+    which begins with its first output and ends with its last one.
     """
+    record = between_outputs(record)
     half = len(record) // 2
     if order < 1:
         raise ValueError(f"order must be at least 1; got {order}.")

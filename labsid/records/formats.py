@@ -96,6 +96,8 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
     """
     how = how or Reading()
     path = Path(path)
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise ValueError(f"{path} is a pipe or a device, which cannot be read twice. Save it as a file first.")
     try:
         chosen = _chosen(path, how)
         signals = even_signals(signals_of(chosen, how), how)

@@ -1,10 +1,10 @@
 """The record of an experiment: loading and validation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from labsid.records.direction import look_swapped
 from labsid.records.formats import RawRecord, read_raw
 from labsid.records.reading import Reading
 from labsid.records.signal_quality import digits_of, runs
-from labsid.records.signals import jitter_note, missing_note
+from labsid.records.signals import jitter_note, missing_note, span_of_outputs
 from labsid.records.steps import REGULAR_WITHIN
 
 LARGEST = 1e100  # larger values are damage; their squares could overflow
@@ -276,6 +276,30 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
 def reading_notes(record: Record) -> tuple[str, ...]:
     """All that is to be said of how a record was read: what was done, missing outputs, jitter of its stamps."""
     return (*record.notes, *missing_note(record.y, record.t), *jitter_note(record.jitter, record.Ts))
+
+
+def between_outputs(record: Record) -> Record:
+    """A record from its first output to its last one: an output before is not known, nor the state from which it began.
+
+    Parameters
+    ----------
+    record : Record
+
+    Returns
+    -------
+    Record
+        With what was left out in its notes; the record itself if nothing is.
+    """
+    rows = span_of_outputs(record.y)
+    if rows.start == 0 and rows.stop == len(record):
+        return record
+    optional: dict[str, Any] = {
+        name: None if (values := getattr(record, name)) is None else values[rows]
+        for name in ("y_measured", "y_noise_reduced", "reference")
+    }
+    note = f"y is missing in the first {rows.start} and the last {len(record) - rows.stop} samples; these are left out"
+    shorter = replace(record, t=record.t[rows], u=record.u[rows], y=record.y[rows], **optional)
+    return replace(shorter, notes=(*record.notes, note))
 
 
 def bridge_gaps(y: FloatArray) -> FloatArray:

@@ -49,6 +49,12 @@ def stretches(mask: np.ndarray) -> list[list[int]]:
     return stretches_of(mask)
 
 
+def span_of_outputs(y: FloatArray) -> slice:
+    """The samples from the first output to the last one; all if there are fewer than two."""
+    known = np.flatnonzero(~np.isnan(y))
+    return slice(int(known[0]), int(known[-1]) + 1) if known.size > 1 else slice(0, y.size)
+
+
 def missing_note(y: FloatArray, t: FloatArray | None) -> tuple[str, ...]:
     """What is to be said of an output with missing samples (NaN)."""
     missing = np.isnan(y)
@@ -59,7 +65,13 @@ def missing_note(y: FloatArray, t: FloatArray | None) -> tuple[str, ...]:
         "fitted nor scored"
     )
     known = np.flatnonzero(~missing)
-    if t is not None and t.size == y.size and missing.mean() > 0.4 and known.size > 2 and np.ptp(np.diff(known)) == 0:
+    if (
+        t is not None
+        and t.size == y.size
+        and missing.mean() > 0.4
+        and known.size > 2
+        and np.ptp(np.diff(known)) == 0 < known[1] - known[0] - 1
+    ):
         note += f"; to read both signals at the rate of y, add --resample {float(t[known[1]] - t[known[0]]):.9g}"
     return (note,)
 

@@ -14,6 +14,8 @@ COARSE_COUNT = 10  # steps of whole numbers from which they may be milli- or mic
 _WRAP = 2**32
 _EPOCH = 9.4e8, 2.2e9  # Unix seconds of the years 2000 and 2039
 _DATENUM = 7.2e5, 7.5e5  # days since the year 0 of the years 1971 and 2053
+_SERIAL = 3.65e4, 5.5e4  # days since 1899 of the years 1999 and 2050, as spreadsheets count them
+_SHORT = 1e-3  # of the unit: of seconds a step that is rare beside an offset of half a day, of days 86 s
 _HALF_DAY = 43200.0
 
 
@@ -72,8 +74,11 @@ def in_seconds(column: Column, unit: str | None = None) -> Stamps:
     epoch = None if unit or named else _epoch_unit(values, since)
     chosen = unit or named or epoch
     if chosen is None:
+        step = _usual_step(since)
         if column.name != IN_SECONDS:
-            _refuse_two_readings(column.name, values, since)
+            _refuse_two_readings(column.name, values, step)
+        elif step < _SHORT:
+            _refuse_days(column.name, values, step)
         chosen = "s"
     scale = SECONDS[chosen]
     if chosen != "s":
@@ -116,16 +121,25 @@ def _epoch_unit(values: np.ndarray, since: FloatArray) -> str | None:
     return None
 
 
-def _refuse_two_readings(name: str, values: np.ndarray, since: FloatArray) -> None:
-    step = _usual_step(since)
+def _refuse_two_readings(name: str, values: np.ndarray, step: float) -> None:
     if values.dtype.kind == "i" and step >= COARSE_COUNT:
         raise ValueError(
             f"{name} counts in whole numbers, {step:g} apart, and does not say its unit. Say it with time_unit "
             f"(--time-unit ms if it counts milliseconds, us, or s for seconds)."
         )
-    if values.dtype.kind == "f" and _DATENUM[0] < values[0] < _DATENUM[1] and 0.0 < step < 0.5:
+    _refuse_days(name, values, step)
+
+
+def _refuse_days(name: str, values: np.ndarray, step: float) -> None:
+    """Refuse numbers that may be days of MATLAB or of a spreadsheet."""
+    if values.dtype.kind != "f" or step <= 0.0:
+        return
+    is_datenum = _DATENUM[0] < values[0] < _DATENUM[1] and step < 0.5
+    is_serial = _SERIAL[0] < values[0] < _SERIAL[1] and step < _SHORT
+    if is_datenum or is_serial:
+        of = "MATLAB's datenum" if is_datenum else "of a spreadsheet"
         raise ValueError(
-            f"{name} may hold seconds or days (MATLAB's datenum); got {float(values[0])!r} in the first row. Say which "
+            f"{name} may hold seconds or days ({of}); got {float(values[0])!r} in the first row. Say which "
             "with time_unit (--time-unit days, or s)."
         )
 

@@ -21,6 +21,8 @@ def open_log(path: Path) -> Log:
     from nptdms import TdmsFile
 
     file = TdmsFile.open(path)
+    if getattr(file.file_status, "incomplete_final_segment", False):
+        raise ValueError("it is cut off: its last segment is not complete. Copy it again from where it was recorded.")
     channels = [
         channel
         for group in file.groups()

@@ -143,6 +143,9 @@ def test_tdms_with_a_column_of_times_and_with_waveforms(tmp_path):
             [ChannelObject("a", "in", U, properties=wave), ChannelObject("b", "out", Y, properties=wave)]
         )
     assert_read(load_record(tmp_path / "a.tdms"))
+    (tmp_path / "cut.tdms").write_bytes((tmp_path / "a.tdms").read_bytes()[:-40])
+    with pytest.raises(ValueError, match=r"cut\.tdms: it is cut off: its last segment is not complete"):
+        load_record(tmp_path / "cut.tdms")
     record = load_record(tmp_path / "b.tdms", columns="in,out")
     assert_read(record)
     assert record.units == ("V", "V")

@@ -1,5 +1,7 @@
 """One record in 27 forms, as loggers write them: each is read right, with the shortest options."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -119,3 +121,33 @@ def test_logs_of_a_temperature_lab_are_read_with_their_times(shared_data):
     for heater, sensor in (("Q1", "T1"), ("Q2", "T2")):
         two = load_record(folder / "tclab-two-heaters.csv", columns=f"Time,{heater},{sensor}")
         assert (len(two), two.Ts, two.missing.sum()) == (801, 1.0, 1)
+
+
+def test_a_pipe_is_refused(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match=r"is a pipe or a device, which cannot be read twice. Save it as a file first"):
+        load_record(pipe)
+
+
+def test_days_are_not_taken_for_seconds_by_the_name_t(tmp_path):
+    path = tmp_path / "days.csv"
+    path.write_text("t,u,y\n" + "".join(f"{739946 + k / 864000!r},{k % 7},{k}\n" for k in range(50)))
+    with pytest.raises(ValueError, match=r"t may hold seconds or days \(MATLAB's datenum\)"):
+        load_record(path)
+    assert load_record(path, time_unit="days").Ts == pytest.approx(0.1)
+
+
+def test_offsets_come_from_outputs_that_are_there(tmp_path):
+    """The first output lies 8 s after the first input: what was before is left out, and said."""
+    rng = np.random.default_rng(2)
+    u = np.repeat(rng.uniform(1.0, 2.0, 12), 50)
+    y = np.concatenate([[2.0], 2.0 + np.cumsum(0.1 * rng.standard_normal(599))])
+    y[:80] = y[-20:] = np.nan
+    path = tmp_path / "late.csv"
+    rows = zip((0.1 * np.arange(600)).tolist(), u.tolist(), y.tolist(), strict=True)
+    path.write_text("t,u,y\n" + "".join(f"{a!r},{b!r},{'' if c != c else c!r}\n" for a, b, c in rows))
+    found = identify(load_record(path), order=1)
+    assert len(found.record) == 500
+    assert found.offsets.u_offset == u[80]
+    assert found.record.notes[-1] == "y is missing in the first 80 and the last 20 samples; these are left out"

@@ -190,6 +190,7 @@ def test_epochs_keep_the_digits_of_the_sampling_time(write_text):
     [
         ([str(100 * k) for k in range(N)], r"time counts in whole numbers, 100 apart, .*--time-unit ms"),
         ([repr(739946.0 + k / 864000) for k in range(N)], r"seconds or days \(MATLAB's datenum\).*--time-unit days"),
+        ([repr(45413.4 + k / 86400) for k in range(N)], r"seconds or days \(of a spreadsheet\).*--time-unit days"),
     ],
 )
 def test_stamps_that_can_be_read_in_two_ways_name_the_option(write_text, stamps, says):

@@ -53,8 +53,8 @@ def test_gaps_of_one_of_several_records_and_of_a_holdout_are_left_out(clipped, h
 
 def test_a_holdout_without_outputs_where_it_is_scored_is_refused(clipped, holey):
     y = holey.y.copy()
-    y[55:] = np.nan
-    with pytest.raises(ValueError, match="the holdout has an output at 5 of its scored samples; at least 10 are"):
+    y[55:-1] = np.nan
+    with pytest.raises(ValueError, match="the holdout has an output at 6 of its scored samples; at least 10 are"):
         diagnose(clipped, holdout=replace(holey, y=y))
 
 
@@ -84,3 +84,22 @@ def test_a_record_with_gaps_can_be_used_like_any_other(holey):
     assert "without y" in repr(holey)
     with pytest.raises(ValueError, match="u must be finite"):
         replace(holey, u=np.where(holey.missing, np.nan, holey.u))
+
+
+def test_a_record_begins_with_its_first_output(clipped):
+    """Without it the samples before would be fitted to an invented state."""
+    y = clipped.y.copy()
+    y[:70] = y[-30:] = np.nan
+    report = diagnose(replace(clipped, y=y)).report
+    assert named(report) == ["input-saturation"]
+    assert report["record"]["samples"] == 300
+    assert report["traces"]["t"][0] == clipped.t[70]
+    assert any("missing in the first 70 and the last 30 samples" in one["text"] for one in report["record_findings"])
+
+
+def test_an_output_at_every_second_sample_is_to_be_read_at_its_rate(clipped):
+    y = np.where(np.arange(len(clipped)) % 2, np.nan, clipped.y)
+    with pytest.raises(
+        ValueError, match=r"y of the record is there at every 2\. sample or less often\. .* --resample 1\."
+    ):
+        diagnose(replace(clipped, y=y))
