@@ -32,6 +32,7 @@ from labsid.records.signal_quality import lattice_step
 SCHEMA = "labsid.gap/2"
 LAGS = 20
 MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
+MIN_FLOOR = 0.5  # rms of the added noise over the error that is left, from which it is said
 
 
 def build_report(
@@ -313,6 +314,12 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         texts.append(
             f"The input is logged in steps of {step * explanation.data.u_scale.unit:.4g}. If finer values acted, that "
             f"leaves an error of about {number(logged * explanation.data.y_scale.unit)} rms, which is no gap."
+        )
+    if explanation.floor > MIN_FLOOR * rms(explanation.data, explanation.best):
+        added = number(explanation.floor * explanation.data.y_scale.unit)
+        texts.append(
+            f"The record has hardly any noise of its own. Noise of {added} rms, which is what printed digits and "
+            "simulators leave, was added to the output, and is part of all errors."
         )
     if faults.lattice is not None:
         texts.append(

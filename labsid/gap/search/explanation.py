@@ -73,6 +73,8 @@ class Explanation:
         From the baseline to the accepted fit, one effect more at each step.
     unsimulated : tuple of str
         Effects found in the samples, not by simulation: held samples, spikes, quantization, coloured noise.
+    floor : float
+        Rms of the noise that was added to the output of `data`, for what digits and simulators leave; scaled.
     """
 
     data: Data
@@ -80,6 +82,7 @@ class Explanation:
     levels: Levels
     path: tuple[Fit, ...]
     unsimulated: tuple[str, ...]
+    floor: float = 0.0
 
     @property
     def best(self) -> Fit:
@@ -145,7 +148,9 @@ def explain(
     path = without_small_steps(clean, path)
     if len(path) == 2 and is_nuisance(clean, levels[1], path):
         path = path[:1]
-    return Explanation(clean, faults, levels, path, unsimulated_effects(data, clean, faults, path[-1]))
+    unsimulated = unsimulated_effects(data, clean, faults, path[-1])
+    floor = float(np.sqrt(np.mean((data.y - readings)[data.rows] ** 2)))
+    return Explanation(clean, faults, levels, path, unsimulated, floor)
 
 
 def _search_without_spikes(

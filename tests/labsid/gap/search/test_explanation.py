@@ -14,6 +14,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.record.data import scaled
 from labsid.gap.record.sample_faults import SampleFaults
+from labsid.gap.reports.report import screen_sentences
 from labsid.gap.search.beam_search import Levels, is_improvement, residual_is_white, search_effects
 from labsid.gap.search.explanation import Explanation, explain, is_nuisance, unsimulated_effects, without_small_steps
 
@@ -235,3 +236,14 @@ def test_a_rest_without_noise_before_a_jump_is_no_fault_of_samples() -> None:
     found = explain(scaled(u, y, np.ones(u.size, bool), 0.002))
     assert found.best.hypothesis.names == ("input-delay",)
     assert found.unsimulated == ()
+
+
+def test_the_noise_that_is_added_to_an_exact_record_is_said() -> None:
+    u = np.repeat(np.random.default_rng(5).uniform(-1.0, 1.0, 20), 20)
+    y = lfilter([0.0, 0.05, 0.04], [1.0, -1.5, 0.56], u)
+    exact = explain(scaled(u, y, np.ones(u.size, bool), 0.1))
+    assert exact.floor == pytest.approx(1e-4, rel=0.1)
+    (said,) = screen_sentences(exact)
+    assert said.startswith("The record has hardly any noise of its own.")
+    noisy = explain(scaled(u, y + 0.01 * np.random.default_rng(6).standard_normal(u.size), np.ones(u.size, bool), 0.1))
+    assert screen_sentences(noisy) == []
