@@ -273,7 +273,8 @@ def check_rigs(
 ) -> None:
     """Diagnose measured rigs and simulate a second record of each.
 
-    The exit status is 1 if an exported simulation is more than 2 % worse on the second record than the linear model.
+    The exit status is 1 if an exported simulation is more than 2 % worse on the second record than the linear model,
+    or if a rig cannot be diagnosed.
     """
     from labsid.cli.gap_tables import print_rigs
     from labsid.gap.rigs import check_rigs, find_rigs
@@ -285,7 +286,7 @@ def check_rigs(
             if progress is not None:
                 progress(result.name, len(results) / len(pairs))
     print_rigs(results)
-    raise typer.Exit(int(any(result.is_worse for result in results)))
+    raise typer.Exit(int(any(result.is_worse or result.message for result in results)))
 
 
 @gap.command("blind")

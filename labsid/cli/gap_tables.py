@@ -33,6 +33,9 @@ def print_rigs(results: Sequence[RigResult]) -> None:
     for title in ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s"):
         table.add_column(title, justify="right" if title in ("linear", "simple", "exported", "ratio", "s") else "left")
     for one in results:
+        if one.message:
+            table.add_row(one.name, "–", "–", "–", "–", one.verdict, one.message, "–", f"{one.seconds:.1f}")
+            continue
         ratio = one.after / one.before if one.before > 0.0 else 1.0
         table.add_row(
             one.name,

@@ -14,6 +14,7 @@ from labsid.gap.verdict.baseline_choice import FIRST_ORDER, LEAST_SQUARES
 from labsid.records.record import load_record
 
 HOLDOUT = ".holdout"
+ERROR = "error"  # verdict of a rig that cannot be diagnosed
 WORSE = 1.02  # error of the exported simulation over that of the linear model, above which it is worse
 POOR_BASELINE = 1.1  # error of the linear model over that of the better of two simple ones, above which it is poor
 
@@ -27,6 +28,7 @@ class RigResult:
     name : str
         File name of the record without its suffix.
     verdict : str
+        Of the report, or "error" for a rig that cannot be diagnosed; its errors are then not numbers.
     effects : tuple of (str, float)
         Names and probabilities.
     before, after : float
@@ -37,6 +39,8 @@ class RigResult:
         Path of what is left.
     seconds : float
         Processor time.
+    message : str
+        Why the rig cannot be diagnosed; empty if it can.
     """
 
     name: str
@@ -47,10 +51,11 @@ class RigResult:
     simple: float
     remaining: str | None
     seconds: float
+    message: str = ""
 
     @property
     def is_worse(self) -> bool:
-        """Whether the exported simulation is worse than the linear model."""
+        """Whether the exported simulation is worse than the linear model; False without one."""
         return self.after > WORSE * self.before
 
     @property
@@ -77,6 +82,8 @@ def find_rigs(folder: Path) -> list[tuple[Path, Path]]:
 def check_rigs(pairs: list[tuple[Path, Path]], order: int = 2, seed: int = 0) -> Iterator[RigResult]:
     """Diagnose the first record of each rig with the second one as holdout.
 
+    A rig whose records cannot be read or diagnosed has the verdict "error", and the next one follows.
+
     Parameters
     ----------
     pairs : list of (Path, Path)
@@ -84,27 +91,32 @@ def check_rigs(pairs: list[tuple[Path, Path]], order: int = 2, seed: int = 0) ->
     order : int
         Order of the linear model.
     seed : int
-
-    Raises
-    ------
-    ValueError
-        If a record cannot be read or diagnosed.
     """
     for path, second in pairs:
-        record, holdout = load_record(path), load_record(second)
         start = process_time()
-        found = diagnose(record, holdout=holdout, order=order, seed=seed)
-        seconds = process_time() - start
-        report = found.report
-        errors = report["simulation"]["model"]["errors"]
-        e = holdout.y - found.model.simulate(filtered_input(holdout), holdout.y)
-        yield RigResult(
-            name=path.stem,
-            verdict=report["verdict"],
-            effects=tuple((effect["name"], effect["probability"]) for effect in report["effects"]),
-            before=report["gap"]["before"],
-            after=float(np.sqrt(np.mean(e[START_SAMPLES:] ** 2))),
-            simple=min(errors[FIRST_ORDER], errors[LEAST_SQUARES]),
-            remaining=report["unexplained"]["path"],
-            seconds=seconds,
-        )
+        try:
+            yield _checked(path, second, order, seed)
+        except (OSError, ValueError) as error:
+            nan = float("nan")
+            yield RigResult(path.stem, ERROR, (), nan, nan, nan, None, process_time() - start, str(error))
+
+
+def _checked(path: Path, second: Path, order: int, seed: int) -> RigResult:
+    """Diagnosis of one rig, and the error of its exported simulation on the second record."""
+    record, holdout = load_record(path), load_record(second)
+    start = process_time()
+    found = diagnose(record, holdout=holdout, order=order, seed=seed)
+    seconds = process_time() - start
+    report = found.report
+    errors = report["simulation"]["model"]["errors"]
+    e = holdout.y - found.model.simulate(filtered_input(holdout), holdout.y)
+    return RigResult(
+        name=path.stem,
+        verdict=report["verdict"],
+        effects=tuple((effect["name"], effect["probability"]) for effect in report["effects"]),
+        before=report["gap"]["before"],
+        after=float(np.sqrt(np.mean(e[START_SAMPLES:] ** 2))),
+        simple=min(errors[FIRST_ORDER], errors[LEAST_SQUARES]),
+        remaining=report["unexplained"]["path"],
+        seconds=seconds,
+    )

@@ -62,7 +62,7 @@ def test_a_student_works_in_jupyterlab_and_submits(
     page.locator(".lm-TabBar-tab", has_text="start.ipynb").click()
     work.notebook.get_by_role("link", name="Lab: identify a second-order model").click()
     work.wait_until_open("1a. Load the record")
-    work.run_first(2)
+    work.run_first(3)
     signals = 't, u_act, y = (LogData["time"], LogData["signals"][1]["values"], LogData["signals"][0]["values"])\n'
     swapped, right = "y_act, y_actm = y[:, 0], y[:, 1]", "y_act, y_actm = y[:, 1], y[:, 0]"
     work.answer("lab-1a-extract", signals + swapped, "✗ lab-1a-extract")

@@ -11,9 +11,7 @@ from labsid.gap.fits.fitting import Fit, Point, Problem, descend
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import RESTART_RATE
 
-STARTS = 2  # of an exact refit
-FEW, MANY, TOLERANCE = 3, 15, 1e-2  # iterations from each start, and from the better one; change of cost at the end
-TRIAL = 6  # iterations that show whether a linearized refit is right
+FEW, MANY, TOLERANCE = 6, 15, 1e-3  # iterations from each start, and from the better one; change of cost at the end
 MISFIT = 0.1  # relative difference of the power that is left from which it is not
 SLOWER = 4.0  # slowest pole over a start value of another one, which may be slower
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
@@ -106,13 +104,12 @@ class Refit:
             The refit; None if none can be simulated.
         """
         problem = self._on(change)
-        given = [(self.fit.theta, self.fit.gains), *((theta, None) for theta in self.moved)]
-        if near is not None:
-            given.append((near.theta, near.gains))
-        starts = [at for theta, gains in given if (at := problem.start(theta, gains)) is not None]
-        if not starts:
+        here = problem.start(self.fit.theta, self.fit.gains)
+        if here is None:
             return *self.left(change), None
-        starts = sorted(starts, key=attrgetter("cost"))[:STARTS]
+        given = [(theta, None) for theta in self.moved] + ([] if near is None else [(near.theta, near.gains)])
+        others = [at for theta, gains in given if (at := problem.start(theta, gains)) is not None]
+        starts = [here, *sorted(others, key=attrgetter("cost"))[:1]]
         begun = (descend(problem, at, FEW, TOLERANCE) for at in starts)
         found = descend(problem, min(begun, key=attrgetter("cost")), MANY, TOLERANCE)
         rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
@@ -128,7 +125,7 @@ class Refit:
             return False
         problem = self._on(change)
         at = problem.start(self.fit.theta, self.fit.gains)
-        exact = np.inf if at is None else descend(problem, at, TRIAL, TOLERANCE).cost * problem.count / self.sigma**2
+        exact = np.inf if at is None else descend(problem, at, FEW, TOLERANCE).cost * problem.count / self.sigma**2
         return bool(abs(exact / power - 1.0) < MISFIT)
 
     def _on(self, change: FloatArray) -> Problem:
