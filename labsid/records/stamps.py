@@ -54,6 +54,8 @@ def in_seconds(column: Column, unit: str | None = None) -> Stamps:
         return Stamps(np.empty(0))
     if values.dtype.kind == "M":
         return _from_dates(values)
+    if values.dtype.kind == "u" and values.dtype.itemsize < 8:
+        values = values.astype(np.int64)
     notes: list[str] = []
     named = time_unit_of(column.unit) or unit_in_time_name(column.name)
     if column.unit == "h:m:s":

@@ -151,3 +151,11 @@ def test_offsets_come_from_outputs_that_are_there(tmp_path):
     assert len(found.record) == 500
     assert found.offsets.u_offset == u[80]
     assert found.record.notes[-1] == "y is missing in the first 80 and the last 20 samples; these are left out"
+
+
+def test_an_unsigned_counter_does_not_say_its_unit_either(tmp_path):
+    k = np.arange(60)
+    np.savez(tmp_path / "log.npz", time=(100 * k).astype(np.uint32), u=k % 7, y=0.5 * k)
+    with pytest.raises(ValueError, match="time counts in whole numbers, 100 apart, and does not say its unit"):
+        load_record(tmp_path / "log.npz")
+    assert load_record(tmp_path / "log.npz", time_unit="ms").Ts == 0.1
