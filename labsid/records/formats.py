@@ -1,8 +1,12 @@
 """The formats of logs: one module each, and the one function that reads any of them."""
 
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -96,11 +100,10 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
     """
     how = how or Reading()
     path = Path(path)
-    if path.exists() and not (path.is_file() or path.is_dir()):
-        raise ValueError(f"{path} is a pipe or a device, which cannot be read twice. Save it as a file first.")
     try:
-        chosen = _chosen(path, how)
-        signals = even_signals(signals_of(chosen, how), how)
+        with _file_of(path) as file:
+            chosen = _chosen(file, how)
+            signals = even_signals(signals_of(chosen, how), how)
     except UnknownColumns as error:
         raise UnknownColumns(f"{path.name}: {error}") from None
     except ValueError as error:
@@ -127,10 +130,24 @@ def describe_columns(path: str | PathLike[str]) -> list[ColumnSummary]:
     """
     path = Path(path)
     try:
-        log = _open(path, Reading())
-        return describe_apart(path, log) if isinstance(log, LibraryFormat) else summarize(log)
+        with _file_of(path) as file:
+            log = _open(file, Reading())
+            return describe_apart(file, log) if isinstance(log, LibraryFormat) else summarize(log)
     except ValueError as error:
         raise ValueError(f"{path.name}: {error}") from None
+
+
+@contextmanager
+def _file_of(path: Path) -> Iterator[Path]:
+    """The file itself, or a copy of what comes out of a pipe: a format is recognised and read by opening it twice."""
+    if not path.exists() or path.is_file() or path.is_dir():
+        yield path
+        return
+    with TemporaryDirectory(prefix="labsid-") as folder:
+        copy = Path(folder) / path.name
+        with path.open("rb") as pipe, copy.open("wb") as file:
+            shutil.copyfileobj(pipe, file)
+        yield copy
 
 
 def _chosen(path: Path, how: Reading) -> Chosen:

@@ -1,6 +1,7 @@
 """One record in 27 forms, as loggers write them: each is read right, with the shortest options."""
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -123,11 +124,15 @@ def test_logs_of_a_temperature_lab_are_read_with_their_times(shared_data):
         assert (len(two), two.Ts, two.missing.sum()) == (801, 1.0, 1)
 
 
-def test_a_pipe_is_refused(tmp_path):
-    pipe = tmp_path / "pipe"
+def test_a_pipe_is_read_from_its_beginning(tmp_path):
+    pipe = tmp_path / "pipe.csv"
     os.mkfifo(pipe)
-    with pytest.raises(ValueError, match=r"is a pipe or a device, which cannot be read twice. Save it as a file first"):
-        load_record(pipe)
+    text = "t,u,y\n" + "".join(f"{k / 10},{k % 7},{k}\n" for k in range(5000))
+    with ThreadPoolExecutor() as pool:
+        written = pool.submit(pipe.write_text, text)
+        record = load_record(pipe)
+        assert written.result() == len(text)
+    assert (record.name, len(record), record.y[0]) == ("pipe", 5000, 0.0)
 
 
 def test_days_are_not_taken_for_seconds_by_the_name_t(tmp_path):
