@@ -26,14 +26,13 @@ MIN_ACTING = 3  # levels that act
 
 class Off(InputEffect):
     """The command is logged and not applied: `level` acts instead from an instant on; with `variant` "while" up to
-    another one, with "before" from the start of the record up to an instant. A set point that is frozen, a drive that
-    has tripped, or that is not enabled yet.
+    another one. A set point that is frozen, a drive that has tripped.
     """
 
     name = "input-off"
     least_levels = 2
     position = -1
-    variants = ("", "while", "before")
+    variants = ("", "while")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -43,16 +42,12 @@ class Off(InputEffect):
             Parameter("off_start", 0.0, 1.0, SHARE, leap=0.004),
             Parameter("off_length", 0.0, 1.0, SHARE, leap=0.004),
         )
-        until = Parameter("off_until", 0.0, 1.0, SHARE, leap=0.004)
-        own = {"": (left,), "while": times, "before": (until,)}[self.variant]
-        return (*own, Parameter("off_level", -60.0, 60.0))
+        return (*(times if self.variant else (left,)), Parameter("off_level", -60.0, 60.0))
 
     def _span(self, own: FloatArray, span: int) -> tuple[float, float]:
         """Start and end in samples; infinite without one."""
         if self.variant == "while":
             return own[0] * span, (own[0] + own[1]) * span
-        if self.variant == "before":
-            return 0.0, own[0] * span
         return (1.0 - own[0]) * span, np.inf
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
@@ -61,32 +56,25 @@ class Off(InputEffect):
             return _kernels.switched_off(w, own[0] * span, (own[0] + own[1]) * span, own[2])
         if own[0] == 0.0:
             return w
-        if self.variant == "before":
-            return _kernels.switched_off(w, 0.0, own[0] * span, own[1])
         return _kernels.switched_off(w, (1.0 - own[0]) * span, w.size + 1.0, own[1])
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Times and levels that reduce the residual most, through the parent's linear dynamics."""
+        found = _best_spans(context, to_end=not self.variant)
         samples = context.data.samples
         return [
-            np.array([*self._times(start / samples, stop / samples), level])
-            for start, stop, level in _best_spans(context, self.variant)
+            np.array(
+                [start / samples, (stop - start) / samples, level] if self.variant else [1.0 - start / samples, level]
+            )
+            for start, stop, level in found
         ]
-
-    def _times(self, start: float, stop: float) -> tuple[float, ...]:
-        """Parameters of an interval, in shares of the record."""
-        if self.variant == "while":
-            return start, stop - start
-        return (stop,) if self.variant == "before" else (1.0 - start,)
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require a stretch inside the record in which being off matters, and a level that the drive can have."""
         own, data = fit.theta_of(self), fit.data
         start, stop = self._span(own, data.samples)
         off = self.active_samples(fit)
-        last = data.samples - SHORTEST
-        inside = SHORTEST < stop < last if self.variant == "before" else SHORTEST < start < last
-        inside = inside and min(stop, data.samples) - start > SHORTEST
+        inside = SHORTEST < start < data.samples - SHORTEST and min(stop, data.samples) - start > SHORTEST
         if not inside or not off.any():
             return False
         zero = data.u_scale.of(np.zeros(1))[0]
@@ -165,17 +153,20 @@ class _Screen:
         return self._apart(np.hstack(columns))
 
 
-def _best_spans(context: Context, variant: str) -> list[tuple[float, float, float]]:
+def _best_spans(context: Context, to_end: bool) -> list[tuple[float, float, float]]:
     """Start and end in samples, and level, of commands that are off and reduce the residual most."""
     samples = context.data.samples
     screen = _Screen(context, samples)
-    at = np.unique(np.linspace(0.0 if variant == "before" else 0.02, 0.98, INSTANTS) * samples).astype(int)
+    at = np.unique(np.linspace(0.02, 0.98, INSTANTS) * samples).astype(int)
     later = [np.arange(samples) >= k for k in at]
     steps = screen.responses(signal * on for on in later for signal in (screen.actuator, np.ones(samples)))
     gram = steps.T @ steps
     cross = steps.T @ screen.e
-    first_ones = [0] if variant == "before" else range(at.size)
-    ends = [(i, j) for i in first_ones for j in (range(i + 1, at.size) if variant else [None])]
+    ends = (
+        [(i, None) for i in range(at.size)]
+        if to_end
+        else [(i, j) for i in range(at.size) for j in range(i + 1, at.size)]
+    )
     # What lasts for a stretch is the difference of two steps, with four columns each.
     found = []
     for i, j in ends:
