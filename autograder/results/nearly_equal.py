@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from autograder.judge.outcome import QuestionResult
 from autograder.results.result_files import StoredResult
@@ -68,20 +69,13 @@ def find_nearly_equal(stored: Iterable[StoredResult]) -> list[NearlyEqual]:
 def _groups(submissions: Sequence[StoredResult]) -> list[NearlyEqual]:
     """The groups of one assignment."""
     pairs = _pairs(submissions)
-    leader = list(range(len(submissions)))
-
-    def lead(index: int) -> int:
-        while leader[index] != index:
-            index = leader[index]
-        return index
-
-    for first, second in pairs:
-        leader[lead(second)] = lead(first)
-    members: dict[int, list[int]] = {}
-    for index in range(len(submissions)):
-        members.setdefault(lead(index), []).append(index)
+    linked = np.zeros((len(submissions), len(submissions)), bool)
+    for pair in pairs:
+        linked[pair] = True
+    count, group_of = connected_components(linked, directed=False)
     groups = []
-    for group in members.values():
+    for number in range(count):
+        group = np.flatnonzero(group_of == number).tolist()
         inside = {pair: counts for pair, counts in pairs.items() if pair[0] in group}
         if any(equal < compared for equal, compared in inside.values()):
             groups.append(_described([submissions[index] for index in group], list(inside.values())))

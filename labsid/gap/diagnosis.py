@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -314,13 +314,13 @@ def _prepare(
 ) -> _Prepared:
     record, holdout = between_outputs(record), None if holdout is None else between_outputs(holdout)
     _refuse_sparse(record)
-    given, given_holdout = record, holdout
-    (gaps, record), (other_gaps, holdout) = _without_gaps(record), _without_gaps(holdout)
     record, holdout = _common_sampling_time(record, holdout, simulation)
+    findings = clock_findings(record, holdout)
+    gaps, record = _without_gaps(record)
+    other_gaps: _Times = ()
+    if holdout is not None:
+        other_gaps, holdout = _without_gaps(holdout)
     _check_records(record, holdout)
-    findings = clock_findings(
-        _with_gaps_of(given, record), None if holdout is None else _with_gaps_of(given_holdout, holdout)
-    )
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     whole, shortened = record, shorten_record(record, simulation)
@@ -358,16 +358,15 @@ def _prepare_several(
         raise ValueError("of several records each in turn is held out. Omit the holdout, or give it as one of them.")
     if len(exclude):
         raise ValueError("--exclude refers to the times of one record. Cut the records instead.")
-    given = records = list(map(between_outputs, records))
-    gaps, records = zip(*map(_without_gaps, records), strict=True)
-    records = at_one_sampling_time(records, stated_sampling_time(simulation))
-    for number, record in enumerate(records, 1):
-        _check_record(record, label(record, number))
+    records = at_one_sampling_time(list(map(between_outputs, records)), stated_sampling_time(simulation))
     findings = [
         replace(finding, text=f"{label(record, number)}: {finding.text}")
-        for number, (record, one) in enumerate(zip(records, given, strict=True), 1)
-        for finding in clock_findings(_with_gaps_of(one, record))
+        for number, record in enumerate(records, 1)
+        for finding in clock_findings(record)
     ]
+    gaps, records = zip(*map(_without_gaps, records), strict=True)
+    for number, record in enumerate(records, 1):
+        _check_record(record, label(record, number))
     parts, notes = shorten_records(records)
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
@@ -432,24 +431,11 @@ def _refuse_sparse(record: Record) -> None:
         )
 
 
-@overload
-def _without_gaps(record: Record) -> tuple[_Times, Record]: ...
-@overload
-def _without_gaps(record: None) -> tuple[_Times, None]: ...
-@overload
-def _without_gaps(record: Record | None) -> tuple[_Times, Record | None]: ...
-def _without_gaps(record: Record | None) -> tuple[_Times, Record | None]:
+def _without_gaps(record: Record) -> tuple[_Times, Record]:
     """Times without an output, and the record with straight lines there, which are neither fitted nor scored."""
-    if record is None:
-        return (), None
     half = 0.5 * record.Ts
     times = [(record.t[k] - half, record.t[stop - 1] + half) for k, stop in stretches_of(record.missing)]
     return times, replace(record, y=bridge_gaps(record.y)) if times else record
-
-
-def _with_gaps_of(given: Record | None, timed: Record) -> Record:
-    """A record as given, at the even times at which it is diagnosed."""
-    return timed if given is None else replace(given, t=timed.t, Ts=timed.Ts)
 
 
 def _measured(record: Record, gaps: _Times) -> np.ndarray:

@@ -11,7 +11,7 @@ from labsid.gap.diagnosis import diagnose
 from labsid.gap.model_file import START_SAMPLES
 from labsid.gap.record.record_findings import filtered_input
 from labsid.gap.verdict.baseline_choice import FIRST_ORDER, LEAST_SQUARES
-from labsid.records.record import load_record
+from labsid.records.record import between_outputs, bridge_gaps, load_record
 
 HOLDOUT = ".holdout"
 ERROR = "error"  # verdict of a rig that cannot be diagnosed
@@ -103,19 +103,19 @@ def check_rigs(pairs: list[tuple[Path, Path]], order: int = 2, seed: int = 0) ->
 
 def _checked(path: Path, second: Path, order: int, seed: int) -> RigResult:
     """Diagnosis of one rig, and the error of its exported simulation on the second record."""
-    record, holdout = load_record(path), load_record(second)
+    record, holdout = load_record(path), between_outputs(load_record(second))
     start = process_time()
     found = diagnose(record, holdout=holdout, order=order, seed=seed)
     seconds = process_time() - start
     report = found.report
     errors = report["simulation"]["model"]["errors"]
-    e = holdout.y - found.model.simulate(filtered_input(holdout), holdout.y)
+    e = holdout.y - found.model.simulate(filtered_input(holdout), bridge_gaps(holdout.y))
     return RigResult(
         name=path.stem,
         verdict=report["verdict"],
         effects=tuple((effect["name"], effect["probability"]) for effect in report["effects"]),
         before=report["gap"]["before"],
-        after=float(np.sqrt(np.mean(e[START_SAMPLES:] ** 2))),
+        after=float(np.sqrt(np.nanmean(e[START_SAMPLES:] ** 2))),
         simple=min(errors[FIRST_ORDER], errors[LEAST_SQUARES]),
         remaining=report["unexplained"]["path"],
         seconds=seconds,

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.lab.findings import Finding, about_signals
-from labsid.records.formats import RawRecord
+from labsid.records.formats import RawRecord, cut_signals
 from labsid.records.record import LARGEST, OUTPUTS, Fault, bridge_gaps, find_faults, is_sound
 from labsid.records.signal_quality import runs
 from labsid.records.signals import jitter_note, missing_note, name_places, span_of_outputs
@@ -78,10 +78,8 @@ def check_record(raw: RawRecord) -> RecordCheck:
     findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in covered]
     measured = raw.y[~np.isnan(raw.y)]
     if raw.u.size == raw.y.size and measured.size >= 5 and is_sound(raw.u) and is_sound(measured):
-        rows = span_of_outputs(raw.y)
-        t = None if raw.t is None else raw.t[rows]
-        whole = replace(raw, t=t, u=raw.u[rows], y=bridge_gaps(raw.y[rows]))
-        findings += about_signals(whole if measured.size < raw.y.size else raw, Ts)
+        whole = cut_signals(raw, span_of_outputs(raw.y))
+        findings += about_signals(replace(whole, y=bridge_gaps(whole.y)), Ts)
     notes = [Finding("note", "file", f"{note}.") for note in (*raw.notes, *jitter_note(raw.jitter, Ts))]
     return RecordCheck(raw.name, int(raw.u.size), Ts, faults, (*notes, *findings))
 

@@ -3,10 +3,11 @@
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from labsid.records.reading import Reading
 from labsid.records.steps import even_signals, signals_of
 from labsid.records.text_file import open_text
 
+AnyRecord = TypeVar("AnyRecord", bound=Any)
 _SIGNALS = ("t", "u", "y", "y_measured", "y_noise_reduced", "reference")
 
 
@@ -118,6 +120,12 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
         jitter=signals.jitter,
         units=(chosen.u.unit, chosen.y.unit),
     )
+
+
+def cut_signals(record: AnyRecord, rows: slice) -> AnyRecord:
+    """A record with only these samples of all its signals."""
+    present = {name: x for name in _SIGNALS if (x := getattr(record, name)) is not None}
+    return replace(record, **{name: x[rows] for name, x in present.items()})
 
 
 def describe_columns(path: str | PathLike[str]) -> list[ColumnSummary]:

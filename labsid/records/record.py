@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze, frozen_array
 from labsid.records.direction import look_swapped
-from labsid.records.formats import RawRecord, read_raw
+from labsid.records.formats import RawRecord, cut_signals, read_raw
 from labsid.records.reading import Reading
 from labsid.records.signal_quality import digits_of, runs
 from labsid.records.signals import jitter_note, missing_note, span_of_outputs
@@ -293,13 +293,8 @@ def between_outputs(record: Record) -> Record:
     rows = span_of_outputs(record.y)
     if rows.start == 0 and rows.stop == len(record):
         return record
-    optional: dict[str, Any] = {
-        name: None if (values := getattr(record, name)) is None else values[rows]
-        for name in ("y_measured", "y_noise_reduced", "reference")
-    }
     note = f"y is missing in the first {rows.start} and the last {len(record) - rows.stop} samples; these are left out"
-    shorter = replace(record, t=record.t[rows], u=record.u[rows], y=record.y[rows], **optional)
-    return replace(shorter, notes=(*record.notes, note))
+    return replace(cut_signals(record, rows), notes=(*record.notes, note))
 
 
 def bridge_gaps(y: FloatArray) -> FloatArray:

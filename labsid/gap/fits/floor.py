@@ -32,30 +32,27 @@ def digit_steps(values: FloatArray) -> FloatArray:
         the decade of the value for one of significant digits (``%.6g``); 0 for numbers with more than `MOST_DIGITS` of
         both, and where such a value is zero.
     """
-    found = np.zeros(values.size)
     there = values != 0.0
-    sizes = np.abs(values[there])
-    if not sizes.size:
-        return found
-    decades = np.floor(np.log10(sizes))
-    top, largest = float(decades.max()), 0.0
-    for digits in range(1, MOST_DIGITS + 1):
-        for steps, everywhere in ((10.0 ** (decades - digits + 1.0), False), (10.0 ** (top - digits + 1.0), True)):
-            places = sizes / steps
+    found = [np.zeros(values.size)]
+    decades = np.floor(np.log10(np.abs(values[there])))
+    for digits in range(1, MOST_DIGITS + 1) if there.any() else ():
+        significant = np.zeros(values.size)
+        significant[there] = 10.0 ** (decades - digits + 1.0)
+        decimals = np.full(values.size, 10.0 ** (float(decades.max()) - digits + 1.0))
+        for steps in (significant, decimals):
+            places = np.abs(values[there]) / steps[there]
             if np.mean(np.abs(places - np.round(places)) < ROUND_TRIP) >= NEARLY_ALL:
-                rms = float(np.sqrt(np.mean(np.square(steps))))
-                if rms > largest:
-                    largest = rms
-                    found = np.full(values.size, steps) if everywhere else np.zeros(values.size)
-                    if not everywhere:
-                        found[there] = steps
-    return found
+                found.append(steps)
+    return max(found, key=lambda steps: _rms(steps[there]))
 
 
 def digit_step(values: FloatArray) -> float:
     """Rms of the `digit_steps` of the values that are not zero."""
-    steps = digit_steps(values)[values != 0.0]
-    return float(np.sqrt(np.mean(steps**2))) if steps.size else 0.0
+    return _rms(digit_steps(values)[values != 0.0])
+
+
+def _rms(x: FloatArray) -> float:
+    return float(np.sqrt(np.mean(x**2))) if x.size else 0.0
 
 
 def is_printed(step: float, values: FloatArray) -> bool:

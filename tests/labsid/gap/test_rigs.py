@@ -41,3 +41,15 @@ def test_the_table_names_the_rig_and_the_exit_status_is_1(tmp_path: Path, capsys
     alone.mkdir()
     write_rig(alone, "b-moving")
     assert main(["gap", "rigs", str(alone)]) == 0
+
+
+def test_a_second_record_with_missing_outputs_is_scored_where_it_has_some(tmp_path: Path) -> None:
+    write_rig(tmp_path, "gaps")
+    path = tmp_path / "gaps.holdout.csv"
+    lines = path.read_text().splitlines()
+    for row in (1, 2, 60, 150):
+        lines[row] = lines[row].rpartition(",")[0] + ","
+    path.write_text("\n".join(lines) + "\n")
+    (one,) = check_rigs(find_rigs(tmp_path))
+    assert one.message == ""
+    assert 0.0 < one.after < 0.02
