@@ -21,6 +21,7 @@ from labsid.blind.draws import (
 )
 from labsid.blind.experiment import Case, OrdinaryCase, input_signal, redraw, run_experiment, to_record
 from labsid.blind.honest import draw_honest
+from labsid.blind.joints import draw_joint
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.strength import (
     CLEAR_RATIOS,
@@ -318,6 +319,7 @@ ROWS: dict[str, Draw] = {
     "runs": draw_runs,
     "honest": draw_honest,
     "faint": draw_faint,
+    "joints": draw_joint,
 }
 """The order determines the seeds: a new row comes last."""
 

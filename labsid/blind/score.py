@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid.blind.honest import count_kinds, honest_metrics
+from labsid.blind.joints import joint_metrics
 from labsid.blind.metrics import (
     Z95,
     CaseOutcome,
@@ -95,6 +96,7 @@ def score_cases(
             0.99,
         ),
         *honest_metrics(honest, faint),
+        *joint_metrics(rows.get("joints", empty)),
         Metric("time per record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
     ]
     return Scores(tuple(metrics), confusion(cases), bins, count_kinds(honest))

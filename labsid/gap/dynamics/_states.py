@@ -12,6 +12,7 @@ from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
 NO_STOPS = (-np.inf, np.inf)
+NO_JOINT = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0)  # neither limits, gravity nor friction that grows with the force
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
@@ -217,58 +218,86 @@ def simulate_mass(
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
     stops: tuple[float, float] = NO_STOPS,
+    joint: tuple[float, float, float, float, float, float] = NO_JOINT,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
     The force `opposing` and a spring of stiffness `leak` times k oppose the input; `pace` multiplies k. These three
     have one value per sample. `law` holds the speed over which friction is smooth about rest (zero for none), and the
-    `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed.
+    `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed. `joint` holds the limit
+    of the error w - k z of a position loop and that of the error w - c z' of a speed loop, the torque of gravity, its
+    `turn` and `angle` in torque sin(turn z - angle), and the share of the transmitted force that is added to friction.
     """
     smooth, peak, decay = law
+    limit, speed_limit, torque, turn, angle, share = joint
     out = np.empty((2, w.size))
     h = 1.0 / substeps
-    f11, f12, f21, f22, g1, g2 = transition(c, k, h)
+    free = transition(c, k, h)
+    limited = transition(c, 0.0, h) if limit < np.inf else transition(0.0, k, h) if speed_limit < np.inf else free
+    bends = (cubic != 0.0 or torque != 0.0) and friction == 0.0
     far = DIVERGED / max(k, 1e-6)
     constant = k
     for n in range(w.size):
         if pace is not None:
             k = constant * pace[n]
-            f11, f12, f21, f22, g1, g2 = transition(c, k, h)
+            free = transition(c, k, h)
+            limited = transition(0.0, k, h) if speed_limit < np.inf else limited
         out[0, n], out[1, n] = z, v
         load = 0.0 if opposing is None else opposing[n]
         spring = 0.0 if leak is None else leak[n] * k
         for j in range(substeps):
-            net_drive = _held_input(w, n, late * substeps - j) - load
+            drive = _held_input(w, n, late * substeps - j)
             middle = z + 0.5 * h * v
-            if cubic != 0.0 and friction == 0.0:
-                middle += CUBIC_CORRECTION * h * h * (net_drive - c * v - (k + cubic * z * z) * z)
+            damping, stiffness = c, k
+            f11, f12, f21, f22, g1, g2 = free
+            if abs(drive - k * middle) > limit:
+                drive = math.copysign(limit, drive - k * middle)
+                stiffness = 0.0
+                f11, f12, f21, f22, g1, g2 = limited
+            elif abs(drive - c * v) > speed_limit:
+                drive = math.copysign(speed_limit, drive - c * v)
+                damping = 0.0
+                f11, f12, f21, f22, g1, g2 = limited
+            net_drive = drive - load
+            if bends:
+                weight = torque * math.sin(turn * z - angle) if torque != 0.0 else 0.0
+                pull = net_drive - damping * v - (stiffness + cubic * z * z) * z - weight
+                middle += CUBIC_CORRECTION * h * h * pull
             force = net_drive - cubic * middle * middle * middle - spring * middle
+            if torque != 0.0:
+                force -= torque * math.sin(turn * middle - angle)
+            dry = friction
+            if share > 0.0:
+                dry += share * abs(force - stiffness * middle)
             if drag > 0.0:
-                middle_speed = (v + 0.5 * h * (force - c * v - k * z)) / (1.0 + 0.5 * h * drag * abs(v))
+                rest = force - damping * v - stiffness * z
+                middle_speed = (v + 0.5 * h * rest) / (1.0 + 0.5 * h * drag * abs(v))
                 force -= drag * middle_speed * abs(middle_speed)
-            if friction > 0.0 and smooth > 0.0:
-                z, v = _slide(z, v, force, c, k, friction, smooth, h)
-            elif friction > 0.0:
+            if dry > 0.0 and smooth > 0.0:
+                z, v = _slide(z, v, force, damping, stiffness, dry, smooth, h)
+            elif dry > 0.0:
                 if v > 0.0:
                     sign = 1.0
                 elif v < 0.0:
                     sign = -1.0
                 else:
-                    net = force - k * z
-                    if abs(net) <= friction + peak:
+                    net = force - stiffness * z
+                    if abs(net) <= dry + peak:
                         continue
                     sign = 1.0 if net > 0.0 else -1.0
-                force -= sign * sliding_friction(v, friction, peak, decay)
+                force -= sign * sliding_friction(v, dry, peak, decay)
                 new_z = f11 * z + f12 * v + g1 * force
                 new_v = f21 * z + f22 * v + g2 * force
                 if new_v * sign < 0.0:  # the motion ends within this step: stick or reverse
                     moving = h * v / (v - new_v)
                     z += 0.5 * moving * v
                     v = 0.0
-                    net = net_drive - cubic * z * z * z - (k + spring) * z
-                    if abs(net) > friction + peak:
+                    net = net_drive - cubic * z * z * z - (stiffness + spring) * z
+                    if torque != 0.0:
+                        net -= torque * math.sin(turn * z - angle)
+                    if abs(net) > dry + peak:
                         remaining = h - moving
-                        net -= (friction + peak) * (1.0 if net > 0.0 else -1.0)
+                        net -= (dry + peak) * (1.0 if net > 0.0 else -1.0)
                         v = net * remaining
                         z += 0.5 * v * remaining
                 else:

@@ -107,10 +107,20 @@ FRICTION_LAWS = {
         Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
         Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
     ),
+    "load": (
+        FRICTION,
+        Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1),
+    ),
 }
-"""Parameters of friction, and of its law at small speeds: logarithms of speeds over the one that a unit of the drive
-gives, and the excess of the break-away friction over the sliding one."""
+"""Parameters of friction, and of its law: logarithms of small speeds over the one that a unit of the drive gives, the
+excess of the break-away friction over the sliding one, and the share of the transmitted force by which it grows."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
+GRAVITY = (  # scaled: radians per position, angle in radians
+    Parameter("torque", 0.0, 50.0, 1e-3),
+    Parameter("log_turn", -8.0, 5.0, 1e-3),
+    Parameter("angle", -60.0, 60.0, 1e-3, leap=0.3),
+)
+LIMIT = Parameter("limit", 1e-3, 50.0, 1e-3, leap=0.05)  # scaled: error at which a loop saturates
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 STATES = {
@@ -148,9 +158,16 @@ class PlantForm:
     flipped : bool
         Whether a larger input means less flow.
     friction : str
-        Dry friction: "sharp", "smooth" about rest, or with a "peak" that breaks away; empty without it.
+        Dry friction: "sharp", "smooth" about rest, with a "peak" that breaks away, or growing with the "load"; empty
+        without it.
     drag, cubic : bool
         Resistance with the square of the speed, cubic restoring force.
+    gravity : bool
+        A torque with the sine of the position.
+    follows : bool
+        Whether the position is in the unit of the command, which it follows: the gain is that of the units.
+    limit : str
+        Which loop of a drive saturates: "position" of a mass, or "speed" of a mass or a motor; empty if none does.
     stops : tuple of str
         Mechanical stops of a mass, of "low" and "high".
     slow : bool
@@ -186,6 +203,9 @@ class PlantForm:
     friction: str = ""
     drag: bool = False
     cubic: bool = False
+    gravity: bool = False
+    follows: bool = False
+    limit: str = ""
     stops: tuple[str, ...] = ()
     slow: bool = False
     sampled: bool = False
@@ -223,6 +243,8 @@ class PlantForm:
             own += FRICTION_LAWS[self.friction]
             own += [DRAG] if self.drag else []
             own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
+            own += GRAVITY if self.gravity else ()
+            own += [LIMIT] if self.limit else []
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
             if self.cubic or self.drift_degree or self.unsprung:
@@ -230,6 +252,7 @@ class PlantForm:
         elif self.kind == "speed":
             own += FRICTION_LAWS[self.friction]
             own += [DRAG] if self.drag else []
+            own += [LIMIT] if self.limit else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]
         own += STATES.get(self.kind, ())
         if self.drift_degree or self.kind == "leak":
@@ -270,8 +293,8 @@ class PlantForm:
 
     @property
     def abrupt(self) -> bool:
-        """Whether the motion of a mass changes within a sample: by friction, drag or a stop."""
-        return bool(self.friction) or self.drag or bool(self.stops)
+        """Whether the motion of a mass changes within a sample: by friction, drag, a stop or a limit."""
+        return bool(self.friction or self.drag or self.stops or self.limit)
 
     @property
     def in_series(self) -> bool:

@@ -11,7 +11,16 @@ import numpy as np
 from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Named, PlantForm
-from labsid.gap.dynamics.responses import free_responses, lag_mean, lag_output, mode_mean, real_rates, response, section
+from labsid.gap.dynamics.responses import (
+    force_unit,
+    free_responses,
+    lag_mean,
+    lag_output,
+    mode_mean,
+    real_rates,
+    response,
+    section,
+)
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
 MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
@@ -96,8 +105,8 @@ class Plant(PlantForm):
 
     @property
     def has_fixed_gain(self) -> bool:
-        """Whether the output is the first column itself: a given simulation that is fitted by numbers of its own."""
-        return bool(self.free)
+        """Whether the gain of the first column is known: of a simulation with numbers of its own, or of a joint."""
+        return bool(self.free) or self.follows
 
     @property
     def state_columns(self) -> tuple[int, ...]:
@@ -127,6 +136,16 @@ class Plant(PlantForm):
     def motion(self, theta: FloatArray, w: FloatArray) -> FloatArray:
         """Output of a mass or a motor, and the speed against which friction acts, shape (N, 2)."""
         return response(self, self._by_name(theta), w, w.size, float(w[0]))
+
+    def loop_error(self, theta: FloatArray, w: FloatArray) -> FloatArray:
+        """Error in the loop of a drive, without its limit, in units of `w`, shape (N,)."""
+        own = self._by_name(theta)
+        (c, k), motion = self.linear_rates(theta), self.motion(theta, w)
+        unit = force_unit(c, k)
+        drive = w - own.get("centre", float(w[0]))
+        if self.limit == "speed":
+            return np.asarray(drive - c / unit * motion[:, 1])
+        return np.asarray(drive - k / unit * motion[:, 0])
 
     def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
         """Columns of the linearized response to an unmeasured load `signal`, shape (N, 2)."""

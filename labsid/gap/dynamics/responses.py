@@ -227,7 +227,10 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     c, k = np.exp(own["log_c"]), np.exp(own["log_k"])
     unit = force_unit(c, k)
     drive = w - own.get("centre", reference)
-    substeps = int(min(max(np.ceil(max(c, np.sqrt(k)) / (0.15 if plant.abrupt else 0.3)), 2), 12))
+    turn = float(np.exp(own.get("log_turn", 0.0))) * unit
+    stiffest = own.get("torque", 0.0) * turn
+    fastest = max(c, np.sqrt(max(k + stiffest, 0.0)))
+    substeps = int(min(max(np.ceil(fastest / (0.15 if plant.abrupt else 0.3)), 2), 12))
     substeps *= LAW_SUBSTEPS if plant.friction in ("smooth", "peak") else 1
     cubic = own.get("cubic", 0.0) * unit**3
     pace = _rate_factor(plant, own, w.size, span)
@@ -240,8 +243,13 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     drag = own.get("drag", 0.0) * unit
     stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit
     z0 = min(max(z0, stops[0]), stops[1])
+    limit = own.get("limit", np.inf)
+    limits = (np.inf, limit) if plant.limit == "speed" else (limit, np.inf)
+    joint = (*limits, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0))
     return (
-        _states.simulate_mass(drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops)
+        _states.simulate_mass(
+            drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops, joint
+        )
         * unit
     )
 

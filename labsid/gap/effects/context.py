@@ -15,6 +15,7 @@ from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.record.data import Data
 
+LOOP_GAINS = (0.15, 3.0)  # in the units of the record, of an output that follows its command: gravity changes it
 LONG_STEP = 2000  # samples of a simulated step response
 
 
@@ -130,17 +131,24 @@ class Context:
     @property
     def gain(self) -> float:
         """Static gain of the parent; zero if it is not finite."""
-        return rise(self._step)
+        return rise(self.step)
+
+    @property
+    def follows(self) -> bool:
+        """Whether the output may be the quantity that the input commands, in its unit, as in a position loop."""
+        gain = self.gain * self.data.y_scale.unit / self.data.u_scale.unit
+        return LOOP_GAINS[0] < gain < LOOP_GAINS[1]
 
     @property
     def response_time(self) -> float:
         """Mean delay in samples of the parent's step response; zero without static gain."""
-        step = self._step
+        step = self.step
         gain = rise(step)
         return max(float(np.sum((step[-1] - step[1:]) / gain)) - 0.5, 0.0) if gain else 0.0
 
     @property
-    def _step(self) -> FloatArray:
+    def step(self) -> FloatArray:
+        """Response of the parent to a unit step, from one sample before it on."""
         return unit_step_response(self.parent.hypothesis, self.parent.theta, self.parent.gains, LONG_STEP)
 
     @property

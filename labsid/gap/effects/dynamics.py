@@ -262,24 +262,28 @@ class CoulombFriction(PlantEffect):
     """Dry friction.
 
     `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
-    "-smooth" is proportional to tanh(speed) about rest, and "-peak" has a larger friction at rest (Stribeck).
+    "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), and "-load"
+    grows with the force that the gear of a mass transmits.
     """
 
     name = "coulomb-friction"
-    sizes = ("friction",)
+    sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
-    richer: ClassVar[dict[str, tuple[str, ...]]] = {place: (f"{place}-smooth", f"{place}-peak") for place in variants}
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {
+        place: (f"{place}-smooth", f"{place}-peak", *((f"{place}-load",) if place in ("position", "unsprung") else ()))
+        for place in variants
+    }
     places = ("speed", "speed-lag")
     planted_variants = ("position", "speed")
 
     @property
     def place(self) -> str:
         """Position of the friction, one of `variants`."""
-        return self.variant.removesuffix("-smooth").removesuffix("-peak")
+        return self.variant.removesuffix("-smooth").removesuffix("-peak").removesuffix("-load")
 
     @property
     def law(self) -> str:
-        """Friction at small speeds: sharp, smooth or peak."""
+        """Friction at small speeds: sharp, smooth or peak; or load."""
         return self.variant[len(self.place) + 1 :] or "sharp"
 
     def applies(self, context: Context) -> bool:
@@ -310,11 +314,13 @@ class CoulombFriction(PlantEffect):
         return moves_both_ways(fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 1])
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`friction` in units of the input, and with a peak, `break_away`."""
+        """`friction` in units of the input; with a peak, `break_away`; with the load, its share `load`."""
         unit, friction = fit.data.u_scale.unit, fit.value("friction")
         found = {"friction": Value(friction * unit, "u")}
         if self.law == "peak":
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
+        if self.law == "load":
+            found["load"] = Value(fit.value("load_share"), "1")
         return found
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:

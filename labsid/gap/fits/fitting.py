@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.fits.fast_least_squares import RIDGE, scaled_gram, solve_least_squares, solve_positive_definite
 from labsid.gap.fits.hypothesis import Design, Hypothesis
+from labsid.gap.fits.known_scales import known_bounds, known_gains, known_values
 from labsid.gap.fits.noise_model import Noise, fit_noise
 from labsid.gap.record.data import Data
 
@@ -112,7 +113,9 @@ class Problem:
         self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
         self.count = int(counted.sum())
         self.has_sensor = bool(hypothesis.outputs)
-        self.fixed = int(hypothesis.plant.has_fixed_gain)  # gains, the first ones, that are 1
+        self.known = known_gains(data, hypothesis)  # the first ones
+        self.fixed = self.known.size
+        self.bounds = known_bounds(data, hypothesis)
         self.y = self.seen(data.y[:, None])[:, 0]
 
     def seen(self, columns: FloatArray) -> FloatArray:
@@ -124,12 +127,12 @@ class Problem:
         seen = self.seen(columns)
         if not self.fixed:
             return solve_least_squares(seen, y)
-        found = solve_least_squares(seen[:, self.fixed :], y - seen[:, : self.fixed].sum(axis=1))
-        return np.concatenate([np.ones(self.fixed), found])
+        found = solve_least_squares(seen[:, self.fixed :], y - seen[:, : self.fixed] @ self.known)
+        return np.concatenate([self.known, found])
 
     def start(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
         """The point at theta, within its bounds; None if the simulation diverges."""
-        at = self.point(np.clip(theta, *self.hypothesis.bounds), gains, near)
+        at = self.point(np.clip(theta, *self.bounds), gains, near)
         return at if at is not None and np.isfinite(at.cost) else None
 
     def point(self, theta: FloatArray, gains: FloatArray | None = None, near: Design | None = None) -> Point | None:
@@ -180,7 +183,7 @@ class Problem:
 
     def derivatives(self, at: Point) -> FloatArray:
         """Derivatives of the output by theta and the gains, in this order, shape (N, p)."""
-        upper = self.hypothesis.bounds[1]
+        upper = self.bounds[1]
         searched = at.theta.size
         J = np.empty((self.data.samples, searched + at.gains.size), order="F")
         for i, parameter in enumerate(self.hypothesis.parameters):
@@ -220,7 +223,7 @@ def minimize(
 
 def descend(problem: Problem, at: Point, iterations: int, tolerance: float = 1e-5) -> Point:
     """Minimize the output error by Levenberg-Marquardt from a point of the same problem."""
-    lower, upper = problem.hypothesis.bounds
+    lower, upper = problem.bounds
     searched = at.theta.size
     damping = 1e-3
     for _ in range(iterations):
@@ -268,7 +271,8 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     e = data.y - point.output
     noise = fit_noise(e, data.complete, data.lags)
     theta, undetermined = hypothesis.completed(point.theta, data.u)
-    free = point.theta.size - undetermined + int(np.count_nonzero(point.gains))
+    known = known_gains(data, hypothesis).size * hypothesis.plant.follows + len(known_values(data, hypothesis))
+    free = point.theta.size - undetermined - known + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     free_run = float(np.mean(e[data.rows] ** 2))
     if data.by_free_run:
@@ -299,6 +303,7 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     size = fit.theta.size + fit.gains.size
     if J is None:
         return np.full((size, size), np.nan)
+    J[:, list(known_values(data, fit.hypothesis))] = 0.0
     gram, scale = scaled_gram(J)
     inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-10, hermitian=True), np.float64) * fit.noise.sigma2
     return np.asarray(inverse / np.outer(scale, scale))

@@ -31,6 +31,7 @@ from labsid.gap.search.candidates import (
 from labsid.gap.search.forms import alternative_forms, remove_effect, transfer_theta
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.gap.search.refinement import converge, polish, retried_without_one
+from labsid.gap.search.sets import set_fits
 
 Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]
@@ -106,17 +107,23 @@ def _search_from(
     levels: list[Level] = [{(): base}]
     path = [base]
     beam = [base]
+    together: list[Fit] = []
     for step in range(most):
         level: Level = {}
         for number, parent in enumerate(beam):
             tried = _extensions(data, parent, highpass, step, progress, (number, len(beam)))
             fits = [best_fit(data, few, kept=3) for few in tried]
             keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
+        keep_best(level, _of_size(together, step + 1))
         if not level:
             break
         _polish_best(data, level)
         levels.append(level)
         best = _best_accepted(data, path[-1], level)
+        if step == 0 and most > 1 and not residual_is_white(data, best or base):
+            sets = set_fits(data, base, highpass, _candidates(data))
+            together = [fit for fit in sets if not disguised(fit)]
+        best = best or _towards_a_set(data, path[-1], level, together)
         if best is None:
             break
         if step == 1:
@@ -130,7 +137,25 @@ def _search_from(
         if step == 1:
             keep_best(levels[1], retried_without_one(data, best))
         beam = select_parents(data, level) if step == 0 else [min(level.values(), key=attrgetter("bic"))]
+    for size in range(len(levels), max((len(fit.hypothesis.names) for fit in together), default=0) + 1):
+        levels.append({})
+        keep_best(levels[-1], _of_size(together, size))
     return tuple(levels), _pruned(data, levels, path)
+
+
+def _of_size(fits: Iterable[Fit], size: int) -> list[Fit]:
+    """The fits with so many effects."""
+    return [fit for fit in fits if len(fit.hypothesis.names) == size]
+
+
+def _towards_a_set(data: Data, simpler: Fit, level: Level, together: list[Fit]) -> Fit | None:
+    """The best fit of a level whose effects belong to a larger set that improves on `simpler`; None without one."""
+    for fit in sorted(together, key=attrgetter("bic")):
+        names = set(fit.hypothesis.names)
+        parts = [one for tried, one in level.items() if set(tried) < names]
+        if parts and is_improvement(data, simpler, fit):
+            return min(parts, key=attrgetter("bic"))
+    return None
 
 
 def whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:

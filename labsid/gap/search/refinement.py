@@ -19,8 +19,8 @@ VALLEY_RIDGE = 1e-9  # relative ridge for parameters without influence
 def converge(data: Data, fit: Fit) -> Fit:
     """Minimize to convergence, with leaps out of local minima."""
     hypothesis = fit.hypothesis
-    lower, upper = hypothesis.bounds
     problem = Problem(data, hypothesis)
+    lower, upper = problem.bounds
     start = problem.start(fit.theta, fit.gains)
     if start is None:
         return fit
@@ -57,7 +57,7 @@ def retried_without_one(data: Data, fit: Fit) -> list[Fit]:
 
 
 def _leap(problem: Problem, at: Point, step: FloatArray) -> Point | None:
-    return problem.point(np.clip(at.theta + step, *problem.hypothesis.bounds), at.gains if problem.has_sensor else None)
+    return problem.point(np.clip(at.theta + step, *problem.bounds), at.gains if problem.has_sensor else None)
 
 
 def valley_directions(problem: Problem, at: Point) -> FloatArray:

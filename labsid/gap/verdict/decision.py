@@ -195,7 +195,10 @@ class PartialEvidence(NamedTuple):
         1 if the beam search, which ranks by BIC on all samples, found this effect, too; -1 if it found others, 0 if it
         found none.
     others : float
-        Number of other effects.
+        Number of other effects, without those of a set that is tried together.
+    together : float
+        1 if the effect belongs to such a set, all of whose effects are in the explanation, else 0. `alone` and `lead`
+        are then those of the set: its effects belong to one kind of rig, and each alone explains little.
     """
 
     alone: float
@@ -203,10 +206,11 @@ class PartialEvidence(NamedTuple):
     margin: float
     agreement: float
     others: float
+    together: float = 0.0
 
 
 PARTIAL_PRIOR = -4.5
-PARTIAL_WEIGHTS = PartialEvidence(alone=2.9, lead=2.3, margin=1.1, agreement=1.8, others=-0.5)
+PARTIAL_WEIGHTS = PartialEvidence(alone=2.9, lead=2.3, margin=1.1, agreement=1.8, others=-0.5, together=1.9)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
@@ -220,7 +224,12 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
         margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
         lead = float(np.clip(np.log(max(step.lead, 1e-6)), -MAX_MARGIN, MAX_MARGIN))
         alone = 0.0 if step.alone is None else _gain(step.alone)
-        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), float(step.agreement), others)
+        if step.together is not None:
+            lead = float(np.clip(lead + _gain(step.together) - alone, -MAX_MARGIN, MAX_MARGIN))
+            alone = _gain(step.together)
+        beside = others - len(step.mates)
+        agreement, together = float(step.agreement), float(step.together is not None)
+        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), agreement, beside, together)
     return found
 
 

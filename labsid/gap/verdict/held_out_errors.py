@@ -20,6 +20,27 @@ SETTLED = 1e-4  # of the error of the baseline: smaller differences of an error 
 Refit = Callable[[Data, Fit], Fit]
 
 
+@dataclass(frozen=True, slots=True)
+class Reduction:
+    """Paired comparison of two errors over the parts of the held-out samples.
+
+    Attributes
+    ----------
+    factor : float
+        Rms error after over that before, over all parts.
+    t : float
+        Mean over standard error of the logarithm of the ratio of the mean squares by part; positive for a reduction.
+    """
+
+    factor: float
+    t: float
+
+    @property
+    def pays(self) -> bool:
+        """Whether the error is smaller by more than chance, and by enough to be named."""
+        return self.t > MIN_T and self.factor < MAX_FACTOR
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class HeldOut:
     """The samples on which fits are compared: another record, blocks of the record itself, or each of several records.
@@ -71,6 +92,17 @@ class HeldOut:
     def errors(self, fit: Fit, again: Refit | None = None) -> FloatArray:
         """Mean square error of a fit in each part of the held-out samples, shape (PARTS,)."""
         return self.in_parts(self.measured - self.output(fit, again))
+
+    def expected(self, fit: Fit) -> float:
+        """Mean square error to be expected on further samples of the fitted record, beside another record; else zero.
+
+        Source: the final prediction error of H. Akaike, "Fitting autoregressive models for prediction", Annals of the
+        Institute of Statistical Mathematics 21 (1969) 243-247.
+        """
+        if self.other is None:
+            return 0.0
+        count = int(self.data.rows.sum())
+        return fit.free_run * (count + fit.n_free) / max(count - fit.n_free, 1)
 
     def in_parts(self, e: FloatArray) -> FloatArray:
         """Mean square of an error in each part of the held-out samples, shape (PARTS,); infinity if it diverges."""
@@ -126,27 +158,6 @@ def hold_out(
         return HeldOut(data, scored & data.rows, in_turn={})
     blocks = held_out_samples(data.samples, onset)
     return HeldOut(replace(data, rows=data.rows & ~blocks), data.rows & blocks)
-
-
-@dataclass(frozen=True, slots=True)
-class Reduction:
-    """Paired comparison of two errors over the parts of the held-out samples.
-
-    Attributes
-    ----------
-    factor : float
-        Rms error after over that before, over all parts.
-    t : float
-        Mean over standard error of the logarithm of the ratio of the mean squares by part; positive for a reduction.
-    """
-
-    factor: float
-    t: float
-
-    @property
-    def pays(self) -> bool:
-        """Whether the error is smaller by more than chance, and by enough to be named."""
-        return self.t > MIN_T and self.factor < MAX_FACTOR
 
 
 def compare_errors(before: FloatArray, after: FloatArray) -> Reduction:

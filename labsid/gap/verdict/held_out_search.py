@@ -16,10 +16,12 @@ from labsid.gap.fits.linear_fits import fit_highpass
 from labsid.gap.search.beam_search import Progress, extended_fits
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.search.forms import remove_named_effect
-from labsid.gap.verdict.held_out_errors import HeldOut, Reduction, compare_errors
+from labsid.gap.search.sets import set_around
+from labsid.gap.verdict.held_out_errors import MAX_FACTOR, HeldOut, Reduction, compare_errors, hold_out
 
 MOST_EFFECTS = 3
 COMPARED = 8  # combinations of two and of three effects that are refitted: those of least error on all samples
+NOT_WORSE = 1.02  # error on another record with an effect over that without it, up to which the effect may act there
 MOST_ROUNDS = 4  # of additions and exchanges
 OF_ONE_RECORD = {
     "input-off",
@@ -39,10 +41,13 @@ class Candidate:
     fit : Fit
     errors : ndarray
         Mean square errors in the parts of the held-out samples.
+    own : float
+        Where those belong to another record: mean square error to be expected on further samples of the fitted record.
     """
 
     fit: Fit
     errors: FloatArray
+    own: float = 0.0
 
     @property
     def names(self) -> frozenset[str]:
@@ -51,8 +56,8 @@ class Candidate:
 
     @property
     def total(self) -> float:
-        """Sum of the errors."""
-        return float(np.sum(self.errors))
+        """Sum of the errors; of two records, both count alike."""
+        return float(np.sum(self.errors)) + self.errors.size * self.own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +80,10 @@ class Step:
         1 if the beam search, which ranks by BIC, found this effect, too; -1 if it found others, 0 if it found none.
     rivals : tuple of (str, Reduction)
         Other effects in its place, best first: the factor is their error over that of this one.
+    mates : frozenset of str
+        The other effects of the explanation that belong to a set with it, and are tried together with it.
+    together : Reduction or None
+        The whole set compared with the simulation before; None without mates.
     """
 
     name: str
@@ -84,6 +93,8 @@ class Step:
     lead: float
     agreement: int
     rivals: tuple[tuple[str, Reduction], ...] = ()
+    mates: frozenset[str] = frozenset()
+    together: Reduction | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,6 +132,8 @@ class _Pool:
         self.highpass = fit_highpass(self.data, start.fit)
         self.extended = {start.names}  # combinations to which every further effect has been added
         self.removed: set[tuple[Fit, str]] = set()  # effects of a fit without which it has been refitted
+        self.blocks = hold_out(self.data, None) if held_out.other is not None else None
+        self.on_blocks: dict[Fit, FloatArray] = {}
 
     def add(self, fits: Iterable[Fit]) -> None:
         """Keep the fits that are the best of their names; none where the budget of runs did not suffice for its fit."""
@@ -130,10 +143,28 @@ class _Pool:
                 break
             if self.held_out.elsewhere and OF_ONE_RECORD & set(fit.hypothesis.names):
                 continue  # not in the other record
-            candidate = Candidate(fit, self.held_out.errors(fit))
+            candidate = Candidate(fit, self.held_out.errors(fit), self.held_out.expected(fit))
             known = self.best.get(candidate.names)
             if np.isfinite(candidate.total) and (known is None or candidate.total < known.total):
                 self.best[candidate.names] = candidate
+
+    def reduction(self, fewer: Candidate, fuller: Candidate) -> Reduction:
+        """What the effects of a candidate reduce that another one lacks.
+
+        Beside another record, blocks of the fitted one count alike, by fits that have not used them: which effects act
+        in the other record is chance. On that record alone the error must not grow.
+        """
+        found = compare_errors(fewer.errors, fuller.errors)
+        if self.blocks is None or found.pays or found.factor > NOT_WORSE:
+            return found
+        whole = [np.append(one.errors, self._errors_on_blocks(one.fit)) for one in (fewer, fuller)]
+        return compare_errors(*whole)
+
+    def _errors_on_blocks(self, fit: Fit) -> FloatArray:
+        assert self.blocks is not None
+        if fit not in self.on_blocks:
+            self.on_blocks[fit] = self.blocks.errors(self.blocks.refit(fit))
+        return self.on_blocks[fit]
 
     def without(self, candidate: Candidate, name: str) -> Candidate:
         """The best candidate with one effect less."""
@@ -149,11 +180,6 @@ class _Pool:
         if candidate.names not in self.extended:
             self.extended.add(candidate.names)
             self.add(extended_fits(self.data, candidate.fit, self.highpass, len(candidate.names), self.progress))
-
-    @property
-    def least(self) -> Candidate:
-        """The candidate of least error."""
-        return min(self.best.values(), key=lambda candidate: candidate.total)
 
 
 def search_held_out(
@@ -188,17 +214,17 @@ def search_held_out(
     """
     refitted = held_out.errors(start) if given else before
     mismatch = compare_errors(before, refitted)
-    pool = _Pool(held_out, Candidate(start, min(before, refitted, key=np.sum)), progress)
+    pool = _Pool(held_out, Candidate(start, min(before, refitted, key=np.sum), held_out.expected(start)), progress)
     for number, level in enumerate(explanation.levels[1:]):
         fits = sorted(level.values(), key=lambda fit: mean_square(explanation.data, fit))
         pool.add(held_out.refit(fit) for fit in (fits if number == 0 else fits[:COMPARED]))
-    best = _paying(pool, pool.least)
+    best = _best_paying(pool)
     for _ in range(MOST_ROUNDS):
         if len(best.names) < MOST_EFFECTS:
             pool.extend(best)
         for name in best.names if len(best.names) > 1 else ():
             pool.extend(pool.without(best, name))
-        other = _paying(pool, pool.least)
+        other = _best_paying(pool)
         if other.total >= best.total:
             break
         best = other
@@ -212,13 +238,40 @@ def search_held_out(
     return HeldOutSearch(steps, tried, elsewhere, mismatch if mismatch.pays else None, every)
 
 
+def _best_paying(pool: _Pool) -> Candidate:
+    """The candidate of least error in which every effect pays: one of the best, without the effects that do not."""
+    best = pool.start
+    for candidate in sorted(pool.best.values(), key=lambda one: one.total)[:COMPARED]:
+        if candidate.total < best.total:
+            best = min(best, _paying(pool, candidate), key=lambda one: one.total)
+    return best
+
+
 def _paying(pool: _Pool, candidate: Candidate) -> Candidate:
-    """The candidate without the effects that do not pay."""
+    """The candidate without the effects that do not pay.
+
+    Those of a set pay together; each of them has to reduce the error.
+    """
     while candidate.names:
-        _, fewer = _least_missed(pool, candidate)
-        if compare_errors(fewer.errors, candidate.errors).pays:
+        name, fewer = _least_missed(pool, candidate)
+        found = pool.reduction(fewer, candidate)
+        if found.pays:
+            return candidate
+        together = set_around(name, candidate.names)
+        if (
+            found.factor < MAX_FACTOR
+            and together
+            and pool.reduction(_without_all(pool, candidate, together), candidate).pays
+        ):
             return candidate
         candidate = fewer
+    return candidate
+
+
+def _without_all(pool: _Pool, candidate: Candidate, names: frozenset[str]) -> Candidate:
+    """The best candidate without several effects."""
+    for name in sorted(names):
+        candidate = pool.without(candidate, name)
     return candidate
 
 
@@ -236,10 +289,15 @@ def _steps(pool: _Pool, best: Candidate, searched: tuple[str, ...]) -> tuple[Ste
     while best.names:
         name, fewer = _least_missed(pool, best)
         single = pool.best.get(frozenset({name}))
-        alone = None if single is None else compare_errors(pool.start.errors, single.errors)
+        alone = None if single is None else pool.reduction(pool.start, single)
         rivals = _rivals(pool, whole, name)
         agreement = 1 if name in searched else -1 if searched else 0
-        steps.append(Step(name, best.fit, best.errors, alone, _lead(pool, name), agreement, rivals))
+        whole_set = set_around(name, whole.names)
+        known = pool.best.get(whole_set) if whole_set else None
+        together = None if known is None else pool.reduction(pool.start, known)
+        mates = whole_set - {name} if together else frozenset[str]()
+        lead = _lead(pool, name)
+        steps.append(Step(name, best.fit, best.errors, alone, lead, agreement, rivals, mates, together))
         best = fewer
     return tuple(reversed(steps))
 
@@ -258,6 +316,6 @@ def _rivals(pool: _Pool, best: Candidate, name: str) -> tuple[tuple[str, Reducti
     for names, one in pool.best.items():
         if len(names) == len(best.names) and rest < names and name not in names:
             (rival,) = names - rest
-            back = compare_errors(one.errors, best.errors)
+            back = pool.reduction(one, best)
             found.append((rival, Reduction(1.0 / max(back.factor, 1e-12), back.t)))
     return tuple(sorted(found, key=lambda item: item[1].factor))

@@ -157,7 +157,7 @@ def test_the_simpler_variant_is_preferred_at_equal_error(levels: FloatArray, two
 
 
 def test_candidates_of_a_group_share_their_name() -> None:
-    assert len(CANDIDATES) == 24
+    assert len(CANDIDATES) == 26
     for group in CANDIDATES:
         assert len({effect.name for effect in group}) == 1
     assert LINEAR.names == ()

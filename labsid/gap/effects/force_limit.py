@@ -1,0 +1,80 @@
+"""The loop of a drive runs into its limit."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
+
+MIN_LIMITED = 4  # samples
+ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limits start
+
+
+class ForceLimit(PlantEffect):
+    """The error of a loop is bounded before it becomes a force.
+
+    `variant` "position" of a position loop, "speed" of a speed loop whose output is the position.
+    """
+
+    name = "force-limit"
+    variants: ClassVar[tuple[str, ...]] = ("position", "speed")
+    absent: ClassVar[Mapping[str, float]] = {"limit": 50.0}
+    planted_variants = ("position",)
+
+    def applies(self, context: Context) -> bool:
+        """Require a position loop, whose output follows the command, or a speed loop, whose output integrates it."""
+        if self.variant == "position":
+            return context.follows
+        return real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
+
+    def extend(self, plant: Plant) -> Plant:
+        """A mass in a loop with a limit."""
+        return plant.modified(kind="mechanics", limit=self.variant, unsprung=plant.unsprung or self.variant == "speed")
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Limits that the error of the parent's loop exceeds seldom and often, with faster dynamics for the latter."""
+        slack = {"log_k+": SLACK_LOG_STIFFNESS} if self.variant == "speed" else {}
+        error = np.abs(_loop_error(context, self.variant))
+        starts = []
+        for share, faster in zip(ERROR_QUANTILES, (0.0, 0.5, 1.0), strict=True):
+            limit = float(np.clip(np.quantile(error, share), 0.01, 20.0))
+            starts.append({"limit": limit, "log_c+": faster} | slack)
+            if faster and self.variant == "position":
+                starts.append({"limit": limit, "log_c+": faster, "log_k+": 2.0 * faster})
+        return starts
+
+    def active_samples(self, fit: Fitted) -> np.ndarray:
+        """The samples at which the loop is at its limit."""
+        return np.abs(self._error(fit)) > fit.value("limit")
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require that the loop is at its limit for some samples, and not nearly always, as a relay would be."""
+        share = float(np.mean(self.active_samples(fit)))
+        return MIN_LIMITED / fit.data.samples <= share < 1.0 - RARE
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`limit` in units of the input."""
+        return {"limit": Value(fit.value("limit") * fit.data.u_scale.unit, "u")}
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A limit below the largest error by a share of it."""
+        largest = float(np.abs(self._error(fit)).max())
+        return [Planted("limit", {"limit": (1.0 - 0.99 * share) * largest})]
+
+    def _error(self, fit: Fitted) -> np.ndarray:
+        """Error of the loop, in scaled units of the input."""
+        return fit.hypothesis.plant.loop_error(fit.plant_theta, fit.actuator)
+
+
+def _loop_error(context: Context, variant: str) -> np.ndarray:
+    """Error of the loop of the parent's linear dynamics, in scaled units of the input."""
+    c, k = context.rates
+    plant = Plant(kind="mechanics", limit=variant)
+    (theta, *_) = plant.starts(c, k)
+    theta[plant.index("limit")] = 50.0
+    return plant.loop_error(theta, context.actuator)

@@ -1,0 +1,104 @@
+"""Gravity on a joint: a torque with the sine of the angle."""
+
+from itertools import product
+from typing import ClassVar
+
+import numpy as np
+
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.responses import force_unit
+from labsid.gap.effects.base import Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS
+from labsid.gap.record.data import Data
+
+DEGREES = 180.0 / np.pi
+LEAST_SWING, LARGEST_SWING = 0.25, 13.0  # radians: less shows a constant and a spring, more is no swing of an arm
+UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree
+MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command
+
+
+class Gravity(PlantEffect):
+    """A torque with the sine of the angle about an angle of rest.
+
+    In a position loop the output is the angle that the input commands, in radians or degrees. `variant` "unsprung" is a
+    joint without a spring or a loop, whose unit of the angle is fitted.
+    """
+
+    name = "gravity"
+    sizes = ("torque",)
+    variants: ClassVar[tuple[str, ...]] = ("", "unsprung")
+
+    def applies(self, context: Context) -> bool:
+        """Require an output that swings as an angle does, beside no other effects than those of a mass.
+
+        In a position loop it follows the command.
+        """
+        if not angle_unit(context.data):
+            return False
+        before = context.parent.hypothesis
+        return (before.plant.kind == "mechanics" or not before.effects) and context.follows != (
+            self.variant == "unsprung"
+        )
+
+    def extend(self, plant: Plant) -> Plant:
+        """A mass in the field of gravity."""
+        unsprung = plant.unsprung or self.variant == "unsprung"
+        return plant.modified(kind="mechanics", gravity=True, follows=not self.variant, unsprung=unsprung)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak to strong torques with their rest at the zero of the output, beside and opposite to it."""
+        scale, unit = context.data.y_scale, angle_unit(context.data)
+        gain = _output_per_position(context)
+        if not gain or not unit:
+            return []
+        slack = {"log_k+": SLACK_LOG_STIFFNESS} if self.variant == "unsprung" else {}
+        turn = (abs(gain) * scale.unit if self.variant else context.data.u_scale.unit) / unit
+        first = float(scale.back(context.data.y[:3].mean()))
+        zero = -np.sign(gain) * first / unit  # angle at which the output is zero, from the first position
+        starts = []
+        for torque, quarter in product((0.1, 0.5, 1.5), range(4)):
+            angle = float(zero + quarter * np.pi / 2.0)
+            starts.append({"torque": torque / turn, "log_turn": float(np.log(turn)), "angle": angle} | slack)
+            if quarter == 0 and not slack:  # a linear fit counts the torque about a stable rest as a spring
+                starts.append(starts[-1] | {"log_k+": -float(np.log1p(torque))})
+        return starts
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require a torque that changes with the motion, and a fitted unit of the angle near one that exists."""
+        per_radian = self.values(fit)["per_radian"].value
+        near = any(1.0 / UNIT_ERROR < per_radian / unit < UNIT_ERROR for unit in (1.0, DEGREES))
+        position = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 0]
+        phase = np.exp(fit.value("log_turn")) * position - fit.value("angle")
+        change = fit.value("torque") * float(np.ptp(np.sin(phase)))
+        return bool(near and np.ptp(phase) > LEAST_SWING and change > MIN_TORQUE_SHARE * fit.input_range)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`torque` in units of the input, the `angle` of rest, and the output `per_radian`."""
+        gain, offset = (float(x) for x in fit.gains[:2])
+        turn = float(np.exp(fit.value("log_turn")))
+        per_radian = abs(gain) * fit.data.y_scale.unit / turn
+        at = fit.y(gain * fit.value("angle") / turn + offset)
+        whole = 2.0 * np.pi * per_radian
+        return {
+            "torque": Value(fit.value("torque") * fit.data.u_scale.unit, "u"),
+            "angle": Value(at - whole * round(at / whole) if whole else at, "y"),
+            "per_radian": Value(per_radian, "y"),
+        }
+
+
+def angle_unit(data: Data) -> float:
+    """Output per radian if the output swings as an angle in radians or degrees does; else zero."""
+    low, high = np.quantile(data.y, (0.005, 0.995))
+    swing = float(high - low) * data.y_scale.unit
+    return next((unit for unit in (1.0, DEGREES) if LEAST_SWING < swing / unit < LARGEST_SWING), 0.0)
+
+
+def _output_per_position(context: Context) -> float:
+    """Scaled output per scaled position of a mass with the dynamics of the parent; zero if it is not finite.
+
+    From its step response, which for c y' + k y need not have settled.
+    """
+    (c, k), step = context.rates, context.step
+    gain = (k * (step[-1] - step[0]) + c * (step[-1] - step[-2])) / force_unit(c, k)
+    return float(gain) if np.isfinite(gain) else 0.0

@@ -1,0 +1,50 @@
+"""Parameters of a joint that the units of the record determine.
+
+Where the command is the angle that the output follows, both have one unit, and the gain between them is one. Gravity
+depends on the angle in radians. A gain and a unit of the angle that are free would let a sine imitate any spring.
+"""
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.gravity import angle_unit
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.record.data import Data
+
+
+def known_gains(data: Data, hypothesis: Hypothesis) -> FloatArray:
+    """The gains, in scaled units, that are not estimated; the first ones, mostly none.
+
+    Parameters
+    ----------
+    data : Data
+    hypothesis : Hypothesis
+
+    Returns
+    -------
+    ndarray, shape (0,) or (1,)
+    """
+    plant = hypothesis.plant
+    if not plant.has_fixed_gain:
+        return np.zeros(0)
+    return np.array([data.u_scale.unit / data.y_scale.unit if plant.follows else 1.0])
+
+
+def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:
+    """The nonlinear parameters that are not estimated, by their place in theta."""
+    plant = hypothesis.plant
+    if not (plant.follows and plant.gravity):
+        return {}
+    place = hypothesis.slices["plant"].start + plant.index("log_turn")
+    return {place: float(np.log(data.u_scale.unit / (angle_unit(data) or 1.0)))}
+
+
+def known_bounds(data: Data, hypothesis: Hypothesis) -> tuple[FloatArray, FloatArray]:
+    """Bounds of theta, equal where a parameter is known."""
+    known = known_values(data, hypothesis)
+    if not known:
+        return hypothesis.bounds
+    lower, upper = (end.copy() for end in hypothesis.bounds)
+    for place, value in known.items():
+        lower[place] = upper[place] = value
+    return lower, upper

@@ -1,0 +1,219 @@
+"""Gravity, limits in the loop of a drive and friction that grows with the load, against scipy and on records."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from labsid._arrays import FloatArray
+from labsid.gap.diagnosis import diagnose
+from labsid.gap.dynamics import _states
+from labsid.gap.effects.base import Fitted
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.families import CANDIDATES
+from labsid.gap.effects.gravity import DEGREES, Gravity, angle_unit
+from labsid.gap.fits.fitting import fit_from, rms
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.known_scales import known_bounds, known_gains
+from labsid.gap.fits.linear_fits import fit_baseline, fit_highpass
+from labsid.gap.model_file import from_json_dict
+from labsid.gap.record.data import scaled
+from labsid.gap.search.sets import SETS, set_around, set_fits
+from labsid.records.record import Record
+
+TS = 0.02
+Load = Callable[[float, float, float], float]
+
+
+@pytest.fixture(scope="module")
+def goal() -> FloatArray:
+    """Goal angles from -1.2 to 1.2 rad, each held for 15 to 40 samples."""
+    rng = np.random.default_rng(8)
+    return np.repeat(rng.uniform(-1.2, 1.2, 60), rng.integers(15, 41, 60))[:900]
+
+
+def servo(
+    goal: FloatArray,
+    k: float = 60.0,
+    d: float = 9.0,
+    gravity: float = 0.0,
+    friction: float = 0.0,
+    limit: float = np.inf,
+    share: float = 0.0,
+    rest: float = 0.0,
+    speed: bool = False,
+) -> FloatArray:
+    """Angle of a pendulum in a position loop, or of one in a speed loop, by scipy; friction turns over 1 mrad/s."""
+
+    def flow(t: float, x: FloatArray, value: float) -> list[float]:
+        q, v = x
+        drive = min(max(d * (value - v), -limit), limit) if speed else min(max(k * (value - q), -limit), limit) - d * v
+        weight = gravity * np.sin(q - rest)
+        transmitted = drive - weight + (0.0 if speed else d * v)
+        return [v, drive - weight - (friction + share * abs(transmitted)) * np.tanh(v / 1e-3)]
+
+    found = [np.array([[0.0 if speed else goal[0], 0.0]])]
+    changes = np.flatnonzero(np.diff(goal[:-1])) + 1
+    for start, stop in pairwise([0, *changes, goal.size - 1]):
+        solved = solve_ivp(
+            flow,
+            (0.0, TS * (stop - start)),
+            found[-1][-1],
+            args=(goal[start],),
+            method="LSODA",
+            t_eval=TS * np.arange(1, stop - start + 1),
+            rtol=1e-7,
+            atol=1e-9,
+        )
+        found.append(solved.y.T)
+    return np.concatenate(found)[:, 0]
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"gravity": 40.0},
+        {"gravity": 90.0, "rest": 0.7},
+        {"limit": 25.0},
+        {"gravity": 40.0, "friction": 6.0},
+        {"gravity": 40.0, "friction": 6.0, "limit": 45.0},
+        {"gravity": 40.0, "friction": 3.0, "limit": 45.0, "share": 0.2},
+    ],
+    ids=lambda load: "+".join(load),
+)
+def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float]) -> None:
+    expected = servo(goal, **load)
+    k, c = 60.0 * TS**2, 9.0 * TS
+    joint = (
+        load.get("limit", np.inf) * TS**2,
+        np.inf,
+        load.get("gravity", 0.0) * TS**2,
+        1.0,
+        load.get("rest", 0.0),
+        load.get("share", 0.0),
+    )
+    friction = load.get("friction", 0.0) * TS**2
+    found = _states.simulate_mass(k * goal, c, k, friction, 0.0, float(goal[0]), 0.0, 6, joint=joint)
+    np.testing.assert_allclose(found[:, 0], expected, atol=4e-3 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("limit", [3.0, 8.0])
+def test_a_speed_loop_at_its_limit(goal: FloatArray, limit: float) -> None:
+    expected = servo(goal, limit=limit, speed=True)
+    c = 9.0 * TS
+    joint = (np.inf, limit * TS**2, 0.0, 1.0, 0.0, 0.0)
+    found = _states.simulate_mass(c * TS * goal, c, 0.0, 0.0, 0.0, 0.0, 0.0, 8, joint=joint)
+    np.testing.assert_allclose(found[:, 0], expected, atol=5e-3 * np.ptp(expected))
+
+
+def record_of(goal: FloatArray, y: FloatArray, noise: float = 0.003) -> Record:
+    """A record with white noise, a share of the spread."""
+    noisy = y + noise * np.std(y) * np.random.default_rng(1).standard_normal(y.size)
+    return Record(TS * np.arange(goal.size), goal, noisy, TS)
+
+
+@pytest.mark.parametrize("unit", [1.0, DEGREES], ids=["radians", "degrees"])
+def test_gravity_is_named_with_its_torque_and_angle_and_its_export_plays(goal: FloatArray, unit: float) -> None:
+    """Also stronger than the spring of the loop; the angle of rest is 0.5 rad."""
+    y = unit * servo(goal, gravity=70.0, rest=0.5)
+    record = record_of(unit * goal, y)
+    found = diagnose(record)
+    (effect,) = found.report["effects"]
+    assert (found.report["verdict"], effect["name"]) == ("effect", "gravity")
+    values = {name: one["value"] for name, one in effect["parameters"].items()}
+    assert values["torque"] == pytest.approx(unit * 70.0 / 60.0, rel=0.03)
+    assert values["angle"] == pytest.approx(unit * 0.5, rel=0.05)
+    assert values["per_radian"] == pytest.approx(unit)
+    assert effect["parameters"]["per_radian"]["stderr"] == pytest.approx(0.0, abs=1e-9)
+    played = from_json_dict(found.model.to_json_dict()).simulate(record.u, record.y)
+    assert np.std((played - y)[50:]) < 0.02 * np.std(y)
+
+
+def test_a_limit_in_the_loop_is_named(goal: FloatArray) -> None:
+    y = servo(goal, limit=25.0)
+    report = diagnose(record_of(goal, y)).report
+    (effect,) = report["effects"]
+    assert (report["verdict"], effect["name"]) == ("effect", "force-limit")
+    assert effect["parameters"]["limit"]["value"] == pytest.approx(25.0 / 60.0, rel=0.03)
+
+
+def test_a_set_finds_the_three_effects_of_a_joint(goal: FloatArray) -> None:
+    y = servo(goal, gravity=50.0, friction=8.0, limit=45.0)
+    record = record_of(goal, y)
+    data = scaled(record.u, record.y, np.ones(goal.size, bool), TS)
+    base = fit_baseline(data)
+    names = ("gravity", "coulomb-friction", "force-limit")
+    fits = {frozenset(fit.hypothesis.names): fit for fit in set_fits(data, base, fit_highpass(data, base), CANDIDATES)}
+    fit = fits[frozenset(names)]
+    assert rms(data, fit) < 0.02
+    assert rms(data, fit) < 0.2 * rms(data, base)
+    found = {
+        name: value.value
+        for effect in fit.hypothesis.effects
+        for name, value in effect.values(Fitted.of(fit, data)).items()
+    }
+    assert found["torque"] == pytest.approx(50.0 / 60.0, rel=0.1)
+    assert found["friction"] == pytest.approx(8.0 / 60.0, rel=0.15)
+    assert found["limit"] == pytest.approx(45.0 / 60.0, rel=0.1)
+
+
+def test_friction_that_grows_with_the_load_is_fitted(goal: FloatArray) -> None:
+    y = servo(goal, gravity=50.0, friction=2.0, share=0.25)
+    data = scaled(goal, y, np.ones(goal.size, bool), TS)
+    (group,) = (group for group in CANDIDATES if group[0].name == "coulomb-friction")
+    hypothesis = Hypothesis((Gravity(), type(group[0])("position-load")))
+    given = {
+        "log_c": np.log(9.0 * TS),
+        "log_k": np.log(60.0 * TS**2),
+        "torque": 50.0 / 60.0 / data.u_scale.unit,
+        "log_turn": np.log(data.u_scale.unit),
+        "angle": -goal[0],
+        "friction": 0.02,
+        "load_share": 0.1,
+    }
+    start = np.array([given.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+    fit = fit_from(data, hypothesis, start, iterations=30)
+    assert fit is not None
+    values = hypothesis.effects[1].values(Fitted.of(fit, data))
+    assert values["load"].value == pytest.approx(0.25, rel=0.1)
+    assert values["friction"].value == pytest.approx(2.0 / 60.0, rel=0.15)
+
+
+@pytest.mark.parametrize(("swing", "unit"), [(0.1, 0.0), (2.0, 1.0), (12.0, 1.0), (90.0, DEGREES), (2e3, 0.0)])
+def test_the_unit_of_the_angle_follows_from_its_range(swing: float, unit: float) -> None:
+    y = np.linspace(3.0, 3.0 + swing, 400)
+    assert angle_unit(scaled(y, y, np.ones(400, bool), TS)) == unit
+
+
+def test_the_gain_and_the_unit_of_the_angle_of_a_position_loop_are_not_estimated(goal: FloatArray) -> None:
+    data = scaled(goal, 0.5 * goal, np.ones(goal.size, bool), TS)
+    hypothesis = Hypothesis((Gravity(),))
+    assert known_gains(data, hypothesis) == pytest.approx(data.u_scale.unit / data.y_scale.unit)
+    place = hypothesis.slices["plant"].start + hypothesis.plant.index("log_turn")
+    lower, upper = known_bounds(data, hypothesis)
+    assert lower[place] == upper[place] == pytest.approx(np.log(data.u_scale.unit))
+    free = Hypothesis((Gravity("unsprung"),))
+    assert known_gains(data, free).size == 0
+    assert known_bounds(data, free) is free.bounds
+
+
+@pytest.mark.parametrize(("gain", "range_", "applies"), [(0.5, 1.0, True), (30.0, 1.0, False), (0.5, 0.01, False)])
+def test_gravity_needs_an_angle_that_follows_its_command(
+    goal: FloatArray, two_poles: Callable[..., FloatArray], gain: float, range_: float, applies: bool
+) -> None:
+    u = range_ * goal
+    noise = 0.01 * range_ * np.random.default_rng(2).standard_normal(u.size)
+    data = scaled(u, gain * two_poles(u) + gain * noise, np.ones(u.size, bool), TS)
+    base = fit_baseline(data)
+    assert Gravity().applies(Context(data, base, base)) == applies
+
+
+def test_a_set_is_found_in_an_explanation_that_contains_it() -> None:
+    names = frozenset({"gravity", "coulomb-friction", "resonance"})
+    assert set_around("gravity", names) == {"gravity", "coulomb-friction"}
+    assert set_around("resonance", names) == frozenset()
+    assert set_around("gravity", names | {"force-limit"}) == {"gravity", "coulomb-friction", "force-limit"}
+    assert all(one.reason.endswith(".") for one in SETS)
+    assert {name for one in SETS for name in one.names} <= {group[0].name for group in CANDIDATES}
