@@ -88,6 +88,12 @@ class Effect:
         """Smallest BIC gain over a simpler form; zero for the simplest one."""
         return RICHER_FORM_BIC if self.variant in chain(*self.richer.values()) else 0.0
 
+    @property
+    def plain_form(self) -> "Effect | None":
+        """The form that this one makes richer; None if it is none of the richer ones."""
+        plain = (variant for variant, richer in self.richer.items() if self.variant in richer)
+        return next((type(self)(variant) for variant in plain), None)
+
     def alternatives(self, hypothesis: Structure) -> list["Effect"]:
         """Other forms of this effect in a hypothesis that contains it."""
         others = (*self.further.get(self.variant, ()), *self.richer.get(self.variant, ()))

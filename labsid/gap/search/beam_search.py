@@ -24,11 +24,11 @@ from labsid.gap.search.candidates import (
     best_fit,
     best_form,
     is_compatible,
-    is_plausible,
+    plausible_forms,
     refine_first,
     trial_fits,
 )
-from labsid.gap.search.forms import alternative_forms, remove_effect, transfer_theta
+from labsid.gap.search.forms import remove_effect, transfer_theta
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.gap.search.refinement import converge, polish, retried_without_one
 from labsid.gap.search.sets import set_fits
@@ -285,14 +285,6 @@ def _polish_best(data: Data, level: Level, done: Collection[Fit] = ()) -> None:
 def _in_best_form(data: Data, fit: Fit) -> Fit:
     """The polished fit, in the best of its equivalent forms."""
     return polish(data, best_form([converge(data, one) for one in plausible_forms(data, fit)]))
-
-
-def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
-    """The fit, and fits of the same effects in other forms."""
-    others = alternative_forms(fit.hypothesis)
-    forms = (fit_from(data, other, transfer_theta(fit, other), iterations=8) for other in others)
-    found = len(fit.hypothesis.found)
-    return [fit, *(form for form in forms if form is not None and is_plausible(data, form, found))]
 
 
 def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:

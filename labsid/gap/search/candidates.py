@@ -16,7 +16,7 @@ from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, fini
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
-from labsid.gap.search.forms import extended_hypotheses, shared_keys, transfer_theta
+from labsid.gap.search.forms import alternative_forms, extended_hypotheses, shared_keys, transfer_theta
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
 MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
@@ -141,6 +141,14 @@ def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:
     if any(isinstance(effect, Placed) for effect in effects) and has_undriven_pole(data, fit):
         return False  # the new pole models the rig, and one of the others a drift or a sinusoid
     return all(effect.is_plausible(Fitted.of(fit, data)) for effect in effects)
+
+
+def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
+    """The fit, and fits of the same effects in other forms."""
+    others = alternative_forms(fit.hypothesis)
+    forms = (fit_from(data, other, transfer_theta(fit, other), iterations=8) for other in others)
+    found = len(fit.hypothesis.found)
+    return [fit, *(form for form in forms if form is not None and is_plausible(data, form, found))]
 
 
 def _grown(data: Data, fit: Fit) -> list[Fit]:

@@ -24,6 +24,15 @@ def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
     ]
 
 
+def plain_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
+    """Hypotheses with one of the found effects in the form that its own makes richer."""
+    return [
+        hypothesis.with_effects((*hypothesis.effects[:i], plain, *hypothesis.effects[i + 1 :]))
+        for i, effect in enumerate(hypothesis.effects)
+        if i >= hypothesis.n_given and (plain := effect.plain_form) is not None
+    ]
+
+
 def transfer_theta(fit: Fit, other: Hypothesis) -> FloatArray:
     """Transfer theta of a fit to another hypothesis: by effect, or by parameter name for effects without one."""
     old = fit.hypothesis

@@ -10,7 +10,14 @@ from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.fits.fitting import Fit, Point, Problem, evaluate, finish
 from labsid.gap.record.data import Data
-from labsid.gap.search.candidates import Trial, is_compatible, is_plausible, start_points
+from labsid.gap.search.candidates import (
+    Trial,
+    best_form,
+    is_compatible,
+    is_plausible,
+    plausible_forms,
+    start_points,
+)
 from labsid.gap.search.forms import extended_hypotheses
 
 KEPT_STARTS = 8  # start points to which the next effect of a set is added
@@ -148,4 +155,6 @@ def _best(data: Data, starts: list[Trial], count: int) -> Fit | None:
     sketched = sorted((one.continued(4) for one in starts), key=attrgetter("score"))
     fits = [finish(data, one.hypothesis, one.continued(25).point) for one in sketched[:FITTED]]
     plausible = [fit for fit in fits if is_plausible(data, fit, count)]
-    return min(plausible, key=attrgetter("bic"), default=None)
+    if not plausible:
+        return None
+    return best_form(plausible_forms(data, best_form(plausible)))

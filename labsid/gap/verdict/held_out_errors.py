@@ -93,14 +93,14 @@ class HeldOut:
         """Mean square error of a fit in each part of the held-out samples, shape (PARTS,)."""
         return self.in_parts(self.measured - self.output(fit, again))
 
-    def expected(self, fit: Fit) -> float:
-        """Mean square error to be expected on further samples of the fitted record, beside another record; else zero.
+    def expected(self, fit: Fit) -> float | None:
+        """Mean square error to be expected on further samples of the fitted record, beside another record; else None.
 
         Source: the final prediction error of H. Akaike, "Fitting autoregressive models for prediction", Annals of the
         Institute of Statistical Mathematics 21 (1969) 243-247.
         """
         if self.other is None:
-            return 0.0
+            return None
         count = int(self.data.rows.sum())
         return fit.free_run * (count + fit.n_free) / max(count - fit.n_free, 1)
 

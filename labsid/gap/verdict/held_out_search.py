@@ -5,17 +5,18 @@ describes. Here the combinations are compared by their free-run error on samples
 kept only if it pays there: if the error without it, part by part of those samples, is larger by more than chance.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.fits.fitting import Fit, mean_square
+from labsid.gap.fits.fitting import Fit, fit_from, mean_square
 from labsid.gap.fits.linear_fits import fit_highpass
+from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import Progress, extended_fits
 from labsid.gap.search.explanation import Explanation
-from labsid.gap.search.forms import remove_named_effect
+from labsid.gap.search.forms import plain_forms, remove_named_effect, transfer_theta
 from labsid.gap.search.sets import set_around
 from labsid.gap.verdict.held_out_errors import MAX_FACTOR, HeldOut, Reduction, compare_errors, hold_out
 
@@ -41,23 +42,20 @@ class Candidate:
     fit : Fit
     errors : ndarray
         Mean square errors in the parts of the held-out samples.
-    own : float
-        Where those belong to another record: mean square error to be expected on further samples of the fitted record.
+    total : float
+        Their mean, over that of the simulation before. Beside another record, the mean of this share and of that of the
+        mean square error to be expected on further samples of the fitted record: in both records all of the gap counts
+        alike.
     """
 
     fit: Fit
     errors: FloatArray
-    own: float = 0.0
+    total: float
 
     @property
     def names(self) -> frozenset[str]:
         """The effects."""
         return frozenset(self.fit.hypothesis.names)
-
-    @property
-    def total(self) -> float:
-        """Sum of the errors; of two records, both count alike."""
-        return float(np.sum(self.errors)) + self.errors.size * self.own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,12 +123,14 @@ class HeldOutSearch:
 class _Pool:
     """The best candidate of every combination of names."""
 
-    def __init__(self, held_out: HeldOut, start: Candidate, progress: Progress | None) -> None:
-        self.held_out, self.start, self.progress = held_out, start, progress
-        self.best: dict[frozenset[str], Candidate] = {start.names: start}
+    def __init__(self, held_out: HeldOut, start: Fit, before: FloatArray, progress: Progress | None) -> None:
+        self.held_out, self.progress = held_out, progress
+        self.before, self.own = float(np.mean(before)), held_out.expected(start)
+        self.start = Candidate(start, before, 1.0)
+        self.best: dict[frozenset[str], Candidate] = {self.start.names: self.start}
         self.data = replace(held_out.data, by_free_run=True)
-        self.highpass = fit_highpass(self.data, start.fit)
-        self.extended = {start.names}  # combinations to which every further effect has been added
+        self.highpass = fit_highpass(self.data, start)
+        self.extended = {self.start.names}  # combinations to which every further effect has been added
         self.removed: set[tuple[Fit, str]] = set()  # effects of a fit without which it has been refitted
         self.blocks = hold_out(self.data, None) if held_out.other is not None else None
         self.on_blocks: dict[Fit, FloatArray] = {}
@@ -143,10 +143,17 @@ class _Pool:
                 break
             if self.held_out.elsewhere and OF_ONE_RECORD & set(fit.hypothesis.names):
                 continue  # not in the other record
-            candidate = Candidate(fit, self.held_out.errors(fit), self.held_out.expected(fit))
+            candidate = self._scored(fit)
             known = self.best.get(candidate.names)
             if np.isfinite(candidate.total) and (known is None or candidate.total < known.total):
                 self.best[candidate.names] = candidate
+
+    def _scored(self, fit: Fit) -> Candidate:
+        errors = self.held_out.errors(fit)
+        shares = [float(np.mean(errors)) / max(self.before, 1e-300)]
+        if self.own is not None:
+            shares.append((self.held_out.expected(fit) or 0.0) / max(self.own, 1e-300))
+        return Candidate(fit, errors, float(np.mean(shares)))
 
     def reduction(self, fewer: Candidate, fuller: Candidate) -> Reduction:
         """What the effects of a candidate reduce that another one lacks.
@@ -155,10 +162,15 @@ class _Pool:
         in the other record is chance. On that record alone the error must not grow.
         """
         found = compare_errors(fewer.errors, fuller.errors)
-        if self.blocks is None or found.pays or found.factor > NOT_WORSE:
+        if self.blocks is None:
             return found
-        whole = [np.append(one.errors, self._errors_on_blocks(one.fit)) for one in (fewer, fuller)]
-        return compare_errors(*whole)
+        factor = float(np.sqrt(fuller.total / max(fewer.total, 1e-300)))
+        if found.pays:
+            return replace(found, factor=factor)
+        if found.factor > NOT_WORSE:
+            return Reduction(factor, min(found.t, 0.0))
+        both = [np.append(one.errors, self._errors_on_blocks(one.fit)) for one in (fewer, fuller)]
+        return Reduction(factor, compare_errors(*both).t)
 
     def _errors_on_blocks(self, fit: Fit) -> FloatArray:
         assert self.blocks is not None
@@ -214,10 +226,11 @@ def search_held_out(
     """
     refitted = held_out.errors(start) if given else before
     mismatch = compare_errors(before, refitted)
-    pool = _Pool(held_out, Candidate(start, min(before, refitted, key=np.sum), held_out.expected(start)), progress)
+    pool = _Pool(held_out, start, min(before, refitted, key=np.sum), progress)
     for number, level in enumerate(explanation.levels[1:]):
         fits = sorted(level.values(), key=lambda fit: mean_square(explanation.data, fit))
         pool.add(held_out.refit(fit) for fit in (fits if number == 0 else fits[:COMPARED]))
+        pool.add(_plain_fits(held_out.data, level.values()))
     best = _best_paying(pool)
     for _ in range(MOST_ROUNDS):
         if len(best.names) < MOST_EFFECTS:
@@ -236,6 +249,15 @@ def search_held_out(
     every = {tuple(sorted(names)): one.fit for names, one in pool.best.items()}
     steps = _steps(pool, best, explanation.best.hypothesis.names)
     return HeldOutSearch(steps, tried, elsewhere, mismatch if mismatch.pays else None, every)
+
+
+def _plain_fits(data: Data, fits: Iterable[Fit]) -> Iterator[Fit]:
+    """Fits whose effects have the form that another one makes richer, which need not predict better."""
+    for fit in fits:
+        for other in plain_forms(fit.hypothesis):
+            plain = fit_from(data, other, transfer_theta(fit, other))
+            if plain is not None:
+                yield plain
 
 
 def _best_paying(pool: _Pool) -> Candidate:
