@@ -29,7 +29,7 @@ KINDS = (
 LIKELY = 0.5
 """Probability above which a name is asserted."""
 
-MIN_SHARE = 0.15
+MIN_SHARE = 0.05
 """Least share of the linear model's error that is left without an effect, for each effect of a joint."""
 
 _EFFECT_OF = {"friction": "coulomb-friction", "gravity": "gravity", "limit": "force-limit"}
@@ -105,7 +105,8 @@ def _draw(rng: np.random.Generator, loop: str, effects: tuple[str, ...], Ts: flo
     if loop == "torque":
         rate = float(rng.uniform(2.0, 6.0))
         scale = 0.6 * rate**2
-    friction = scale * float(rng.uniform(0.08, 0.35)) if "coulomb-friction" in effects else 0.0
+    most = 0.25 if loop == "position" and "gravity" in effects else 0.35  # more would hide gravity
+    friction = scale * float(rng.uniform(0.23, 1.0) * most) if "coulomb-friction" in effects else 0.0
     gear = law == "gear" and friction > 0.0
     return Joint(
         loop=loop,
@@ -135,8 +136,10 @@ def _command(rng: np.random.Generator, joint: Joint, samples: int, Ts: float) ->
         hold = max(int(rng.uniform(3.0, 9.0) / (rate * Ts)), 2)
         levels = rng.uniform(-1.1, 1.1, samples // hold + 1)
         w = np.repeat(levels, hold)[:samples]
+    if joint.loop == "position" and joint.gravity:
+        w = w * rng.uniform(1.2, 2.2)  # far from the angles at which the sine is a spring
     if joint.loop == "torque":
-        w = w * (1.6 * joint.gravity if joint.gravity else 6.0 * joint.friction)
+        w = w * (1.1 * joint.gravity if joint.gravity else 6.0 * joint.friction)
     return np.asarray(w, np.float64)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from labsid.blind.honest import LIKELY, has_no_report, is_accepted, wrong_names
 from labsid.blind.joints import names_the_cause
 from labsid.blind.metrics import CaseOutcome, all_named, kind_recognised, nothing_asserted, right_part_named
+from labsid.blind.several import names_only_true
 
 
 def is_silent_or_right(case: CaseOutcome) -> bool:
@@ -19,6 +20,7 @@ _RULES: dict[str, Callable[[CaseOutcome], bool]] = {
     "honest": is_accepted,
     "faint": is_silent_or_right,
     "joints": names_the_cause,
+    "several": names_only_true,
 }
 
 

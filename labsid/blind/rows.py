@@ -1,6 +1,6 @@
 """Random draws of the cases of each row. A draw that fails returns None and is repeated with the next seed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -38,6 +38,7 @@ from labsid.blind.strength import (
 from labsid.rig.switchable.effects import EFFECTS, FAMILIES, draw_effect, effect_context, supports_effect
 from labsid.rig.switchable.inputs import INPUT_KINDS, RICH_INPUTS
 from labsid.rig.switchable.plants import RIGS
+from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import poles
 from labsid.rig.switchable.truth import true_linear_model
 from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS, draw_unlisted_effect, supports_unlisted_effect
@@ -305,6 +306,71 @@ def draw_faint(rng: np.random.Generator, i: int, name: str) -> Case | None:
     return _single(rng, EFFECTS[i % len(EFFECTS)], name, "faint", FAINT_RATIOS)
 
 
+def draw_several(rng: np.random.Generator, i: int, name: str) -> Case | None:
+    """Two or three effects of different strength beside a small one outside the table; every other one has two records.
+
+    Each of them leaves at least three times the noise if it is missing.
+    """
+    chosen = [EFFECTS_BESIDE_UNLISTED[i % len(EFFECTS_BESIDE_UNLISTED)]]
+    for _ in range(1 + i % 2):
+        apart = [
+            e for e in _RECURRING if all(e != one and frozenset((e, one)) not in _INDISTINGUISHABLE for one in chosen)
+        ]
+        chosen.append(str(rng.choice([e for e in apart if e in EFFECTS_BESIDE_UNLISTED])))
+    unlisted = str(rng.choice(UNLISTED_EFFECTS))
+    rigs = tuple(
+        rig
+        for rig in RIGS
+        if supports_unlisted_effect(example_rig(rig), unlisted)
+        and all(supports_effect(example_rig(rig), effect) for effect in chosen)
+    )
+    if not rigs:
+        return None
+    experiment = draw_experiment(rng, chosen[0], int(rng.integers(1200, 3001)), ("levels", "multisine"), rigs)
+    at = effect_context(experiment.plain, input_signal(experiment))
+    ratio = log_uniform(rng, 12.0, 40.0)
+    found = scale_to_ratio(experiment, draw_effect(rng, chosen[0], at), ratio, (WEAKEST_NOISE, 0.02), rng)
+    if found is None or not is_distinct(chosen[0], experiment, *found):
+        return None
+    setup, sigma = found
+    share = sigma / output_spread(experiment)
+    noises = (0.8 * share, 1.25 * share)
+    parts = [setup]
+    for effect in chosen[1:]:
+        part = scale_to_ratio(experiment, draw_effect(rng, effect, at), rng.uniform(0.3, 0.8) * ratio, noises, rng)
+        if part is None or not is_distinct(effect, experiment, *part):
+            return None
+        parts.append(part[0])
+    rest = scale_to_ratio(
+        experiment, draw_unlisted_effect(rng, unlisted, at), rng.uniform(0.08, 0.2) * ratio, noises, rng
+    )
+    if rest is None:
+        return None
+    parts.append(rest[0])
+    whole = _merged(experiment.plain, parts)
+    y = clean_output(experiment, whole)
+    start = discrete_poles(poles(experiment.plain.motion))
+    for one in parts[:-1]:
+        without = clean_output(experiment, _merged(experiment.plain, [part for part in parts if part is not one]))
+        if fit_linear(input_signal(experiment), y - without, start).rmse < 3.0 * sigma:
+            return None
+    case = complete_case(
+        rng, experiment, whole, sigma, name, "several", tuple(chosen), draw_noise_colour(rng), {"kind": unlisted}
+    )
+    if i % 4 < 2 or chosen[0] not in TIME_INVARIANT_EFFECTS:
+        return case
+    again = redraw(case.experiment, 1000)
+    return replace(case, holdout=to_record(run_experiment(again), experiment.scales, f"{name}.holdout"))
+
+
+def _merged(plain: Setup, parts: Sequence[Setup]) -> Setup:
+    """All effects of the parts."""
+    whole = plain
+    for part in parts:
+        whole = merge_effects(plain, whole, part)
+    return whole
+
+
 ROWS: dict[str, Draw] = {
     "single-clear": draw_single_clear,
     "single-hard": draw_single_hard,
@@ -320,6 +386,7 @@ ROWS: dict[str, Draw] = {
     "honest": draw_honest,
     "faint": draw_faint,
     "joints": draw_joint,
+    "several": draw_several,
 }
 """The order determines the seeds: a new row comes last."""
 

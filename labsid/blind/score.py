@@ -27,6 +27,7 @@ from labsid.blind.metrics import (
     stated_verdict,
     within_answer_set,
 )
+from labsid.blind.several import several_metrics
 
 ALONE = "run-alone"
 """Row of the first runs of the row `runs`, diagnosed without the others, in the same order."""
@@ -97,6 +98,7 @@ def score_cases(
         ),
         *honest_metrics(honest, faint),
         *joint_metrics(rows.get("joints", empty)),
+        *several_metrics(rows.get("several", empty), rows.get("partial", empty)),
         Metric("time per record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
     ]
     return Scores(tuple(metrics), confusion(cases), bins, count_kinds(honest))

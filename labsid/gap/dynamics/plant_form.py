@@ -294,7 +294,7 @@ class PlantForm:
     @property
     def abrupt(self) -> bool:
         """Whether the motion of a mass changes within a sample: by friction, drag, a stop or a limit."""
-        return bool(self.friction or self.drag or self.stops or self.limit)
+        return bool(self.friction) or self.drag or bool(self.stops) or bool(self.limit)
 
     @property
     def in_series(self) -> bool:

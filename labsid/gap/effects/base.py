@@ -399,3 +399,13 @@ class AdditiveEffect(Effect):
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """The signals, shape (samples, q)."""
         raise NotImplementedError
+
+    def added(self, fit: "Fitted") -> FloatArray:
+        """What this effect adds to the scaled output, shape (N,)."""
+        samples = fit.data.samples
+        columns = self.columns(fit.theta_of(self), samples, samples, fit.hypothesis.plant, fit.plant_theta)
+        return np.asarray(columns @ fit.hypothesis.gains_of(fit.gains, self), np.float64)
+
+    def is_plausible(self, fit: "Fitted") -> bool:
+        """Reject a signal that is larger than the record could show."""
+        return bool(np.ptp(self.added(fit)[fit.data.rows]) < MAX_RANGES * fit.range) and super().is_plausible(fit)

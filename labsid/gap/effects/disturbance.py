@@ -37,7 +37,7 @@ class _Load(Effect):
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject onsets near either end of the record: an offset, or a spike."""
         edge = max(MIN_ONSET / fit.data.samples, 0.005)
-        return edge < fit.value("onset") < 1.0 - edge
+        return edge < fit.value("onset") < 1.0 - edge and super().is_plausible(fit)
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples after the onset."""
@@ -92,22 +92,15 @@ class LoadStep(_Load, AdditiveEffect):
         return plant.load_response(rates, step_signal(float(own[0]), samples, span))
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Also reject loads that do not last (a pulse) and impossible sizes."""
-        most = float(np.abs(self._response(fit)).max())
-        lasts = abs(self.change(fit)) > MIN_LASTING * most
-        return lasts and most < MAX_RANGES * fit.range and super().is_plausible(fit)
-
-    def _response(self, fit: Fitted) -> FloatArray:
-        """Change of the scaled output by the load, shape (N,)."""
-        plant, samples = fit.hypothesis.plant, fit.data.samples
-        columns = self.columns(fit.theta_of(self), samples, samples, plant, fit.plant_theta)
-        return np.asarray(columns @ fit.hypothesis.gains_of(fit.gains, self))
+        """Also reject loads that do not last: a pulse."""
+        lasts = abs(self.change(fit)) > MIN_LASTING * float(np.abs(self.added(fit)).max())
+        return lasts and super().is_plausible(fit)
 
     def _size(self, fit: Fitted) -> Value:
         """Final change of the output; that at the end of the record if the dynamics are too slow to show the former."""
         size = self.change(fit)
         if abs(size) > MAX_EXTRAPOLATION * fit.range:
-            size = float(self._response(fit)[-1])
+            size = float(self.added(fit)[-1])
         return Value(size * fit.data.y_scale.unit, "y")
 
     def change(self, fit: Fitted) -> float:

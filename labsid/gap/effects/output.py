@@ -11,7 +11,6 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import normalized_time
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import (
-    MAX_RANGES,
     RARE,
     REST_SAMPLES,
     AdditiveEffect,
@@ -128,18 +127,9 @@ class Drift(AdditiveEffect):
             return np.exp(-np.arange(samples) / (span * np.exp(own[0])))[:, None]
         return np.asarray(chebvander(normalized_time(samples, span), int(self.variant))[:, 1:], np.float64)
 
-    def is_plausible(self, fit: Fitted) -> bool:
-        """Reject drifts larger than the record could show."""
-        return self._amplitude(fit) < MAX_RANGES * fit.range
-
-    def _amplitude(self, fit: Fitted) -> float:
-        samples = fit.data.samples
-        wander = self.columns(fit.theta_of(self), samples, samples, fit.hypothesis.plant, fit.theta)
-        return 0.5 * float(np.ptp(wander @ fit.hypothesis.gains_of(fit.gains, self)))
-
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`amplitude`, half of the range of the drift."""
-        return {"amplitude": Value(self._amplitude(fit) * fit.data.y_scale.unit, "y")}
+        return {"amplitude": Value(0.5 * float(np.ptp(self.added(fit))) * fit.data.y_scale.unit, "y")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A ramp, a bow and a wave along the record."""

@@ -7,7 +7,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import CYCLES, Parameter
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.effects.base import MAX_RANGES, AdditiveEffect, Effect, Fitted, Planted, PlantEffect, Value
+from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, Structure
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.record.data import Data
@@ -128,10 +128,6 @@ class Periodic(_Sinusoid, AdditiveEffect):
         """Cosine and sine."""
         phase = 2.0 * np.pi * own[0] / span * np.arange(samples)
         return np.column_stack([np.cos(phase), np.sin(phase)])
-
-    def is_plausible(self, fit: Fitted) -> bool:
-        """Reject amplitudes larger than the record could show."""
-        return self._amplitude(fit) < MAX_RANGES * fit.range
 
     def _amplitude(self, fit: Fitted) -> float:
         return float(np.hypot(*fit.hypothesis.gains_of(fit.gains, self)))

@@ -47,7 +47,8 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
 
     Output error of the given order is kept unless another model is clearly better. A model whose slowest pole has a
     time constant of more than a sixth of the record is not chosen, because the record is too short to show that pole;
-    unless every other model leaves several times its error, as for a rig that integrates its input.
+    unless every other model leaves several times its error, as for a rig that integrates its input, or the held-out
+    samples are in records that no fit has seen: there a pole that stands for a drift does not predict.
 
     Parameters
     ----------
@@ -62,7 +63,9 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
     observed = {method: is_observed(data, fit) for method, fit in fits.items()}
 
     def order(method: str) -> tuple[bool, float]:
-        return not observed[method], errors[method] * (PREFERENCE if method == OUTPUT_ERROR else 1.0)
+        return not (observed[method] or held_out.elsewhere), errors[method] * (
+            PREFERENCE if method == OUTPUT_ERROR else 1.0
+        )
 
     best = min(fits, key=order)
     if errors[OUTPUT_ERROR] < INTEGRATOR_SHARE * errors[best]:

@@ -199,6 +199,8 @@ class PartialEvidence(NamedTuple):
     together : float
         1 if the effect belongs to such a set, all of whose effects are in the explanation, else 0. `alone` and `lead`
         are then those of the set: its effects belong to one kind of rig, and each alone explains little.
+    missed : float
+        Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
     """
 
     alone: float
@@ -207,6 +209,7 @@ class PartialEvidence(NamedTuple):
     agreement: float
     others: float
     together: float = 0.0
+    missed: float = 0.0
 
 
 PARTIAL_PRIOR = -4.5
@@ -229,7 +232,8 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
             alone = _gain(step.together)
         beside = others - len(step.mates)
         agreement, together = float(step.agreement), float(step.together is not None)
-        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), agreement, beside, together)
+        missed = float(np.clip(-np.log(max(step.missed, 1e-6)), 0.0, MAX_REDUCTION))
+        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), agreement, beside, together, missed)
     return found
 
 

@@ -82,6 +82,8 @@ class Step:
         The other effects of the explanation that belong to a set with it, and are tried together with it.
     together : Reduction or None
         The whole set compared with the simulation before; None without mates.
+    missed : float
+        Rms error of the explanation over that without this effect.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Step:
     rivals: tuple[tuple[str, Reduction], ...] = ()
     mates: frozenset[str] = frozenset()
     together: Reduction | None = None
+    missed: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -319,7 +322,8 @@ def _steps(pool: _Pool, best: Candidate, searched: tuple[str, ...]) -> tuple[Ste
         together = None if known is None else pool.reduction(pool.start, known)
         mates = whole_set - {name} if together else frozenset[str]()
         lead = _lead(pool, name)
-        steps.append(Step(name, best.fit, best.errors, alone, lead, agreement, rivals, mates, together))
+        missed = pool.reduction(pool.without(whole, name), whole).factor
+        steps.append(Step(name, best.fit, best.errors, alone, lead, agreement, rivals, mates, together, missed))
         best = fewer
     return tuple(reversed(steps))
 
