@@ -2,8 +2,8 @@
 
 `check.run_sealed_check` makes the cases (`suite`, `rows`, `draws`, `strength`), runs the diagnosis on them as a
 separate process in an otherwise empty folder (`runner`), compares the answers with the labels and prints the table
-(`score`, `metrics`, `honest`, `joints`, `table`). `wrong_answers` lists the records that are answered wrongly, and
-keeps them.
+(`score`, `metrics`, `honest`, `joints`, `several`, `table`). `wrong_answers` lists the records that are answered
+wrongly, and keeps them.
 `closure` computes the share of the gap that the true structure, refitted, closes.
 Nothing here imports the diagnosis.
 
@@ -41,8 +41,13 @@ How a record is labelled:
 - The row `joints` has the joints of `labsid.rig.switchable.joints`: position loops, speed loops and torques with
   friction of laws that the diagnosis does not have (LuGre, Dahl, growing with the load), gravity and a limit of the
   drive, alone and together, and joints without any of them. The best linear model leaves at least 5.2 times the noise,
-  and each effect at least 0.15 of that. Right is to name the one without which the linear model leaves least, and no
+  and each effect at least 0.05 of that. Right is to name the one without which the linear model leaves least, and no
   wrong name above 0.5.
+- The row `several` has two or three effects of the table beside one outside it. The first leaves 12 to 40 times the
+  noise alone, the others 0.3 to 0.8 times that, the unlisted one 0.08 to 0.2 times; each listed one leaves at least
+  three times the noise if it is missing. Half of the records have a second one of the same rig. Right is that every
+  name above 0.5 is one of them; how many of them are named, and how well the probabilities of first, second and third
+  names are calibrated, is counted apart.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as
   `coloured-noise`.
 """

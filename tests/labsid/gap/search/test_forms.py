@@ -22,7 +22,7 @@ from labsid.gap.record.data import Data, scaled
 from labsid.gap.search.beam_search import plausible_forms
 from labsid.gap.search.candidates import best_fit, best_form, trial_fits
 from labsid.gap.search.explanation import Explanation, explain
-from labsid.gap.search.forms import alternative_forms, extended_hypotheses, remove_effect, transfer_theta
+from labsid.gap.search.forms import alternative_forms, extended_hypotheses, plain_forms, remove_effect, transfer_theta
 from labsid.gap.search.refinement import converge
 
 INNER_LOAD = disturbance.InnerLoad("inside")
@@ -596,3 +596,11 @@ def test_every_form_that_the_search_can_reach_can_be_exported(beside: Effect | N
         for other in [form for one in hypotheses for form in (one, *alternative_forms(one))]:
             assert all(EFFECTS_BY_KEY[form.key] == form for form in other.effects)
             assert set(other.names) == {*host.names, effect.name}
+
+
+def test_a_richer_form_has_the_plain_one_that_it_makes_richer() -> None:
+    richer = LINEAR.plus(dynamics.CoulombFriction("unsprung-peak"))
+    (plain,) = plain_forms(richer)
+    assert plain.effects == (dynamics.CoulombFriction("unsprung"),)
+    assert plain_forms(plain) == []
+    assert richer.effects[0] in plain.effects[0].alternatives(plain)

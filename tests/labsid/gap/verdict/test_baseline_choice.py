@@ -178,3 +178,15 @@ def test_a_negative_pole_is_replaced_by_a_fast_one() -> None:
     fit = fit_arx_poles(data)
     assert max(real_rates(*fit.rates)) == pytest.approx(FASTEST_RATE)
     assert np.sqrt(np.mean((fit.output - data.y) ** 2)) < 0.05
+
+
+def test_beside_another_record_the_model_that_predicts_it_best_is_chosen() -> None:
+    """A rig that integrates through a lag: its slow pole is not a drift, because it predicts the other record."""
+    u, v = levels(900, 15, 1), levels(900, 15, 2)
+    y, z = (lfilter([0.0, 0.1], np.poly([0.9995, 0.6]), one - 0.3) for one in (u, v))
+    data = data_of(u, y + 0.1 * y.std() * noise(900, 1))
+    held_out = hold_out(data, (v, z + 0.1 * y.std() * noise(900, 2)))
+    model = choose_linear_model(held_out, fit_baseline(data))
+    assert not model.observed
+    assert model.errors[model.method] == min(model.errors.values())
+    assert model.method == OUTPUT_ERROR
