@@ -37,9 +37,8 @@ class Gravity(PlantEffect):
         if not angle_unit(context.data):
             return False
         before = context.parent.hypothesis
-        return (before.plant.kind == "mechanics" or not before.effects) and context.follows != (
-            self.variant == "unsprung"
-        )
+        beside = before.plant.kind == "mechanics" or not before.effects
+        return beside and (context.follows or self.variant == "unsprung")
 
     def extend(self, plant: Plant) -> Plant:
         """A mass in the field of gravity."""
@@ -47,21 +46,27 @@ class Gravity(PlantEffect):
         return plant.modified(kind="mechanics", gravity=True, follows=not self.variant, unsprung=unsprung)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Weak to strong torques with their rest at the zero of the output, beside and opposite to it."""
+        """Weak to strong torques with their rest at the zero of the output, beside and opposite to it.
+
+        Without a spring the torque is about the one that the linear model takes for a spring.
+        """
         scale, unit = context.data.y_scale, angle_unit(context.data)
-        gain = _output_per_position(context)
+        (c, k), slack = context.rates, SLACK_LOG_STIFFNESS if self.variant else 0.0
+        force = force_unit(c, k * np.exp(slack))
+        gain = _output_per_force(context) / force
         if not gain or not unit:
             return []
-        slack = {"log_k+": SLACK_LOG_STIFFNESS} if self.variant == "unsprung" else {}
         turn = (abs(gain) * scale.unit if self.variant else context.data.u_scale.unit) / unit
         first = float(scale.back(context.data.y[:3].mean()))
         zero = -np.sign(gain) * first / unit  # angle at which the output is zero, from the first position
+        sizes = k / force * np.array([0.3, 1.0, 3.0]) if self.variant else (0.1, 0.5, 1.5)
         starts = []
-        for torque, quarter in product((0.1, 0.5, 1.5), range(4)):
+        for torque, quarter in product(sizes, range(4)):
             angle = float(zero + quarter * np.pi / 2.0)
-            starts.append({"torque": torque / turn, "log_turn": float(np.log(turn)), "angle": angle} | slack)
+            start = {"torque": float(torque / turn), "log_turn": float(np.log(turn)), "angle": angle}
+            starts.append(start | ({"log_k+": slack} if slack else {}))
             if quarter == 0 and not slack:  # a linear fit counts the torque about a stable rest as a spring
-                starts.append(starts[-1] | {"log_k+": -float(np.log1p(torque))})
+                starts.append(start | {"log_k+": -float(np.log1p(torque))})
         return starts
 
     def is_plausible(self, fit: Fitted) -> bool:
@@ -94,11 +99,11 @@ def angle_unit(data: Data) -> float:
     return next((unit for unit in (1.0, DEGREES) if LEAST_SWING < swing / unit < LARGEST_SWING), 0.0)
 
 
-def _output_per_position(context: Context) -> float:
-    """Scaled output per scaled position of a mass with the dynamics of the parent; zero if it is not finite.
+def _output_per_force(context: Context) -> float:
+    """Scaled acceleration of the output per unit of the input, with the dynamics of the parent; zero if not finite.
 
     From its step response, which for c y' + k y need not have settled.
     """
     (c, k), step = context.rates, context.step
-    gain = (k * (step[-1] - step[0]) + c * (step[-1] - step[-2])) / force_unit(c, k)
+    gain = k * (step[-1] - step[0]) + c * (step[-1] - step[-2])
     return float(gain) if np.isfinite(gain) else 0.0

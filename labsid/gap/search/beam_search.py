@@ -29,6 +29,7 @@ from labsid.gap.search.candidates import (
     trial_fits,
 )
 from labsid.gap.search.forms import remove_effect, transfer_theta
+from labsid.gap.search.pendulum import pendulum_from_spring
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.gap.search.refinement import converge, polish, retried_without_one
 from labsid.gap.search.sets import set_fits
@@ -115,6 +116,8 @@ def _search_from(
             fits = [best_fit(data, few, kept=3) for few in tried]
             keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
         keep_best(level, _of_size(together, step + 1))
+        if step == 0:
+            keep_best(level, [pendulum_from_spring(data, base, highpass, level.get(("cubic-stiffness",)))])
         if not level:
             break
         _polish_best(data, level)
