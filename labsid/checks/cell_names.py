@@ -30,6 +30,17 @@ def assigned_names(source: str) -> frozenset[str]:
     return frozenset() if tree is None else frozenset(_assigned(tree))
 
 
+def made_by_calls(source: str) -> frozenset[str]:
+    """The names that functions of a cell bind, where a statement is a call alone, such as ``main()``: it may keep them."""
+    tree = _parse(source)
+    if tree is None or not any(isinstance(one, ast.Expr | ast.If) for one in tree.body):
+        return frozenset()
+    called = {node.func.id for one in tree.body if isinstance(one, ast.Expr | ast.If) for node in ast.walk(one)
+              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}  # fmt: skip
+    functions = (one for one in tree.body if isinstance(one, ast.FunctionDef) and one.name in called)
+    return frozenset(name for one in functions for statement in one.body for name in _assigned(statement))
+
+
 def used_names(source: str) -> frozenset[str]:
     """The variables of the notebook that a cell uses, also inside its functions, and does not assign itself."""
     top = _symbols(source)
