@@ -112,7 +112,7 @@ def _in_functions(
     def missing(name: str) -> Any:
         variables: dict[str, Any] = {}
         if not _set_missing(variables, name, replacements, serve):
-            raise  # noqa: PLE0704  # what the statement has raised
+            raise  # what the statement has raised
         return variables[name]
 
     left = frozenset().union(*(one.kept | set(one.functions) for one in replacements))
@@ -127,7 +127,7 @@ def _in_functions(
 
 
 def _none_missing(name: str) -> Any:
-    raise  # noqa: PLE0704  # what the statement has raised
+    raise  # what the statement has raised
 
 
 def set_right(variables: dict[str, Any], replacement: Replacement, serve: Callable[[str], Callable[..., Any]]) -> None:
