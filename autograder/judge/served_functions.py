@@ -16,8 +16,8 @@ from autograder.sandbox.student_process import REFUSED, Reply
 from labsid.checks.cells import Template
 
 MAX_CALLS = 10_000
-"""Calls that are served for one question. The plain answer to `ri-5-forgetting` needs 2,053: two runs over the 998 rows of
-Example 6-1, and the hidden inputs. A student who tries eight more forgetting factors stays below. 10,000 calls take 5 s
+"""Calls that are served for one question. The plain answer to `ri-5-forgetting` needs 2,053: two runs over the 998 rows
+of Example 6-1, and the hidden inputs. A student who tries seven more forgetting factors stays below. 10,000 calls take 5 s
 (0.53 ms each), a sixth of a cell's time."""
 
 MAX_DEPTH = 8

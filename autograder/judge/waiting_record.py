@@ -1,7 +1,7 @@
 """The second record, drawn while a notebook runs on the student's own, and the process that waits for the run on it.
 
-The sandbox of the first run sees neither. Where the level of isolation is lower, its code could find a file or a process
-of the second run, so that the record is kept in memory and the process started later.
+The sandbox of the first run sees neither. Where the level of isolation is lower, its code could find a file or a
+process of the second run: there the record is kept in memory, and the process started later.
 """
 
 from collections.abc import Callable

@@ -13,14 +13,14 @@ RESCUE = "_labsid_missing"
 
 
 class ThroughHooks(ast.NodeTransformer):
-    """Passes what the statements of functions make through the hooks ``made(name, value, locals)`` and ``missing(name)``.
+    """Passes what statements of functions make through two hooks, ``made(name, value, locals)`` and ``missing(name)``.
 
     Parameters
     ----------
     left : collection of str
         Functions that stay as they are: those that a question asks for, and given ones.
     replaced : collection of str
-        Names for which there is a right value. A statement that makes nothing else, and fails, does not stop the function.
+        Names for which there is a right value. A statement that makes nothing else, and fails, does not stop it.
     """
 
     def __init__(self, left: Collection[str], replaced: Collection[str]) -> None:

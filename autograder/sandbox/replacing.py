@@ -198,7 +198,7 @@ def _replace_made(
 
 
 def _entries(variables: dict[str, Any], name: str) -> tuple[Any, list[Any]]:
-    """A place where values are, and their keys: columns of a table, items of a dict or list, attributes, or the name."""
+    """A place of values, and their keys: columns of a table, items of a dict or list, attributes, or the name."""
     value = variables[name]
     if type(value).__module__ == "__main__" or type(value) is SimpleNamespace:
         inner = getattr(value, "__dict__", {})

@@ -31,7 +31,7 @@ def assigned_names(source: str) -> frozenset[str]:
 
 
 def made_by_calls(source: str) -> frozenset[str]:
-    """The names that functions of a cell bind, where a statement is a call alone, such as ``main()``: it may keep them."""
+    """The names that functions of a cell bind which a statement only calls, such as ``main()``: it may keep them."""
     tree = _parse(source)
     if tree is None or not any(isinstance(one, ast.Expr | ast.If) for one in tree.body):
         return frozenset()
