@@ -137,7 +137,8 @@ IN_A_DICT = Style(
     _slips("d['u']", lab_2a_phi=("d['u'][1 : h - 1], d['u'][: h - 2]])", "d['u'][2:h], d['u'][1 : h - 1]])")),
 )
 _ALL = EARLY_CELL.cells["lab-1a-extract-answer"].replace(LOOP, "n_first = first_period(u_act)").split("\n")
-_NAMES = "t Ts y_act y_actm u_act n_first y_offset u_offset y u h Phi Y theta_hat a1 a2 b1 b2 y_sim_half y_sim mse_half mse_all"
+_NAMES = "t Ts y_act y_actm u_act n_first y_offset u_offset y u h Phi Y theta_hat a1 a2 b1 b2"
+_NAMES += " y_sim_half y_sim mse_half mse_all"
 _RESULTS = _NAMES.replace(" ", ", ")
 _AS_ATTRIBUTES = [re.sub(rf"(?<![\w.'])({_NAMES.replace(' ', '|')})(?![\w'])", r"self.\1", line) for line in _ALL]
 
