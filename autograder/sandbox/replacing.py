@@ -5,6 +5,7 @@ module changes what later cells start from, and no mark of that question.
 """
 
 import contextlib
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,6 +19,7 @@ from labsid.checks.cell_names import assigned_names, parse_python
 from labsid.checks.permitted import without_magic
 from labsid.checks.values import Value, as_student_object, plain
 
+_MAX_HOOKED = 200  # values of one name in functions: a function that is called more often is no whole notebook
 _MAX_ENTRIES = 100  # of a dict, a list or a table
 _SIMPLE_DIGITS = 6  # a number with more digits is a computed one, which another variable does not equal by chance
 
@@ -104,7 +106,12 @@ def _in_functions(
 ) -> Iterator[None]:
     """While a cell runs, replace what its functions make, too; when the judge calls them, they are as written."""
 
+    calls: Counter[str] = Counter()
+
     def made(name: str, value: Any, others: Mapping[str, Any]) -> Any:
+        calls[name] += 1
+        if calls[name] > _MAX_HOOKED:
+            return value
         variables = {**shell.user_ns, **others, name: value}
         _replace_made(variables, name, replacements, serve)
         return variables[name]

@@ -31,14 +31,18 @@ def assigned_names(source: str) -> frozenset[str]:
 
 
 def made_by_calls(source: str) -> frozenset[str]:
-    """The names that functions of a cell bind which a statement only calls, such as ``main()``: it may keep them."""
+    """The names that functions of a cell bind which a statement only calls, such as ``main()``: it may keep them.
+
+    In a cell that uses ``globals()``, these are all of its functions.
+    """
     tree = _parse(source)
-    if tree is None or not any(isinstance(one, ast.Expr | ast.If) for one in tree.body):
+    if tree is None:
         return frozenset()
-    called = {node.func.id for one in tree.body if isinstance(one, ast.Expr | ast.If) for node in ast.walk(one)
-              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}  # fmt: skip
-    functions = (one for one in tree.body if isinstance(one, ast.FunctionDef) and one.name in called)
-    return frozenset(name for one in functions for statement in one.body for name in _assigned(statement))
+    callers = (one for one in tree.body if isinstance(one, ast.Expr | ast.If))
+    called = {node.id for one in callers for node in ast.walk(one) if isinstance(node, ast.Name)}
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    kept = functions if "globals" in read_names(source) else [one for one in functions if one.name in called]
+    return frozenset(name for one in kept for statement in one.body for name in _assigned(statement))
 
 
 def used_names(source: str) -> frozenset[str]:
