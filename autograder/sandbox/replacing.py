@@ -19,7 +19,7 @@ from labsid.checks.cell_names import assigned_names, parse_python
 from labsid.checks.permitted import without_magic
 from labsid.checks.values import Value, as_student_object, plain
 
-_MAX_HOOKED = 200  # values of one name in functions: a function that is called more often is no whole notebook
+_MAX_HOOKED = 20  # values of one name in functions: a function that is called more often is no whole notebook
 _MAX_ENTRIES = 100  # of a dict, a list or a table
 _SIMPLE_DIGITS = 6  # a number with more digits is a computed one, which another variable does not equal by chance
 
