@@ -3,8 +3,10 @@
 And what a graded class has in its gradebook.
 """
 
+import os
 import shutil
 import tempfile
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -12,9 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import nbformat
+import pytest
 from nbclient import NotebookClient
 
 from autograder.batch.grading_inputs import DataStore, GradingInputs, inputs_for
+from autograder.course.build import build_course
 from autograder.course.layout import Course, read_template
 from autograder.course.nbgrader_access import open_gradebook
 from autograder.intake.submission import NotebookCell, Submission
@@ -34,7 +38,32 @@ def copy_course(root: Path, *names: str) -> Course:
     for name in names or (".",):
         shutil.copytree(ROOT / "notebooks" / name, root / "notebooks" / name)
     shutil.copytree(ROOT / "data", root / "data")
-    (root / "autograder").mkdir()
+    (root / "autograder").mkdir(parents=True)
+    return Course(root)
+
+
+def shared_folder(factory: pytest.TempPathFactory) -> Path:
+    """The folder of a test session that all its workers share."""
+    base = factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
+def built_course(root: Path, shared: Path) -> Course:
+    """The whole course, built by the first process that asks for it and copied from `shared` by the others."""
+    made = shared / "built-course"
+    deadline = time.monotonic() + 300
+    try:
+        (shared / "building-course").mkdir()
+    except FileExistsError:
+        while not made.is_dir():
+            if time.monotonic() > deadline:
+                raise TimeoutError("another process has not built the course") from None
+            time.sleep(0.1)
+    else:
+        course = copy_course(shared / "building-course" / "course")
+        assert list(build_course(course)) == course.assignments()
+        course.root.rename(made)
+    shutil.copytree(made, root, dirs_exist_ok=True)
     return Course(root)
 
 

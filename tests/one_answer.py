@@ -12,7 +12,7 @@ import tempfile
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,8 @@ from labsid.records.record import Record, load_record
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
 SECRET = b"a secret of the tests"
@@ -53,19 +55,26 @@ class Kept:
     others: dict[str, Any]
 
     @classmethod
-    def of(cls, variables: Mapping[str, Any]) -> "Kept":
-        pickled = {name: _pickled(name, value) for name, value in variables.items()}
-        drawn = {name: variables[name] for name, text in pickled.items() if b"matplotlib" in text}
-        data = {name: variables[name] for name, text in pickled.items() if text and name not in drawn}
-        others = {name: value for name, value in variables.items() if not pickled[name]}
-        return cls(pickle.dumps(data), pickle.dumps(drawn), tuple(drawn), others)
+    def of(cls, variables: Mapping[str, Any], before: "Kept | None" = None, source: str = "") -> "Kept":
+        """Keep the variables after a cell; those `before` it tell which figures it cannot have changed."""
+        kinds = {name: _kind(name, value) for name, value in variables.items()}
+        drawn = {name: variables[name] for name, kind in kinds.items() if kind == "drawn"}
+        data = {name: variables[name] for name, kind in kinds.items() if kind == "data"}
+        others = {name: value for name, value in variables.items() if kinds[name] == "other"}
+        as_before = before is not None and before.names_drawn == tuple(drawn) and not before.draws([source])
+        return cls(
+            pickle.dumps(data), before.drawn if as_before and before else pickle.dumps(drawn), tuple(drawn), others
+        )
 
     def variables(self, sources: Iterable[str]) -> dict[str, Any]:
         """The variables for these cells to be run on: figures of their own where a cell names one, or pyplot's."""
-        named = {word for source in sources for word in re.findall(r"\w+", source)}
-        touched = not named.isdisjoint({*self.names_drawn, "plt", "matplotlib"})
-        drawn = pickle.loads(self.drawn) if touched else _figures(self.drawn)
+        drawn = pickle.loads(self.drawn) if self.draws(sources) else _figures(self.drawn)
         return {**self.others, **pickle.loads(self.data), **drawn}
+
+    def draws(self, sources: Iterable[str]) -> bool:
+        """Whether a cell names a figure, or pyplot."""
+        named = {word for source in sources for word in re.findall(r"\w+", source)}
+        return not named.isdisjoint({*self.names_drawn, "plt", "matplotlib"})
 
 
 @lru_cache(maxsize=64)
@@ -74,16 +83,20 @@ def _figures(drawn: bytes) -> dict[str, Any]:
     return dict(pickle.loads(drawn))
 
 
-def _pickled(name: str, value: Any) -> bytes:
-    """A variable that an answer may change; nothing for functions, modules and what else it does not change."""
+def _kind(name: str, value: Any) -> str:
+    """Whether a variable is of the "data" or "drawn" that an answer may change, or one of the "other" ones."""
+    if type(value) in (bool, int, float, str) or (type(value) is np.ndarray and not value.dtype.hasobject):
+        return "other" if name.startswith("__") else "data"
+    if isinstance(value, Figure | Axes):
+        return "drawn"
     if isinstance(value, np.ndarray) and type(value) is not np.ndarray:
-        return b""  # python-control's own signals cannot be pickled
+        return "other"  # python-control's own signals cannot be pickled
     if name.startswith("__") or callable(value) or type(value).__module__.partition(".")[0] == "labsid":
-        return b""
+        return "other"
     try:
-        return pickle.dumps(value)
+        return "drawn" if b"matplotlib" in pickle.dumps(value) else "data"
     except Exception:
-        return b""
+        return "other"
 
 
 @dataclass(frozen=True)
@@ -178,12 +191,7 @@ def solve(name: str, student: str = "z5000001", content: bytes | None = None) ->
     With the `content` of a data file it runs on that record, of which no origin is known.
     """
     assignment = load_assignment(name)
-    notebook = jupytext.read(NOTEBOOKS / name / f"{name}.md", fmt="md:myst")
-    cells = {
-        str(cell.metadata["nbgrader"]["grade_id"]): cell.source
-        for cell in notebook.cells
-        if cell.cell_type == "code" and "demonstration" not in cell.metadata.get("tags", [])
-    }
+    cells = _cells(name)
     with work_folder() as folder, quietly():
         record = None
         if assignment.record_file is not None:
@@ -194,15 +202,39 @@ def solve(name: str, student: str = "z5000001", content: bytes | None = None) ->
         variables: dict[str, Any] = {}
         known: dict[str, Value] = {}
         questions = {question.id: question for question in assignment.questions}
+        before, last = None, ""
         for one, source in cells.items():
-            solved.kept[one] = Kept.of(variables)
+            before = solved.kept[one] = Kept.of(variables, before, last)
+            last = source
             if one in questions:
                 solved.known[one] = dict(known)
                 known.update(given_values(questions[one], solved._ask(one, variables), passed=True))
             else:
                 exec(compile(source, one, "exec"), variables)
-        solved.kept[END] = Kept.of(variables)
+        solved.kept[END] = Kept.of(variables, before, last)
     return solved
+
+
+def own_record(name: str, student: str) -> Record | None:
+    """A student's record, without running the model solution on it."""
+    record_file = load_assignment(name).record_file
+    if record_file is None:
+        return None
+    with work_folder() as folder:
+        path = folder / record_file
+        path.write_bytes(individual_file(record_file, student, SECRET))
+        return load_record(path)
+
+
+@cache
+def _cells(name: str) -> dict[str, str]:
+    """Source of each cell that is run or judged, by grade_id; demonstrations are left out."""
+    notebook = jupytext.read(NOTEBOOKS / name / f"{name}.md", fmt="md:myst")
+    return {
+        str(cell.metadata["nbgrader"]["grade_id"]): cell.source
+        for cell in notebook.cells
+        if cell.cell_type == "code" and "demonstration" not in cell.metadata.get("tags", [])
+    }
 
 
 @contextlib.contextmanager

@@ -1,8 +1,9 @@
-"""Right answers to the lab with own names, code in an earlier cell and signals in a dict, and a slip for each question.
+"""Right answers to the lab in styles of one's own, from own names to a single function or class, and slips in them.
 
 ``python -P tests/own_styles.py`` prints which other questions each slip costs: none should be lost.
 """
 
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -135,7 +136,63 @@ IN_A_DICT = Style(
     },
     _slips("d['u']", lab_2a_phi=("d['u'][1 : h - 1], d['u'][: h - 2]])", "d['u'][2:h], d['u'][1 : h - 1]])")),
 )
-STYLES = {"own names": OWN_NAMES, "code in an earlier cell": EARLY_CELL, "signals in a dict": IN_A_DICT}
+_ALL = EARLY_CELL.cells["lab-1a-extract-answer"].replace(LOOP, "n_first = first_period(u_act)").split("\n")
+_NAMES = "t Ts y_act y_actm u_act n_first y_offset u_offset y u h Phi Y theta_hat a1 a2 b1 b2"
+_NAMES += " y_sim_half y_sim mse_half mse_all"
+_RESULTS = _NAMES.replace(" ", ", ")
+_AS_ATTRIBUTES = [re.sub(rf"(?<![\w.'])({_NAMES.replace(' ', '|')})(?![\w'])", r"self.\1", line) for line in _ALL]
+
+
+def _at_once(lines: list[str], *around: str) -> dict[str, str]:
+    """All code in the first cell: its function, a line before the code, and the lines after it."""
+    first, *after = around
+    indent = "    " * (1 + first.count("class"))
+    inner = [f"{indent}{line}" for line in lines]
+    return {
+        **EARLY_CELL.cells,
+        "lab-1a-extract-answer": "\n".join([*LOOP.split("\n")[:2], *first.split("|"), *inner, *after]),
+    }
+
+
+def _chosen(*questions: str) -> dict[str, tuple[str, str]]:
+    return {question: EARLY_CELL.slips[question] for question in questions}
+
+
+ONE_FUNCTION = Style(_at_once(_ALL, "def main():", f"    return {_RESULTS}", f"{_RESULTS} = main()"), EARLY_CELL.slips)
+IN_LOCALS = Style(
+    _at_once(_ALL, "def main():", "    return locals()", "globals().update(main())"),
+    _chosen("lab-1c-offsets", "lab-2b-theta"),
+)
+WITH_GLOBALS = Style(_at_once([f"global {_RESULTS}", *_ALL], "def main():", "main()"), _chosen("lab-2a-phi"))
+IN_A_CLASS = Style(
+    _at_once(
+        _AS_ATTRIBUTES,
+        "class Lab:|    def run(self):",
+        "lab = Lab()\nlab.run()",
+        *(f"{name} = lab.{name}" for name in _NAMES.split()),
+    ),
+    {"lab-1c-offsets": ("self.y_act[:self.n_first].mean()", "self.y_act.mean()")},
+)
+STARTING_OVER = Style(
+    {
+        **EARLY_CELL.cells,
+        **dict.fromkeys(
+            (f"lab-{step}-answer" for step in ("1c-offsets", "2b-theta", "3a-all", "3a-mse")),
+            EARLY_CELL.cells["lab-1a-extract-answer"],
+        ),
+    },
+    _chosen("lab-1a-sampling-time", "lab-1c-offsets"),
+)
+STYLES = {
+    "own names": OWN_NAMES,
+    "code in an earlier cell": EARLY_CELL,
+    "signals in a dict": IN_A_DICT,
+    "one function": ONE_FUNCTION,
+    "one function that returns its locals": IN_LOCALS,
+    "one function with global names": WITH_GLOBALS,
+    "one class": IN_A_CLASS,
+    "every cell starts over from the record": STARTING_OVER,
+}
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from one_answer import Solved, quietly, solve
+from one_answer import Solved, own_record, quietly, solve
 from typed_in import IMPORTS, literal_line, typed_in, values_of
 from variants import Right, variants_of
 
@@ -78,7 +78,7 @@ def asked(solved: Solved) -> list[str]:
 def draw(name: str, student: str, entropy: int) -> Drawn:
     """Judge a student's typed-in values, and every right variant, on a record drawn in the place of the student's."""
     typed = typed_variants(name, student)
-    own = solve(name, student).record
+    own = own_record(name, student)
     assert own is not None
     other = solve(name, student, another_record(load_assignment(name).record_file or "", own, entropy))
     passed, refused = [], []

@@ -22,7 +22,7 @@ from autograder.course.archive import (
 from autograder.course.plain_text import shortened
 from autograder.intake.submission import cells_of, is_as_released, read_notebook
 from autograder.intake.untrusted_json import reading_work
-from autograder.intake.versions import Version
+from autograder.intake.versions import NOTEBOOK_ENDING, Version
 from labsid.checks.cells import Template
 from labsid.checks.kept_tries import MAX_BYTES, tries_file_name
 from labsid.checks.notebook import find_assignment
@@ -155,7 +155,7 @@ def _add_file(
     times = (entry.modified, None) if packed_in is None else (packed_in.modified, entry.modified)
     if entry.problem:
         found.skipped.append(f"{shortened(path)}: {entry.problem}")
-    elif base.lower().endswith(".ipynb"):
+    elif NOTEBOOK_ENDING.search(base):
         over: OverBudgetError | None = None
         try:
             budget.charge(reading_work(entry.data))

@@ -22,6 +22,10 @@ _NUMBER = re.compile(rf"(?:\((\d{{1,6}})\)|(\d{{1,6}})|(?<![^\W_])({_NEW}))$", r
 _BEFORE_NUMBER = re.compile(r"(?<![^\W_])(?:v|ver|version|rev)$", re.I)
 _SEPARATORS = " ._-"
 _LAST = 10**6  # the number of a copy that is called final
+NOTEBOOK_ENDING = re.compile(r"\.ipynb(\.(txt|json))?[. ]{0,9}$", re.I)
+"""End of a notebook's name; some browsers save it as text."""
+
+_ENDING = re.compile(rf"{NOTEBOOK_ENDING.pattern}|\.zip$", re.I)
 _MAX_NAME = 200  # characters at the end of a name that are looked at
 _UNKNOWN_YEAR = 1980
 """Year of the first time that a zip file can hold; programs that do not know the time write it."""
@@ -82,7 +86,7 @@ class Version:
 
     @property
     def _stems(self) -> list[str]:
-        return [re.sub(r"\.(ipynb|zip)$", "", part[-_MAX_NAME:], flags=re.I) for part in self.path.split("/")]
+        return [_ENDING.sub("", part[-_MAX_NAME:]) for part in self.path.split("/")]
 
     @property
     def _words(self) -> list[str]:

@@ -118,14 +118,15 @@ class Execution:
         if self._cells > max_cells:
             failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells")
             return ExecutedCell(cell, Reply(False), failure)
+        action = RunCell(cell, self._replacing() if cell.kind in ("answer", "extra") else ())
         try:
-            reply = self.process.run(source_to_run(cell))
+            reply = self.process.run(source_to_run(cell), action.replacements)
         except StudentProcessError as failure:
             self.restart()
             return ExecutedCell(cell, Reply(False), failure)
         if _NO_SPACE in str((reply.error or {}).get("text")) and disk_is_full():
             raise MachineError(_NO_SPACE)
-        self.actions.append(RunCell(cell))
+        self.actions.append(action)
         return ExecutedCell(cell, self._truncated(reply))
 
     def replace(self, replacement: Replacement) -> None:
@@ -237,6 +238,10 @@ class Execution:
                 process.value(name)
         else:
             process.save_variables(action)
+
+    def _replacing(self) -> tuple[Replacement, ...]:
+        """What has been replaced so far: a later cell may make the same wrong values once more."""
+        return tuple(action for action in self.actions if isinstance(action, Replacement))
 
     def _serve(self, *replacements: Replacement) -> None:
         self._served.update(name for one in replacements for name in one.functions)

@@ -9,6 +9,7 @@ import hashlib
 import hmac
 import time
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
@@ -18,7 +19,8 @@ from autograder.judge.answer import Answer
 from autograder.judge.needed_cells import cells_needed, draws_known_values
 from autograder.judge.notebook import Assets, JudgedNotebook
 from autograder.judge.outcome import QuestionResult
-from autograder.sandbox.workdirs import temporary_workdir
+from autograder.judge.waiting_record import WaitingRecord
+from autograder.sandbox.isolation import ProcessLauncher
 from labsid.checks.other_records import another_record, can_be_drawn
 from labsid.checks.question import FollowsFrom
 from labsid.plots.figure_values import FigureValue
@@ -28,7 +30,7 @@ TYPED_IN = "This value fits your record only: compute it from the record."
 STOPPED = "On another record your code for this step stops{line}: it must work on any record of this kind."
 SECOND, THIRD = 2, 3
 
-JudgeOn = Callable[[Submission, Assets, Path], JudgedNotebook]
+JudgeOn = Callable[[Submission, Assets, Path, ProcessLauncher], JudgedNotebook]
 """Judges a notebook on another record, with the files of a folder."""
 
 
@@ -66,8 +68,18 @@ def second_record_of(assets: Assets) -> str:
     return "run" if assets.second_record else "off"
 
 
+def draw_second_record(submission: Submission, assets: Assets, launcher: ProcessLauncher) -> WaitingRecord:
+    """Begin to draw the record of the second run, while the notebook runs on the student's own."""
+    return _drawn(submission, assets, launcher, SECOND)
+
+
 def confirm_on_hidden_records(
-    submission: Submission, judged: JudgedNotebook, assets: Assets, judge_on: JudgeOn
+    submission: Submission,
+    judged: JudgedNotebook,
+    assets: Assets,
+    judge_on: JudgeOn,
+    second: WaitingRecord,
+    launcher: ProcessLauncher,
 ) -> Confirmed:
     """Run a judged notebook on hidden records, and refuse the answers that are right on the student's own record alone.
 
@@ -79,6 +91,9 @@ def confirm_on_hidden_records(
     assets : Assets
         With which it was judged. The secret seeds the records: the same for the same hand-in, others for every other.
     judge_on : callable
+    second : WaitingRecord
+        The record of the second run.
+    launcher : ProcessLauncher
 
     Returns
     -------
@@ -94,16 +109,17 @@ def confirm_on_hidden_records(
         if not asked:
             break
         began = time.monotonic()
-        seed = record_seed(assets.secret, submission, number)
-        try:
-            content = _hidden_file(assets, seed)
-        except ValueError as error:
-            refused, flags = {}, (*flags, f"not run on another record: {error}")
-            break
-        runs += 1
         # the second run is shortened, as it finds most answers right; the third, which decides, is whole
         cells = (_shortened(judged, asked) if number == SECOND else None) or _whole(judged, asked)
-        found = _run(content, seed, assets, judge_on, replace(submission, cells=cells))
+        seed = record_seed(assets.secret, submission, number)
+        with nullcontext(second) if number == SECOND else _drawn(submission, assets, launcher, number) as record:
+            try:
+                record.content()
+            except ValueError as error:
+                refused, flags = {}, (*flags, f"not run on another record: {error}")
+                break
+            runs += 1
+            found = _run(record, seed, assets, judge_on, replace(submission, cells=cells))
         wrong = {question: one for question, one in found.items() if question in asked and not one.is_right}
         for question in asked:
             seconds[question] += (time.monotonic() - began) / len(asked)
@@ -131,6 +147,11 @@ def record_seed(secret: bytes, submission: Submission, number: int) -> bytes:
 def _is_at_stake(answer: Answer) -> bool:
     """Whether an answer is right on the student's own record, and its check read a variable that follows from it."""
     return answer.is_right and answer.question.follows_from is FollowsFrom.DATA and bool(answer.asked.values)
+
+
+def _drawn(submission: Submission, assets: Assets, launcher: ProcessLauncher, number: int) -> WaitingRecord:
+    seed = record_seed(assets.secret, submission, number)
+    return WaitingRecord(lambda: _hidden_file(assets, seed), assets.assignment.record_file or "", launcher)
 
 
 def _hidden_file(assets: Assets, seed: bytes) -> bytes:
@@ -173,15 +194,13 @@ def _is_figure(answer: Answer) -> bool:
 
 
 def _run(
-    content: bytes, seed: bytes, assets: Assets, judge_on: JudgeOn, submission: Submission
+    record: WaitingRecord, seed: bytes, assets: Assets, judge_on: JudgeOn, submission: Submission
 ) -> Mapping[str, _Found]:
     """Judge on one hidden record, in a work folder of its own; what the hidden run found, by question."""
-    with temporary_workdir() as folder:
-        path = folder / (assets.assignment.record_file or "")
-        path.write_bytes(content)
-        # other inputs of functions, too: the seed takes the place of the secret
-        hidden = replace(assets, record=load_record(path), secret=seed, origin=None)
-        answers = judge_on(submission, hidden, folder).answers
+    # other inputs of functions, too: the seed takes the place of the secret
+    own = load_record(record.folder / (assets.assignment.record_file or ""))
+    hidden = replace(assets, record=own, secret=seed, origin=None)
+    answers = judge_on(submission, hidden, record.folder, record.launcher()).answers
     return {answer.question.id: _Found(answer.is_right, _reason(answer)) for answer in answers}
 
 

@@ -7,7 +7,7 @@ cells. Only this process holds the checks, the reference and the hidden inputs o
 from pathlib import Path
 
 from autograder.intake.submission import Submission
-from autograder.judge.hidden_records import confirm_on_hidden_records, second_record_of
+from autograder.judge.hidden_records import confirm_on_hidden_records, draw_second_record, second_record_of
 from autograder.judge.notebook import Assets, JudgedNotebook, judge_notebook
 from autograder.judge.outcome import SubmissionResult, ungraded_result
 from autograder.sandbox.isolation import ProcessLauncher
@@ -38,13 +38,13 @@ def judge_submission(
     """
     if submission.status != "ready":
         return ungraded_result(submission, assets.template, launcher.level)
-    judged = judge_notebook(submission, assets, launcher, folder, pictures)
     state = second_record_of(assets)
-
-    def judge_on(part: Submission, hidden: Assets, other: Path) -> JudgedNotebook:
-        return judge_notebook(part, hidden, launcher, other, pictures=False)
-
-    confirmed = confirm_on_hidden_records(submission, judged, assets, judge_on) if state == "run" else None
+    if state == "run":
+        with draw_second_record(submission, assets, launcher) as second:
+            judged = judge_notebook(submission, assets, launcher, folder, pictures)
+            confirmed = confirm_on_hidden_records(submission, judged, assets, _judge_on, second, launcher)
+    else:
+        judged, confirmed = judge_notebook(submission, assets, launcher, folder, pictures), None
     return SubmissionResult(
         submission.student,
         submission.assignment,
@@ -56,3 +56,7 @@ def judge_submission(
         () if confirmed is None else confirmed.flags,
         state,
     )
+
+
+def _judge_on(part: Submission, hidden: Assets, folder: Path, launcher: ProcessLauncher) -> JudgedNotebook:
+    return judge_notebook(part, hidden, launcher, folder, pictures=False)

@@ -6,7 +6,7 @@ from functools import cached_property
 
 from autograder.judge.answer import Answer
 from autograder.judge.execution import ExecutedCell, source_to_run
-from labsid.checks.cell_names import assigned_names, read_names
+from labsid.checks.cell_names import assigned_names, made_by_calls, read_names
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,8 @@ class Places:
 
     @cached_property
     def _assigned(self) -> Sequence[frozenset[str]]:
-        return [assigned_names(source_to_run(done.cell)) for done in self.cells]
+        sources = [source_to_run(done.cell) for done in self.cells]
+        return [assigned_names(source) | made_by_calls(source) for source in sources]
 
     @cached_property
     def _read(self) -> Sequence[frozenset[str]]:

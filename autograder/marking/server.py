@@ -26,7 +26,7 @@ from autograder.marking.answers import OpenAnswer, OpenQuestion, find_question, 
 from autograder.results import gradebook
 from autograder.results.feedback import load_template, look_of, printable, values_of
 from autograder.results.gradebook import Mark
-from autograder.results.prose import prose_html
+from autograder.results.prose import keep_slow_texts, prose_html
 
 HOST = "127.0.0.1"
 MAX_BODY = 100_000  # bytes
@@ -91,6 +91,9 @@ class MarkingApp:
     hide_names: bool = False
     values: Callable[[str, str], Mapping[str, Mapping[str, str]]] = lambda student, assignment: {}
     _lock: Any = field(default_factory=Lock)
+
+    def __post_init__(self) -> None:
+        keep_slow_texts(self.out)
 
     def respond(self, method: str, path: str, body: bytes = b"") -> Response:
         """Respond to a request that came to the right host from the right origin."""

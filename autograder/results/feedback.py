@@ -16,7 +16,7 @@ from autograder.course.questions import QuestionText
 from autograder.judge.outcome import QuestionResult
 from autograder.results import gradebook, grades, result_files
 from autograder.results.gradebook import Key, ManualGrades, Mark
-from autograder.results.prose import prose_html
+from autograder.results.prose import keep_slow_texts, prose_html
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
 
@@ -69,6 +69,7 @@ def write_feedback(out: Path, texts: FeedbackTexts | None = None) -> Iterator[Pa
         If OUT holds no results.
     """
     manual, names = gradebook.read_manual_grades(out), gradebook.read_names(out)
+    keep_slow_texts(out)
     page_template = load_template("feedback.html.j2")
     for result in result_files.load_all(out):
         path = out / "feedback" / result.student / f"{result.assignment}.html"

@@ -1,19 +1,26 @@
 """Students' Markdown as HTML that is safe to show: no HTML of their own, no scripts, no images, no other headings.
 
 The text is parsed, and what may be shown is chosen in the tree, never by patterns in the text. Each text is rendered
-once in a process, under a limit of time; one that takes longer is shown as it was typed.
+once in a process, under a limit of time; one that takes longer is shown as it was typed. What takes long is kept in the
+folder of the results, for the next command.
 """
 
+import contextlib
+import hashlib
 import re
+import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import cache, lru_cache
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import markupsafe
 
+from autograder.results import formulas
 from autograder.results.formulas import formula_html
+from labsid._files import write_text
 
 if TYPE_CHECKING:
     from markdown_it import MarkdownIt
@@ -28,6 +35,9 @@ SECONDS = 0.5
 LINKS = re.compile(r"(?:https?|mailto):", re.IGNORECASE)
 """Links that are shown as such, after parsing; all others are text."""
 
+_SLOW_CHARACTERS = 200  # a shorter text takes no time worth keeping
+_SLOW_SECONDS = 0.03
+_KEPT: list[Path] = []  # the folder, if slow texts are kept
 _TAG = re.compile(r"(<[^>]*>)")
 
 
@@ -80,8 +90,35 @@ def _apart(text: str) -> str:
     return re.sub(r"[$\\]", lambda found: f"<span>&#{ord(found[0])};</span>", text)
 
 
+def keep_slow_texts(out: Path) -> None:
+    """Keep what takes long to render in ``OUT/rendered``, for this process and later ones."""
+    _KEPT[:] = [out / "rendered"]
+
+
 @lru_cache(maxsize=4096)
 def _rendered(text: str, seconds: float) -> markupsafe.Markup:
+    if not _KEPT or len(text) < _SLOW_CHARACTERS or seconds < SECONDS:
+        return _rendered_now(text, seconds)
+    key = hashlib.sha256(b"\0".join([_version(), repr(seconds).encode(), text.encode(errors="surrogatepass")]))
+    path = _KEPT[0] / f"{key.hexdigest()}.html"
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        return markupsafe.Markup(path.read_text(encoding="utf-8"))
+    began = time.thread_time()
+    rendered = _rendered_now(text, seconds)
+    if time.thread_time() - began > _SLOW_SECONDS:
+        with contextlib.suppress(OSError, UnicodeEncodeError):
+            write_text(path, str(rendered))
+    return rendered
+
+
+@cache
+def _version() -> bytes:
+    """A digest of the code that renders."""
+    sources = (Path(module.__file__ or "").read_bytes() for module in (sys.modules[__name__], formulas))
+    return hashlib.sha256(b"".join(sources)).digest()
+
+
+def _rendered_now(text: str, seconds: float) -> markupsafe.Markup:
     if len(text) <= MAX_CHARACTERS:
         try:
             return markupsafe.Markup(_render(text, time.thread_time() + seconds))

@@ -4,17 +4,22 @@ What replaces them was sent by the judge, which has judged their question for go
 module changes what later cells start from, and no mark of that question.
 """
 
+import contextlib
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from autograder.sandbox.in_functions import ThroughHooks, set_hooks
 from labsid.checks.cell_names import assigned_names, parse_python
 from labsid.checks.permitted import without_magic
 from labsid.checks.values import Value, as_student_object, plain
 
+_MAX_HOOKED = 20  # values of one name in functions: a function that is called more often is no whole notebook
 _MAX_ENTRIES = 100  # of a dict, a list or a table
 _SIMPLE_DIGITS = 6  # a number with more digits is a computed one, which another variable does not equal by chance
 
@@ -68,24 +73,68 @@ def run_replacing(
         IPython's, of the statement that stopped the cell, or of the last one.
     """
     replacements = tuple(replacements)
+    if not replacements:
+        return shell.run_cell(source, store_history=False)
     result = None
-    for piece in _statements(source) if replacements else (source,):
-        result = shell.run_cell(piece, store_history=False)
-        error = result.error_before_exec or result.error_in_exec
-        if isinstance(error, NameError) and _set_missing(shell.user_ns, str(error.name), replacements, serve):
+    replaced = frozenset().union(*(one.names for one in replacements))
+    with _in_functions(shell, replacements, replaced, serve):
+        for piece in _statements(source):
             result = shell.run_cell(piece, store_history=False)
             error = result.error_before_exec or result.error_in_exec
-        made = assigned_names(piece) if replacements else frozenset()
-        if error is None:
-            for name in made & shell.user_ns.keys():
-                _replace_made(shell.user_ns, name, replacements, serve)
-        elif made and made <= frozenset().union(*(one.names for one in replacements)):
-            for name in made:
-                _set_missing(shell.user_ns, name, replacements, serve)
-            result.error_before_exec = result.error_in_exec = None
-        else:
-            break
+            if isinstance(error, NameError) and _set_missing(shell.user_ns, str(error.name), replacements, serve):
+                result = shell.run_cell(piece, store_history=False)
+                error = result.error_before_exec or result.error_in_exec
+            made = assigned_names(piece)
+            if error is None:  # a call alone may make anything
+                for name in (made or replaced) & shell.user_ns.keys():
+                    _replace_made(shell.user_ns, name, replacements, serve)
+            elif made and made <= replaced:
+                for name in made:
+                    _set_missing(shell.user_ns, name, replacements, serve)
+                result.error_before_exec = result.error_in_exec = None
+            else:
+                break
     return result
+
+
+@contextlib.contextmanager
+def _in_functions(
+    shell: Any,
+    replacements: tuple[Replacement, ...],
+    replaced: frozenset[str],
+    serve: Callable[[str], Callable[..., Any]],
+) -> Iterator[None]:
+    """While a cell runs, replace what its functions make, too; when the judge calls them, they are as written."""
+
+    calls: Counter[str] = Counter()
+
+    def made(name: str, value: Any, others: Mapping[str, Any]) -> Any:
+        calls[name] += 1
+        if calls[name] > _MAX_HOOKED:
+            return value
+        variables = {**shell.user_ns, **others, name: value}
+        _replace_made(variables, name, replacements, serve)
+        return variables[name]
+
+    def missing(name: str) -> Any:
+        variables: dict[str, Any] = {}
+        if not _set_missing(variables, name, replacements, serve):
+            raise  # what the statement has raised
+        return variables[name]
+
+    left = frozenset().union(*(one.kept | set(one.functions) for one in replacements))
+    set_hooks(made, missing)
+    shell.ast_transformers.append(transformer := ThroughHooks(left, replaced))
+    try:
+        yield
+    finally:
+        if transformer in shell.ast_transformers:
+            shell.ast_transformers.remove(transformer)
+        set_hooks(lambda name, value, others: value, _none_missing)
+
+
+def _none_missing(name: str) -> Any:
+    raise  # what the statement has raised
 
 
 def set_right(variables: dict[str, Any], replacement: Replacement, serve: Callable[[str], Callable[..., Any]]) -> None:
@@ -149,14 +198,18 @@ def _replace_made(
                 continue
             holder, keys = (variables, [name]) if is_named else _entries(variables, name)
             for key in keys:
-                fitted = _fit(one.right[other], holder[key], wrong, is_named)
-                if fitted is not None and (is_named or not _has_kept(variables, one, wrong)):
+                has_name = is_named or (isinstance(key, str) and key == other)
+                fitted = _fit(one.right[other], holder[key], wrong, is_named, has_name)
+                if fitted is not None and (has_name or not _has_kept(variables, one, wrong)):
                     holder[key] = fitted
 
 
 def _entries(variables: dict[str, Any], name: str) -> tuple[Any, list[Any]]:
-    """A place where values are, and their keys: the columns of a table, the items of a dict or list, or the name."""
+    """A place of values, and their keys: columns of a table, items of a dict or list, attributes, or the name."""
     value = variables[name]
+    if type(value).__module__ == "__main__" or type(value) is SimpleNamespace:
+        inner = getattr(value, "__dict__", {})
+        return inner, list(inner)[:_MAX_ENTRIES]
     if isinstance(value, list):
         return value, list(range(min(len(value), _MAX_ENTRIES)))
     if hasattr(value, "keys") and hasattr(value, "__setitem__"):
@@ -176,18 +229,20 @@ def _serve_as(variables: dict[str, Any], name: str, serve: Callable[[str], Calla
     variables.update(dict.fromkeys((name, *names), serve(name)))
 
 
-def _fit(right: Value, own: object, wrong: Value, is_named: bool) -> Any:
+def _fit(right: Value, own: object, wrong: Value, is_named: bool, has_name: bool | None = None) -> Any:
     """The right value, if the student's own is the wrong one; None if it is another one.
 
-    Under another name than the one that is asked for, it has the shape of the student's own.
+    In any place but the variable that is asked for, it has the shape of the student's own. What does not have its name
+    must not equal it by chance.
     """
+    has_name = is_named if has_name is None else has_name
     value = plain(own.to_numpy() if hasattr(own, "to_numpy") else own)
     if not (_is_numeric(value) and _is_numeric(wrong)):
         return as_object(right) if is_named and type(value) is type(wrong) and not _is_numeric(wrong) else None
     a, b = np.asarray(value), np.asarray(wrong)
     if a.size != b.size or not np.array_equal(a.ravel(), b.ravel(), equal_nan=True):
         return None
-    if not is_named and (np.ptp(a) == 0 if a.size > 1 else a.size == 0 or _is_simple(a.ravel()[0])):
+    if not has_name and (np.ptp(a) == 0 if a.size > 1 else a.size == 0 or _is_simple(a.ravel()[0])):
         return None
     if not is_named and isinstance(right, np.ndarray) and right.size == a.size:
         return np.array(right).reshape(a.shape)

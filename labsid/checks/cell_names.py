@@ -30,6 +30,21 @@ def assigned_names(source: str) -> frozenset[str]:
     return frozenset() if tree is None else frozenset(_assigned(tree))
 
 
+def made_by_calls(source: str) -> frozenset[str]:
+    """The names that functions of a cell bind which a statement only calls, such as ``main()``: it may keep them.
+
+    In a cell that uses ``globals()``, these are all of its functions.
+    """
+    tree = _parse(source)
+    if tree is None:
+        return frozenset()
+    callers = (one for one in tree.body if isinstance(one, ast.Expr | ast.If))
+    called = {node.id for one in callers for node in ast.walk(one) if isinstance(node, ast.Name)}
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    kept = functions if "globals" in read_names(source) else [one for one in functions if one.name in called]
+    return frozenset(name for one in kept for statement in one.body for name in _assigned(statement))
+
+
 def used_names(source: str) -> frozenset[str]:
     """The variables of the notebook that a cell uses, also inside its functions, and does not assign itself."""
     top = _symbols(source)

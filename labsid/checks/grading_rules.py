@@ -37,10 +37,30 @@ def follow_rules(shell: Any) -> None:
     builtins.__import__ = _import_for_cells(shell.user_ns, builtins.__import__)
     shell.system = lambda command: _skip(f"!{command}")
     shell.getoutput = _no_output
+    shell.kernel = NoFrontEnd()
+    shell.ask_exit = lambda: None
+    shell.enable_gui = lambda gui=None: None
+    shell.db = {}  # of `%cd` and other magics, which would write it to the home folder
+    if not hasattr(shell, "get_parent"):
+        shell.parent_header = {}
+        shell.get_parent = lambda: shell.parent_header
+    sys.breakpointhook = lambda *_, **__: _skip("breakpoint()")
     for name in SKIPPED_MAGICS:
         shell.register_magic_function(
             lambda line, cell=None, name=name: _skip(f"%{name} {line}"), magic_kind="line_cell", magic_name=name
         )
+
+
+class NoFrontEnd:
+    """Takes the place of ``get_ipython().kernel``: whatever a cell does with it has no effect."""
+
+    def __getattr__(self, name: str) -> "NoFrontEnd":
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self
+
+    def __call__(self, *_: object, **__: object) -> "NoFrontEnd":
+        return self
 
 
 def limit_process() -> None:

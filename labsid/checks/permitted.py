@@ -36,7 +36,7 @@ WRITE_YOURSELF = "write the step yourself (the start page says what may be used 
 
 SKIPPED_MAGICS = (
     "pip", "conda", "mamba", "micromamba", "uv", "sx", "system", "bash", "sh", "script", "cmd", "perl", "ruby",
-    "autosave", "connect_info", "edit", "qtconsole", "subshell",
+    "autosave", "connect_info", "edit", "load", "notebook", "qtconsole", "store", "subshell",
 )  # fmt: skip
 """Magic commands that install or start something, or that only a front end has."""
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from course_work import GradeCode, copy_course, read_solved, shared_inputs
+from course_work import GradeCode, built_course, read_solved, shared_folder, shared_inputs
 
-from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.judge.outcome import QuestionResult
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
@@ -79,9 +78,7 @@ HAND_INS = {
 
 @pytest.fixture(scope="module")
 def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
-    built = copy_course(tmp_path_factory.mktemp("course"))
-    assert list(build_course(built)) == built.assignments()
-    return built
+    return built_course(tmp_path_factory.mktemp("course"), shared_folder(tmp_path_factory))
 
 
 @pytest.fixture(scope="module")

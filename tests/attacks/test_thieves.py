@@ -5,10 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from course_work import GradeCode, copy_course, read_solved
+from course_work import GradeCode, built_course, read_solved, shared_folder
 
 from attacks.thieves import KIT, WAYS, raising_cells, thief_cells
-from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.judge.execution import Execution
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
@@ -28,9 +27,7 @@ STRICT = "recursive-identification"
 
 @pytest.fixture(scope="module")
 def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
-    built = copy_course(tmp_path_factory.mktemp("course"))
-    assert list(build_course(built)) == built.assignments()
-    return built
+    return built_course(tmp_path_factory.mktemp("course"), shared_folder(tmp_path_factory))
 
 
 @pytest.fixture(scope="module")

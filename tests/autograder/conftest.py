@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 
 import pytest
-from course_work import GradeCode, copy_course
+from course_work import GradeCode, built_course, shared_folder
 from kept_processes import Kept
 
-from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.sandbox.isolation import Limits, ProcessLauncher, open_launcher
 
@@ -34,9 +33,7 @@ def kept_processes(request: pytest.FixtureRequest, kept: Kept) -> Iterator[None]
 @pytest.fixture(scope="session")
 def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
     """The repository's own course, built apart from it."""
-    built = copy_course(tmp_path_factory.mktemp("course"))
-    assert list(build_course(built)) == built.assignments()
-    return built
+    return built_course(tmp_path_factory.mktemp("course"), shared_folder(tmp_path_factory))
 
 
 @pytest.fixture(scope="session")

@@ -112,6 +112,14 @@ def test_tries_are_taken_without_a_word_and_go_with_a_hand_in_that_lacks_them(
         assert not target.exists()
 
 
+@pytest.mark.parametrize("ending", [".txt", ".json", ".TXT", ".", " (1).ipynb"])
+def test_a_notebook_that_a_browser_saved_as_text_is_one(
+    ending: str, course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/{LAB}.ipynb{ending}"), notebooks[LAB])])
+    assert list(collect_submissions(course, path, tmp_path / "out")) == [f"1001 (Ada Lovelace): {LAB}"]
+
+
 def test_the_latest_version_counts_and_it_is_said(
     course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
 ) -> None:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 from hostile_texts import HOSTILE
@@ -70,6 +71,24 @@ def test_mathjax_finds_no_formula_in_a_students_text(text: str) -> None:
 )
 def test_ordinary_text_is_shown(text: str, expected: str) -> None:
     assert expected in markdown2html_mistune(prose_for_notebook(text))
+
+
+def test_what_takes_long_is_kept_for_the_next_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prose, "_KEPT", [])
+    monkeypatch.setattr(prose, "_SLOW_SECONDS", 0.0)
+    text = "A **long** answer. " * 20
+    first = prose_html(text)
+    prose.keep_slow_texts(tmp_path)
+    for _ in range(2):
+        prose._rendered.cache_clear()
+        assert prose_html(text) == first
+    (kept,) = (tmp_path / "rendered").iterdir()
+    kept.write_text("<p>kept</p>", encoding="utf-8")
+    prose._rendered.cache_clear()
+    assert prose_html(text) == "<p>kept</p>"
+    prose._rendered.cache_clear()
+    assert "short" in prose_html("short")
+    assert len(list((tmp_path / "rendered").iterdir())) == 1
 
 
 SLOW = {

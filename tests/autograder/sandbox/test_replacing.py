@@ -55,6 +55,56 @@ def test_the_rest_of_the_cell_runs_on_right_values(shell: Any, source: str) -> N
     np.testing.assert_array_equal(made["y"], RIGHT)
 
 
+MADE = "y = np.array([1.5, 2.5, 4.5])\n"
+WHOLE = {
+    "a function": f"def main():\n    {MADE}    z = 2 * y\n    return y, z\ny, z = main()",
+    "global names": f"def main():\n    global y, z\n    {MADE}    z = 2 * y\nmain()",
+    "its locals": f"def main():\n    {MADE}    z = 2 * y\n    return locals()\nglobals().update(main())",
+    "a nested function": (
+        f"def main():\n    def inner():\n        {MADE}        return 2 * y, y\n    return inner()\nz, y = main()"
+    ),
+    "a coroutine": f"async def main():\n    {MADE}    return 2 * y, y\nz, y = await main()",
+    "another name": "def main(raw):\n    s = raw + 0.5\n    return s, 2 * s\ny, z = main(np.array([1, 2, 4.]))",
+    "a class": "class A:\n    def run(self):\n        self.y = np.array([1.5, 2.5, 4.5])\n        self.z = 2 * self.y\n"
+    "a = A()\na.run()\ny, z = a.y, a.z",
+    "a function that cannot make it": "def main():\n    y = absent + 1\n    z = 2 * y\n    return y, z\ny, z = main()",
+    "the main guard": f"if __name__ == '__main__':\n    {MADE}    z = 2 * y",
+    "with": f"import contextlib\nwith contextlib.nullcontext():\n    {MADE}    z = 2 * y",
+    "try": f"try:\n    {MADE}    z = 2 * y\nexcept ValueError:\n    pass",
+    "one line": f"{MADE.strip()}; z = 2 * y",
+    "%%time": f"%%time\n{MADE}z = 2 * y",
+    "%%capture": f"%%capture kept\n{MADE}z = 2 * y",
+}
+
+
+@pytest.mark.parametrize("style", WHOLE)
+def test_all_code_in_one_block_runs_on_right_values(shell: Any, style: str) -> None:
+    shell.user_ns["__name__"] = "__main__"
+    made = run(shell, WHOLE[style], Y)
+    assert made["error"] is None
+    np.testing.assert_array_equal(made["z"], 2 * RIGHT)
+    np.testing.assert_array_equal(made["y"], RIGHT)
+
+
+def test_a_function_that_the_judge_calls_is_as_written(shell: Any) -> None:
+    made = run(shell, f"def double(k):\n    {MADE}    return k * y\nz = double(2)", Y)
+    np.testing.assert_array_equal(made["z"], 2 * RIGHT)
+    np.testing.assert_array_equal(shell.user_ns["double"](2), 2 * WRONG)
+    asked = Replacement({"y": RIGHT}, {"y": WRONG}, kept=frozenset({"double"}))
+    made = run(shell, f"def double(k):\n    {MADE}    return k * y\nz = double(2)", asked)
+    np.testing.assert_array_equal(made["z"], 2 * WRONG)
+
+
+def test_an_error_within_a_function_is_the_students_own(shell: Any) -> None:
+    run(shell, "def main():\n    y = absent + 1\n    return y", Y)
+    with pytest.raises(NameError, match="absent"):
+        shell.user_ns["main"]()
+    assert (
+        run(shell, "def main():\n    k = 1 / 0\n    return k\ny = main()\nk = main()", Y)["error"]
+        == "ZeroDivisionError"
+    )
+
+
 def test_other_values_stay(shell: Any) -> None:
     kept = Replacement({"y": RIGHT}, {"y": WRONG}, kept=frozenset({"y_act"}))
     made = run(shell, "y_act = np.array([1.5, 2.5, 4.5])\nraw = y_act\ny = raw\nlevel = 3.0", kept)

@@ -45,31 +45,32 @@ def check_offsets(ask: Ask) -> Verdict:
 def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: FloatArray) -> Verdict:
     found = find_offsets(u_act, y_act)
     n = found.first_period
-    # possibly within the tolerance, so these are compared exactly
-    if not _is_mean_up_to(n, y_act, got):
-        if _is_mean_up_to(n, y_actm, got):
+    # possibly within the tolerance, so these are compared exactly; a right mean may equal one of them by chance
+    is_mean = _is_mean_up_to(n, y_act, got)
+    if not (_is_mean_up_to(n, y_act, got, n // 4) or _is_rounded(found.y_offset, got)):
+        if not is_mean and _is_mean_up_to(n, y_actm, got):
             return Verdict(
                 False,
                 "`y_offset` is the mean of the measured output `y_actm`. `y` is made from the noise-reduced `y_act`: "
                 "average that one.",
                 "measured output used",
             )
-        if _is_mean_up_to(n + 1, y_act, got):
+        if not is_mean and _is_mean_up_to(n + 1, y_act, got):
             return Verdict(
                 False,
                 "`y_offset` is averaged over one sample too many: `y_act[n_first]` is the sample at which the input "
                 "changes. The slice `y_act[:n_first]` ends before it.",
                 "off by one",
             )
+        for k in (0, n - 1):
+            # possibly within the tolerance, but a single sample contains the noise that averaging removes
+            if abs(got - y_act[k]) < 1e-9:
+                return Verdict(
+                    False,
+                    "`y_offset` is the value of one sample, including its noise. Take the mean over the first period.",
+                    "a single sample",
+                )
     second_change = n + first_period_length(u_act[n:]) if np.ptp(u_act[n:]) else u_act.size
-    for k in (0, n - 1):
-        # possibly within the tolerance, but a single sample contains the noise that averaging removes
-        if abs(got - y_act[k]) < 1e-9:
-            return Verdict(
-                False,
-                "`y_offset` is the value of one sample, including its noise. Take the mean over the first period.",
-                "a single sample",
-            )
     slips: list[Slip[float]] = [
         Slip(
             "mean over the whole record",
@@ -146,10 +147,15 @@ def _picked(pick: Callable[[FloatArray], np.floating], part: FloatArray) -> floa
     return float(pick(part))
 
 
-def _is_mean_up_to(stop: int, y: FloatArray, got: float) -> bool:
+def _is_rounded(mean: float, got: float) -> bool:
+    """Whether `got` is this mean with fewer decimals, but more than one."""
+    return any(np.round(mean, decimals) == got for decimals in range(2, 8))
+
+
+def _is_mean_up_to(stop: int, y: FloatArray, got: float, fewest: int = 2) -> bool:
     """Whether `got` is the mean of several samples that end before `stop`, from any first one."""
     tail = y[:stop][::-1]
-    means = np.cumsum(tail)[1:] / np.arange(2, tail.size + 1)
+    means = (np.cumsum(tail) / np.arange(1, tail.size + 1))[max(fewest, 2) - 1 :]
     return bool(np.any(np.abs(means - got) <= 1e-12 * np.max(np.abs(y))))
 
 

@@ -1,0 +1,118 @@
+"""Inside the functions and blocks of a cell: where a statement makes a value, the value passes through a hook.
+
+A student who puts the whole notebook into one function, class or block loses no more by a wrong step than one who does
+not.
+"""
+
+import ast
+import builtins
+from collections.abc import Collection, Iterable, Iterator
+from typing import Any
+
+HOOK = "_labsid_made"
+RESCUE = "_labsid_missing"
+
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_BLOCKS = (ast.If, ast.With, ast.AsyncWith, ast.Try, ast.ExceptHandler, ast.Match, ast.match_case)
+_INNER = (*_FUNCTIONS, ast.ClassDef, ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+
+
+class ThroughHooks(ast.NodeTransformer):
+    """Passes what statements make through two hooks, ``made(name, value, locals)`` and ``missing(name)``.
+
+    A loop is one statement. So is each statement that is alone in what is run.
+
+    Parameters
+    ----------
+    left : collection of str
+        Functions that stay as they are: those that a question asks for, and given ones.
+    replaced : collection of str
+        Names for which there is a right value. A statement that makes nothing else, and fails, does not stop the rest.
+    """
+
+    def __init__(self, left: Collection[str], replaced: Collection[str]) -> None:
+        self._left = left
+        self._replaced = replaced
+
+    def visit_Module(self, node: ast.Module) -> ast.Module:
+        """Change the functions, methods and blocks of a cell."""
+        if len(node.body) == 1:
+            self._change_inner(node.body[0], None)
+        else:
+            node.body = list(self._changed(node.body, None))
+        return ast.fix_missing_locations(node)
+
+    def _changed(self, body: Iterable[ast.stmt], bound: Collection[str] | None) -> Iterator[ast.stmt]:
+        """Statements with hooks; `bound` are the names of their function, or None outside of functions."""
+        for statement in body:
+            names = sorted(made_by(statement))
+            self._change_inner(statement, bound)
+            is_bound = bound is None or set(names) <= set(bound)
+            if names and isinstance(statement, ast.Assign | ast.AnnAssign) and is_bound:
+                yield self._rescued(statement, names)
+            else:
+                yield statement
+            for name in names:
+                for one in _hook(name, bound is None or name in bound):
+                    yield ast.copy_location(one, statement)
+
+    def _change_inner(self, node: ast.AST, bound: Collection[str] | None) -> None:
+        """Change the bodies within a statement."""
+        if isinstance(node, _FUNCTIONS):
+            if node.name not in self._left:
+                node.body = list(self._changed(node.body, _bound(node)))
+        elif isinstance(node, ast.ClassDef):
+            for one in node.body:
+                if isinstance(one, _FUNCTIONS):
+                    self._change_inner(one, None)
+        elif isinstance(node, _BLOCKS):
+            for part in ("body", "orelse", "finalbody"):
+                if getattr(node, part, None):
+                    setattr(node, part, list(self._changed(getattr(node, part), bound)))
+            for part in ("handlers", "cases"):
+                for one in getattr(node, part, ()):
+                    self._change_inner(one, bound)
+
+    def _rescued(self, statement: ast.stmt, names: Collection[str]) -> ast.stmt:
+        if not set(names) <= set(self._replaced):
+            return statement
+        handler = ast.parse("\n".join(f"{name} = {RESCUE}({name!r})" for name in names)).body
+        caught = ast.ExceptHandler(ast.Name("Exception", ast.Load()), None, handler)
+        return ast.copy_location(ast.Try([statement], [caught], [], []), statement)
+
+
+def set_hooks(made: Any, missing: Any) -> None:
+    """Set what is done with a value, and where none was made."""
+    setattr(builtins, HOOK, made)
+    setattr(builtins, RESCUE, missing)
+
+
+def made_by(node: ast.AST) -> frozenset[str]:
+    """The names that a statement assigns or changes by an assignment, outside the functions in it."""
+    return frozenset(_stored(node, with_changed=True))
+
+
+def _hook(name: str, is_bound: bool) -> list[ast.stmt]:
+    """The call of the hook for a name, which a statement may have left unbound."""
+    value = f"{HOOK}({name!r}, {name}, locals())"
+    return ast.parse(f"try:\n    {name} = {value}\nexcept NameError:\n    pass" if is_bound else value).body
+
+
+def _bound(function: ast.FunctionDef | ast.AsyncFunctionDef) -> frozenset[str]:
+    """The names that a function may assign: it does so itself, or they are its arguments."""
+    arguments = function.args
+    given = (one.arg for one in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs))
+    return frozenset((*given, *(name for one in function.body for name in _stored(one, with_changed=False))))
+
+
+def _stored(node: ast.AST, with_changed: bool) -> Iterator[str]:
+    if isinstance(node, _INNER):
+        return
+    if isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store):
+        while isinstance(node, ast.Attribute | ast.Subscript) and with_changed:
+            node = node.value
+        if isinstance(node, ast.Name):
+            yield node.id
+        return
+    for inner in ast.iter_child_nodes(node):
+        yield from _stored(inner, with_changed)
