@@ -21,6 +21,7 @@ COARSEST, FINEST = 1.5, 64.0  # steps in the range of the command
 STEP_RATIO = 1.01  # of two steps that are tried
 FINER = 21  # steps between two of these neighbours, about the best ones
 MAX_TRIED = 4000  # samples in which steps are compared
+PARTS = 12  # in which they are compared, for the memory that their responses take
 MIN_ACTING = 3  # levels that act
 
 
@@ -138,10 +139,10 @@ class _Screen:
         self.plant, self.samples = Plant(), samples
         self.rates = np.log(context.highpass_rates)
         rows = context.data.rows[:samples]
-        self.rows, actuator = rows, context.actuator[:samples]
-        basis = np.hstack([self.plant.columns(self.rates, actuator, samples), np.ones((samples, 1))])[rows]
+        self.rows, actuator = slice(None) if rows.all() else rows, context.actuator[:samples]
+        basis = np.hstack([self.plant.columns(self.rates, actuator, samples), np.ones((samples, 1))])[self.rows]
         self.basis = np.linalg.qr(basis)[0]
-        self.e = self._apart(context.data.y[:samples, None][rows])[:, 0]
+        self.e = self._apart(context.data.y[:samples, None][self.rows])[:, 0]
         self.actuator = actuator
 
     def _apart(self, columns: FloatArray) -> FloatArray:
@@ -162,30 +163,24 @@ def _best_spans(context: Context, to_end: bool) -> list[tuple[float, float, floa
     steps = screen.responses(signal * on for on in later for signal in (screen.actuator, np.ones(samples)))
     gram = steps.T @ steps
     cross = steps.T @ screen.e
-    ends = (
-        [(i, None) for i in range(at.size)]
-        if to_end
-        else [(i, j) for i in range(at.size) for j in range(i + 1, at.size)]
-    )
     # What lasts for a stretch is the difference of two steps, with four columns each.
-    found = []
-    for i, j in ends:
-        first = slice(4 * i, 4 * i + 4)
-        G, b = gram[first, first].copy(), cross[first].copy()
-        if j is not None:
-            second = slice(4 * j, 4 * j + 4)
-            G += gram[second, second] - gram[first, second] - gram[second, first]
-            b -= cross[second]
-        G[np.diag_indices(4)] += 1e-9 * np.trace(G) + 1e-12
-        x = np.linalg.solve(G, b)
-        removed, added = -x[:2].sum(), x[2:].sum()
-        level = float(np.clip(added / removed, -8.0, 8.0)) if removed else 0.0
-        found.append((float(b @ x), i, j, level))
+    G = gram.reshape(at.size, 4, at.size, 4).swapaxes(1, 2)
+    b = cross.reshape(at.size, 4)
+    i, j = np.arange(at.size), None
+    if to_end:
+        G = G[i, i]
+    else:
+        i, j = np.triu_indices(at.size, 1)
+        G, b = G[i, i] + G[j, j] - G[i, j] - G[j, i], b[i] - b[j]
+    G += (1e-9 * np.trace(G, axis1=1, axis2=2) + 1e-12)[:, None, None] * np.eye(4)
+    x = np.linalg.solve(G, b[:, :, None])[:, :, 0]
+    removed, added = -x[:, :2].sum(axis=1), x[:, 2:].sum(axis=1)
+    level = np.clip(np.divide(added, removed, out=np.zeros(removed.size), where=removed != 0.0), -8.0, 8.0)
     best: list[tuple[float, float, float]] = []
     zero = float(context.data.u_scale.of(np.zeros(1))[0])
-    for _, i, j, level in sorted(found, key=lambda one: -one[0])[:CHOSEN]:
-        stop = samples if j is None else at[j]
-        best += [(float(at[i]), float(stop), level), (float(at[i]), float(stop), zero)]
+    for one in np.argsort(-(b * x).sum(axis=1), kind="stable")[:CHOSEN]:
+        span = float(at[i[one]]), float(samples if j is None else at[j[one]])
+        best += [(*span, float(level[one])), (*span, zero)]
     return best
 
 
@@ -199,20 +194,22 @@ def _best_steps(context: Context) -> list[FloatArray]:
         return []
     zero = float(context.data.u_scale.of(np.zeros(1))[0])
 
-    def tried(step: float, shift: float) -> tuple[float, float, float, float]:
-        """How much of the residual it explains, and the step with its phase."""
-        phase = float(np.mod(zero / step + shift + 0.5, 1.0) - 0.5)
-        column = screen.responses([_kernels.in_steps(u, step, phase) - u])
-        gram = column.T @ column
-        gram[np.diag_indices(2)] += 1e-9 * np.trace(gram) + 1e-12
-        cross = column.T @ screen.e
-        return float(cross @ np.linalg.solve(gram, cross)), step, shift, phase
+    def tried(steps: FloatArray, shift: float) -> list[tuple[float, float, float, float]]:
+        """How much of the residual each explains, and the step with its shift and its phase."""
+        phases = np.mod(zero / steps + shift + 0.5, 1.0) - 0.5
+        lattices = zip(steps, phases, strict=True)
+        columns = screen.responses(_kernels.in_steps(u, step, phase) - u for step, phase in lattices)
+        pairs = columns.T.reshape(steps.size, 2, -1)
+        gram = pairs @ pairs.swapaxes(1, 2)
+        gram += (1e-9 * np.trace(gram, axis1=1, axis2=2) + 1e-12)[:, None, None] * np.eye(2)
+        cross = pairs @ screen.e
+        explained = (cross * np.linalg.solve(gram, cross[:, :, None])[:, :, 0]).sum(axis=1)
+        return [(float(x), float(step), shift, float(p)) for x, step, p in zip(explained, steps, phases, strict=True)]
 
     count = int(np.log(FINEST / COARSEST) / np.log(STEP_RATIO))
-    coarse = [
-        tried(step, shift) for step in np.geomspace(span / FINEST, span / COARSEST, count) for shift in (0.0, 0.5)
-    ]
+    steps = np.geomspace(span / FINEST, span / COARSEST, count)
+    coarse = [one for some in np.array_split(steps, PARTS) for shift in (0.0, 0.5) for one in tried(some, shift)]
     best = sorted(coarse, reverse=True)[:CHOSEN]
     near = STEP_RATIO ** np.linspace(-1.0, 1.0, FINER)
-    refined = [max(tried(step * ratio, shift) for ratio in near) for _, step, shift, _ in best]
+    refined = [max(tried(step * near, shift)) for _, step, shift, _ in best]
     return [np.array([np.log(step), phase]) for _, step, _, phase in [*refined, *best]]
