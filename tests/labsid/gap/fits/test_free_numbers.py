@@ -85,6 +85,16 @@ def test_a_simulation_that_fails_far_from_its_nominal_values_is_searched():
     assert values(*fitted(simulate, "gain", "tau"))["tau"] == pytest.approx(0.7, rel=0.03)
 
 
+def test_a_common_scale_leaves_also_a_number_of_small_effect_undetermined():
+    def simulate(t, u, fast=0.03, slow=1.0, stiff=2.0, gain=2.0):
+        return lag(t, lag(t, u, 1.0, fast / slow), gain / stiff, slow / stiff)
+
+    numbers = {one["name"]: one for one in estimate_numbers(*fitted(simulate, "fast", "slow", "stiff", "gain"))}
+    assert [one["determined"] for one in numbers.values()] == [False] * 4
+    assert [one["stderr"] for one in numbers.values()] == [None] * 4
+    assert "gain" in numbers["stiff"]["combination"]
+
+
 def test_a_range_of_ones_own_is_kept_and_its_end_is_said():
     def simulate(t, u, gain=0.5, tau=1.0):
         return lag(t, u, gain, tau)
