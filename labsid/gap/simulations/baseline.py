@@ -188,6 +188,11 @@ def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[st
         simulation = function_simulator(simulation)
     elif isinstance(simulation, np.ndarray | list):
         simulation = SimulatedOutput(np.asarray(simulation, float))
+    if isinstance(simulation, SimulatedOutput) and simulation.y.size and np.ptp(simulation.y) == 0.0:
+        raise ValueError(
+            f"the simulated output is {simulation.y[0]:.4g} throughout: it does not respond to the input, so it "
+            "simulates nothing. Check the run of the simulator, or leave out --sim."
+        )
     if isinstance(simulation, Simulator):
         return simulation.with_free(free) if free else simulation
     if free:
