@@ -14,6 +14,7 @@ from labsid.gap.effects.context import Context
 INSTANTS = 48  # of the record, at which the command may be switched off and on again
 SHORTEST = 8  # samples that it is off
 MIN_REMOVED = 0.1  # of the standard deviation of the command: what being off must change in it, rms over that time
+MIN_COMMANDED = 0.5  # of the range of the command: what it covers while it is off from the start of the record
 MAX_BEYOND = 0.1  # of the range of the command and zero: distance of the level from it
 SHARE = 2e-4  # of the record: derivative step of an instant
 CHOSEN = 3  # start values
@@ -21,18 +22,20 @@ COARSEST, FINEST = 1.5, 64.0  # steps in the range of the command
 STEP_RATIO = 1.01  # of two steps that are tried
 FINER = 21  # steps between two of these neighbours, about the best ones
 MAX_TRIED = 4000  # samples in which steps are compared
+PARTS = 12  # in which they are compared, for the memory that their responses take
 MIN_ACTING = 3  # levels that act
 
 
 class Off(InputEffect):
     """The command is logged and not applied: `level` acts instead from an instant on; with `variant` "while" up to
-    another one. A set point that is frozen, a drive that has tripped.
+    another one, with "before" from the start of the record up to an instant. A set point that is frozen, a drive that
+    has tripped, or that is not enabled yet.
     """
 
     name = "input-off"
     least_levels = 2
     position = -1
-    variants = ("", "while")
+    variants = ("", "while", "before")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -42,12 +45,16 @@ class Off(InputEffect):
             Parameter("off_start", 0.0, 1.0, SHARE, leap=0.004),
             Parameter("off_length", 0.0, 1.0, SHARE, leap=0.004),
         )
-        return (*(times if self.variant else (left,)), Parameter("off_level", -60.0, 60.0))
+        until = Parameter("off_until", 0.0, 1.0, SHARE, leap=0.004)
+        own = {"": (left,), "while": times, "before": (until,)}[self.variant]
+        return (*own, Parameter("off_level", -60.0, 60.0))
 
     def _span(self, own: FloatArray, span: int) -> tuple[float, float]:
         """Start and end in samples; infinite without one."""
         if self.variant == "while":
             return own[0] * span, (own[0] + own[1]) * span
+        if self.variant == "before":
+            return 0.0, own[0] * span
         return (1.0 - own[0]) * span, np.inf
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
@@ -56,30 +63,43 @@ class Off(InputEffect):
             return _kernels.switched_off(w, own[0] * span, (own[0] + own[1]) * span, own[2])
         if own[0] == 0.0:
             return w
+        if self.variant == "before":
+            return _kernels.switched_off(w, 0.0, own[0] * span, own[1])
         return _kernels.switched_off(w, (1.0 - own[0]) * span, w.size + 1.0, own[1])
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Times and levels that reduce the residual most, through the parent's linear dynamics."""
-        found = _best_spans(context, to_end=not self.variant)
         samples = context.data.samples
         return [
-            np.array(
-                [start / samples, (stop - start) / samples, level] if self.variant else [1.0 - start / samples, level]
-            )
-            for start, stop, level in found
+            np.array([*self._times(start / samples, stop / samples), level])
+            for start, stop, level in _best_spans(context, self.variant)
         ]
 
+    def _times(self, start: float, stop: float) -> tuple[float, ...]:
+        """Parameters of an interval, in shares of the record."""
+        if self.variant == "while":
+            return start, stop - start
+        return (stop,) if self.variant == "before" else (1.0 - start,)
+
     def is_plausible(self, fit: Fitted) -> bool:
-        """Require a stretch inside the record in which being off matters, and a level that the drive can have."""
+        """Require a stretch inside the record in which being off matters, and a level that the drive can have.
+
+        From the start of the record on, a dead zone does the same as being off as long as the command stays in it. So
+        the command must have moved over a large part of its range: a dead zone as wide acts later in the record, too.
+        """
         own, data = fit.theta_of(self), fit.data
         start, stop = self._span(own, data.samples)
         off = self.active_samples(fit)
-        inside = SHORTEST < start < data.samples - SHORTEST and min(stop, data.samples) - start > SHORTEST
+        last = data.samples - SHORTEST
+        inside = SHORTEST < stop < last if self.variant == "before" else SHORTEST < start < last
+        inside = inside and min(stop, data.samples) - start > SHORTEST
         if not inside or not off.any():
             return False
         zero = data.u_scale.of(np.zeros(1))[0]
         low, high = min(float(data.u.min()), zero), max(float(data.u.max()), zero)
         beyond = MAX_BEYOND * (high - low)
+        if self.variant == "before" and np.ptp(data.u[off]) < MIN_COMMANDED * np.ptp(data.u):
+            return False
         moved = float(np.sqrt(np.mean((data.u[off] - own[-1]) ** 2)))
         return low - beyond < own[-1] < high + beyond and moved > MIN_REMOVED * float(np.std(data.u))
 
@@ -138,10 +158,10 @@ class _Screen:
         self.plant, self.samples = Plant(), samples
         self.rates = np.log(context.highpass_rates)
         rows = context.data.rows[:samples]
-        self.rows, actuator = rows, context.actuator[:samples]
-        basis = np.hstack([self.plant.columns(self.rates, actuator, samples), np.ones((samples, 1))])[rows]
+        self.rows, actuator = slice(None) if rows.all() else rows, context.actuator[:samples]
+        basis = np.hstack([self.plant.columns(self.rates, actuator, samples), np.ones((samples, 1))])[self.rows]
         self.basis = np.linalg.qr(basis)[0]
-        self.e = self._apart(context.data.y[:samples, None][rows])[:, 0]
+        self.e = self._apart(context.data.y[:samples, None][self.rows])[:, 0]
         self.actuator = actuator
 
     def _apart(self, columns: FloatArray) -> FloatArray:
@@ -153,39 +173,34 @@ class _Screen:
         return self._apart(np.hstack(columns))
 
 
-def _best_spans(context: Context, to_end: bool) -> list[tuple[float, float, float]]:
+def _best_spans(context: Context, variant: str) -> list[tuple[float, float, float]]:
     """Start and end in samples, and level, of commands that are off and reduce the residual most."""
     samples = context.data.samples
     screen = _Screen(context, samples)
-    at = np.unique(np.linspace(0.02, 0.98, INSTANTS) * samples).astype(int)
+    at = np.unique(np.linspace(0.0 if variant == "before" else 0.02, 0.98, INSTANTS) * samples).astype(int)
     later = [np.arange(samples) >= k for k in at]
     steps = screen.responses(signal * on for on in later for signal in (screen.actuator, np.ones(samples)))
     gram = steps.T @ steps
     cross = steps.T @ screen.e
-    ends = (
-        [(i, None) for i in range(at.size)]
-        if to_end
-        else [(i, j) for i in range(at.size) for j in range(i + 1, at.size)]
-    )
     # What lasts for a stretch is the difference of two steps, with four columns each.
-    found = []
-    for i, j in ends:
-        first = slice(4 * i, 4 * i + 4)
-        G, b = gram[first, first].copy(), cross[first].copy()
-        if j is not None:
-            second = slice(4 * j, 4 * j + 4)
-            G += gram[second, second] - gram[first, second] - gram[second, first]
-            b -= cross[second]
-        G[np.diag_indices(4)] += 1e-9 * np.trace(G) + 1e-12
-        x = np.linalg.solve(G, b)
-        removed, added = -x[:2].sum(), x[2:].sum()
-        level = float(np.clip(added / removed, -8.0, 8.0)) if removed else 0.0
-        found.append((float(b @ x), i, j, level))
+    G = gram.reshape(at.size, 4, at.size, 4).swapaxes(1, 2)
+    b = cross.reshape(at.size, 4)
+    if variant:
+        i, j = np.triu_indices(at.size, 1)
+        i, j = (i[i == 0], j[i == 0]) if variant == "before" else (i, j)
+        G, b = G[i, i] + G[j, j] - G[i, j] - G[j, i], b[i] - b[j]
+    else:
+        i, j = np.arange(at.size), None
+        G = G[i, i]
+    G += (1e-9 * np.trace(G, axis1=1, axis2=2) + 1e-12)[:, None, None] * np.eye(4)
+    x = np.linalg.solve(G, b[:, :, None])[:, :, 0]
+    removed, added = -x[:, :2].sum(axis=1), x[:, 2:].sum(axis=1)
+    level = np.clip(np.divide(added, removed, out=np.zeros(removed.size), where=removed != 0.0), -8.0, 8.0)
     best: list[tuple[float, float, float]] = []
     zero = float(context.data.u_scale.of(np.zeros(1))[0])
-    for _, i, j, level in sorted(found, key=lambda one: -one[0])[:CHOSEN]:
-        stop = samples if j is None else at[j]
-        best += [(float(at[i]), float(stop), level), (float(at[i]), float(stop), zero)]
+    for one in np.argsort(-(b * x).sum(axis=1), kind="stable")[:CHOSEN]:
+        span = float(at[i[one]]), float(samples if j is None else at[j[one]])
+        best += [(*span, float(level[one])), (*span, zero)]
     return best
 
 
@@ -199,20 +214,22 @@ def _best_steps(context: Context) -> list[FloatArray]:
         return []
     zero = float(context.data.u_scale.of(np.zeros(1))[0])
 
-    def tried(step: float, shift: float) -> tuple[float, float, float, float]:
-        """How much of the residual it explains, and the step with its phase."""
-        phase = float(np.mod(zero / step + shift + 0.5, 1.0) - 0.5)
-        column = screen.responses([_kernels.in_steps(u, step, phase) - u])
-        gram = column.T @ column
-        gram[np.diag_indices(2)] += 1e-9 * np.trace(gram) + 1e-12
-        cross = column.T @ screen.e
-        return float(cross @ np.linalg.solve(gram, cross)), step, shift, phase
+    def tried(steps: FloatArray, shift: float) -> list[tuple[float, float, float, float]]:
+        """How much of the residual each explains, and the step with its shift and its phase."""
+        phases = np.mod(zero / steps + shift + 0.5, 1.0) - 0.5
+        lattices = zip(steps, phases, strict=True)
+        columns = screen.responses(_kernels.in_steps(u, step, phase) - u for step, phase in lattices)
+        pairs = columns.T.reshape(steps.size, 2, -1)
+        gram = pairs @ pairs.swapaxes(1, 2)
+        gram += (1e-9 * np.trace(gram, axis1=1, axis2=2) + 1e-12)[:, None, None] * np.eye(2)
+        cross = pairs @ screen.e
+        explained = (cross * np.linalg.solve(gram, cross[:, :, None])[:, :, 0]).sum(axis=1)
+        return [(float(x), float(step), shift, float(p)) for x, step, p in zip(explained, steps, phases, strict=True)]
 
     count = int(np.log(FINEST / COARSEST) / np.log(STEP_RATIO))
-    coarse = [
-        tried(step, shift) for step in np.geomspace(span / FINEST, span / COARSEST, count) for shift in (0.0, 0.5)
-    ]
+    steps = np.geomspace(span / FINEST, span / COARSEST, count)
+    coarse = [one for some in np.array_split(steps, PARTS) for shift in (0.0, 0.5) for one in tried(some, shift)]
     best = sorted(coarse, reverse=True)[:CHOSEN]
     near = STEP_RATIO ** np.linspace(-1.0, 1.0, FINER)
-    refined = [max(tried(step * ratio, shift) for ratio in near) for _, step, shift, _ in best]
+    refined = [max(tried(step * near, shift)) for _, step, shift, _ in best]
     return [np.array([np.log(step), phase]) for _, step, _, phase in [*refined, *best]]

@@ -71,7 +71,8 @@ def assess(problem: Problem, at: Point, sigma: float = 0.0) -> dict[str, Determi
     changes[:, inside] = directions / size[inside]  # relative changes of the numbers, of unit effect before cancelling
     error = sigma * changes / np.maximum(values, 1e-12)[:, None]
     loose = (values < COLLINEAR) | (np.abs(error).max(axis=1) > 1.0)
-    unsure = (np.abs(directions[loose]) > SHARE).any(axis=0)
+    relative = np.abs(changes[:, inside])  # a number of small effect, which a common factor moves as much as the others
+    unsure = ((np.abs(directions) > SHARE) | (relative > SHARE * relative.max(axis=1)[:, None]))[loose].any(axis=0)
     for i, sure in zip(inside, ~unsure, strict=True):
         if sure:
             spread = float(np.sqrt(np.sum(error[~loose, i] ** 2)))

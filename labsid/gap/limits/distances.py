@@ -1,7 +1,8 @@
 """How far a change of the output is from what refits and rivals can absorb."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from operator import attrgetter
+from operator import itemgetter
 
 import numpy as np
 
@@ -9,12 +10,35 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend
 from labsid.gap.record.data import Data
-from labsid.gap.search.candidates import RESTART_RATE
 
-FEW, MANY, TOLERANCE = 6, 15, 1e-3  # iterations from each start, and from the better one; change of cost at the end
-MISFIT = 0.1  # relative difference of the power that is left from which it is not
-SLOWER = 4.0  # slowest pole over a start value of another one, which may be slower
+FEW, STEPS, TOLERANCE = 3, 12, 2e-3  # iterations of a check and of a refit from each start; change of cost at the end
+WORTH = 0.8  # cost of a linearized refit over that of an exact one from elsewhere, below which it is worth another
+MISFIT = 0.1  # relative difference of the power that is left from which a linearized refit is wrong
+SLOWER, FASTEST, STARTS = 4.0, 1.0, 10  # start values of the other pole: slow pole over the least, per sample; number
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Start:
+    """Parameters from which a refit starts, and the simulation linearized about them.
+
+    Attributes
+    ----------
+    theta : ndarray
+    basis : ndarray, shape (n, p)
+        Orthonormal basis of the whitened derivatives of the output.
+    rest : ndarray, shape (n,)
+        What it leaves of the fitted output.
+    """
+
+    theta: FloatArray
+    basis: FloatArray
+    rest: FloatArray
+
+    def left(self, change: FloatArray) -> float:
+        """Squared error that remains of the fitted output with a whitened change, shape (n,)."""
+        error = self.rest + _less(change, self.basis)
+        return float(error @ error)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,11 +59,8 @@ class Refit:
         Rms error of the fit.
     residual : ndarray
         The residual in units of `sigma`, less what a refit absorbs.
-    moved : tuple of ndarray
-        Other parameters from which a refit starts, with other rates of the faster pole: it has no gradient where a zero
-        cancels it.
-    distant : ndarray
-        Orthonormal basis of what these leave of the fit: changes along it can be absorbed by a pole that moves far.
+    starts : tuple of _Start
+        At the fit, and with other rates of the faster pole: it has no gradient where a zero cancels it.
     """
 
     data: Data
@@ -50,8 +71,7 @@ class Refit:
     sigma: float
     noise: float
     residual: FloatArray
-    moved: tuple[FloatArray, ...]
-    distant: FloatArray
+    starts: tuple[_Start, ...]
 
     @classmethod
     def about(cls, data: Data, fit: Fit, noise: float) -> "Refit | None":
@@ -63,11 +83,9 @@ class Refit:
         absorbed = _basis(whitened.seen(J)), _basis(plain.seen(J))
         sigma = float(np.sqrt(fit.noise.sigma2))
         residual = _less(at.error / sigma, absorbed[0])
-        moved = _moved(fit)
-        other = Problem(replace(data, y=fit.output), fit.hypothesis, fit.noise.ar)
-        left = [_less(found.error, absorbed[0]) for theta in moved if (found := other.start(theta)) is not None]
-        distant = _basis(np.column_stack(left)) if left else np.zeros((residual.size, 0))
-        return cls(data, fit, whitened, plain, absorbed, sigma, noise, residual, moved, distant)
+        here = _Start(fit.theta, absorbed[0], np.zeros(residual.size))
+        starts = (here, *_other_starts(data, fit))
+        return cls(data, fit, whitened, plain, absorbed, sigma, noise, residual, starts)
 
     def left(self, change: FloatArray) -> tuple[FloatArray, float]:
         """What a refit leaves of a change of the output.
@@ -104,24 +122,27 @@ class Refit:
             The refit; None if none can be simulated.
         """
         problem = self._on(change)
-        here = problem.start(self.fit.theta, self.fit.gains)
-        if here is None:
+        seen = self.whitened.seen(change[:, None])[:, 0]
+        promised = min(((s.left(seen) / problem.count, s.theta) for s in self.starts), key=itemgetter(0))
+        first = self.starts[-1].theta if near is None else near.theta  # a fast pole finds its way to a slower one
+        found: Point | None = None
+        for least, theta in ((0.0, first), promised):
+            if found is None or least < WORTH * found.cost:
+                at = problem.start(theta, self.fit.gains)
+                at = None if at is None else descend(problem, at, STEPS, TOLERANCE)
+                found = found if at is None or (found is not None and found.cost <= at.cost) else at
+        if found is None:
             return *self.left(change), None
-        given = [(theta, None) for theta in self.moved] + ([] if near is None else [(near.theta, near.gains)])
-        others = [at for theta, gains in given if (at := problem.start(theta, gains)) is not None]
-        starts = [here, *sorted(others, key=attrgetter("cost"))[:1]]
-        begun = (descend(problem, at, FEW, TOLERANCE) for at in starts)
-        found = descend(problem, min(begun, key=attrgetter("cost")), MANY, TOLERANCE)
         rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
         return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise, found
 
     def is_linear_at(self, change: FloatArray, vector: FloatArray) -> bool:
         """Whether a linearized refit, which leaves `vector` of a change of the output, is as good as an exact one."""
         power = float(vector @ vector)
-        along = self.distant.T @ vector
-        if not self._is_cheap or power < 1.0:
+        if self.fit.hypothesis.plant.kind == "given" or power < 1.0:  # it is slow, and has few numbers that are free
             return True
-        if along @ along > MISFIT * power:
+        seen = self.whitened.seen(change[:, None])[:, 0]
+        if any(start.left(seen) < (1.0 - MISFIT) * power * self.sigma**2 for start in self.starts[1:]):
             return False
         problem = self._on(change)
         at = problem.start(self.fit.theta, self.fit.gains)
@@ -132,23 +153,21 @@ class Refit:
         """The problem of a refit to the fitted output with a change."""
         return Problem(replace(self.data, y=self.fit.output + change), self.fit.hypothesis, self.fit.noise.ar)
 
-    @property
-    def _is_cheap(self) -> bool:
-        """Whether refits are: a given simulation is slow, and has few numbers that are free."""
-        return self.fit.hypothesis.plant.kind != "given"
 
-
-def _moved(fit: Fit) -> tuple[FloatArray, ...]:
+def _other_starts(data: Data, fit: Fit) -> Iterator[_Start]:
     c, k = fit.rates
     if fit.hypothesis.plant.kind != "linear" or c * c < 4.0 * k:
-        return ()
+        return
+    problem = Problem(replace(data, y=fit.output), fit.hypothesis, fit.noise.ar)
     slow = real_rates(c, k)[0]
-    found = []
-    for rate in (RESTART_RATE, slow / SLOWER):
+    for rate in np.geomspace(slow / SLOWER, FASTEST, STARTS):
         theta = fit.theta.copy()
         theta[fit.hypothesis.slices["plant"]][:2] = np.log((slow + rate, slow * rate))
-        found.append(theta)
-    return tuple(found)
+        at = problem.start(theta)
+        J = None if at is None else problem.jacobian(at)
+        if at is not None and J is not None:
+            basis = _basis(J)
+            yield _Start(at.theta, basis, _less(at.error, basis))
 
 
 def _basis(J: FloatArray) -> FloatArray:

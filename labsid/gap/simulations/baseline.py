@@ -23,6 +23,7 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
+from labsid.gap.record.record_findings import switches_on_output
 from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
 from labsid.records.record import Record
@@ -117,6 +118,8 @@ def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
     structure = linear_structure(order)
     proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)
+    if switches_on_output(data.u[data.rows], data.y[data.rows]) and not direct:
+        return Baseline(None, structure)
     term = estimate_direct_term(data)
     if direct or term.present:
         return Baseline(None, proper)
@@ -185,6 +188,11 @@ def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[st
         simulation = function_simulator(simulation)
     elif isinstance(simulation, np.ndarray | list):
         simulation = SimulatedOutput(np.asarray(simulation, float))
+    if isinstance(simulation, SimulatedOutput) and simulation.y.size and np.ptp(simulation.y) == 0.0:
+        raise ValueError(
+            f"the simulated output is {simulation.y[0]:.4g} throughout: it does not respond to the input, so it "
+            "simulates nothing. Check the run of the simulator, or leave out --sim."
+        )
     if isinstance(simulation, Simulator):
         return simulation.with_free(free) if free else simulation
     if free:

@@ -64,7 +64,7 @@ def test_with_times_of_zero_it_is_never_off(variant):
 
 @searched(*FEW)
 @pytest.mark.parametrize("offset", [0.0, 5.0])
-@pytest.mark.parametrize(("start", "stop"), [(733, 1200), (415, 702)])
+@pytest.mark.parametrize(("start", "stop"), [(733, 1200), (415, 702), (0, 190)])
 def test_a_command_that_is_off_is_found_with_its_times_and_level(offset, start, stop):
     at = np.arange(LEVELS.size)
     off = (at >= start) & (at < stop)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from gap_search import searched
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
@@ -83,6 +83,20 @@ def test_a_simulation_that_fails_far_from_its_nominal_values_is_searched():
         return lag(t, u, gain, tau) if gain < 100.0 else np.full(u.size, np.nan)
 
     assert values(*fitted(simulate, "gain", "tau"))["tau"] == pytest.approx(0.7, rel=0.03)
+
+
+def test_a_common_scale_leaves_also_a_number_of_small_effect_undetermined():
+    def simulate(t, u, m=0.03, b=1.0, k=2.0, gain=2.0):
+        numerator, denominator, _ = cont2discrete(([gain], [m, b, k]), TS)
+        return lfilter(numerator.ravel(), denominator, u)
+
+    y = simulate(T, LEVELS, 0.06, 1.2, 3.0, 4.0)
+    record = Record(T, LEVELS, y + 0.01 * np.std(y) * np.random.default_rng(1).standard_normal(T.size), TS)
+    found = estimate_numbers(*fitted(simulate, "m", "b", "k", "gain", record=record))
+    numbers = {one["name"]: one for one in found}
+    assert [one["determined"] for one in numbers.values()] == [False] * 4
+    assert [one["stderr"] for one in numbers.values()] == [None] * 4
+    assert numbers["m"]["combination"] == "m/gain, b/gain, k/gain"
 
 
 def test_a_range_of_ones_own_is_kept_and_its_end_is_said():

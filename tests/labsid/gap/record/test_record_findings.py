@@ -7,16 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gap_search import searched
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.record.record_findings import (
     PlateauGap,
+    about_relay,
     clock_slip,
     filter_length,
     findings_from_errors,
     findings_from_record,
     plateau_gap,
+    switches_on_output,
 )
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record, load_record
@@ -156,3 +159,35 @@ def test_a_delay_that_jumps_is_no_clock(rig_record: Callable[..., Record]) -> No
     record = rig_record("none", 2000)
     jumped = np.concatenate([record.y[:1000], record.y[996:1996]])
     assert clock_slip(jumped, record.y, np.ones(2000, bool)) is None
+
+
+def _relay(noise: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A relay without hysteresis on a strictly proper rig of two lags; the set point moves twice."""
+    rng = np.random.default_rng(seed)
+    target = np.repeat([0.3, 0.6, 0.4], 300)
+    u, y, slow, fast = np.zeros(900), np.zeros(900), 0.0, 0.0
+    for k in range(900):
+        y[k] = slow + noise * rng.standard_normal()
+        u[k] = float(y[k] < target[k])
+        slow, fast = slow + 0.05 * (fast - slow), fast + 0.2 * (u[k] - fast)
+    return u, y
+
+
+@pytest.mark.parametrize("noise", [0.001, 0.01])
+def test_a_relay_is_seen_and_no_direct_term_is_claimed(noise: float) -> None:
+    u, y = _relay(noise, 4)
+    assert switches_on_output(u, y)
+    (finding,) = about_relay(u, y)
+    assert "relay" in finding.text
+    report = diagnose(Record(0.1 * np.arange(900), u, y, 0.1)).report
+    assert not any("direct feedthrough" in text for text in report["screen"])
+
+
+@pytest.mark.parametrize("direct", [0.0, 1.0])
+@pytest.mark.parametrize("held", [1, 5, 20])
+@pytest.mark.parametrize("noise", [0.01, 0.2])
+def test_a_rig_that_follows_a_switched_input_is_no_relay(direct: float, held: int, noise: float) -> None:
+    rng = np.random.default_rng(held)
+    u = np.repeat(rng.choice([0.0, 1.0], 900), held)[:900]
+    y = lfilter([0.0, 0.1], [1.0, -0.9], u) + direct * u
+    assert not switches_on_output(u, y + noise * np.std(y) * rng.standard_normal(900))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from labsid.gap.record.data import scaled
-from labsid.gap.simulations.baseline import check_bounded, linear_structure, make_baseline
+from labsid.gap.simulations.baseline import as_simulation, check_bounded, linear_structure, make_baseline
 from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.simulators.simulator import function_simulator
@@ -179,3 +179,9 @@ def test_bounded():
     np.testing.assert_array_equal(check_bounded(np.array([2e6, 0.0]), measured), [2e6, 0.0])
     with pytest.raises(ValueError, match="its output diverges"):
         check_bounded(np.array([2e6, 3e6]), measured)
+
+
+@pytest.mark.parametrize("value", [0.0, 3.3])
+def test_a_simulated_output_that_never_moves_is_refused(value):
+    with pytest.raises(ValueError, match=f"the simulated output is {value:.4g} throughout"):
+        as_simulation(SimulatedOutput(np.full(300, value)), 0.1, ())
