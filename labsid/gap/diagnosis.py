@@ -236,11 +236,11 @@ def _check_planned(u: FloatArray, Ts: float, record: Record) -> None:
 def _start(data: Data, base: Baseline, progress: Progress | None) -> FloatArray | None:
     """Parameters from which the search starts: with the free numbers of a given simulation found over decades."""
     structure = base.structure
-    if not structure.plant.free or base.start is not None:
+    if not structure.plant.free or (base.start is not None and structure.plant.simulation.port is None):
         return base.start
     if progress is not None:
         progress(f"free numbers at their nominal values: {_identifiability(data, structure)}", 0.0)
-    return search_numbers(data, structure)
+    return search_numbers(data, structure, base.start)
 
 
 def _identifiability(data: Data, structure: Hypothesis) -> str:

@@ -6,6 +6,7 @@ from labsid.gap.effects import (
     drifts,
     dynamics,
     folded,
+    inside,
     input,
     motion,
     output,
@@ -49,6 +50,7 @@ FAMILIES: tuple[type[Effect], ...] = (
     disturbance.InnerLoad,
     periodic.Periodic,
     periodic.InnerPeriodic,
+    *inside.FAMILIES,
 )
 """In the order of the search."""
 CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(

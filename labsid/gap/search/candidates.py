@@ -9,7 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates, single_pole
-from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
+from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, finish, fit_from
@@ -176,6 +176,8 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
     """Whether the effect can be added to the dynamics of the parent."""
     old = parent.hypothesis.plant
     if old.kind == "given":
+        if old.simulation.port is not None and isinstance(effect, AdditiveEffect) and effect.at_load:
+            return False  # a load acts inside
         if not isinstance(effect, PlantEffect):
             return old.simulation.takes_input or not isinstance(effect, InputEffect)
         return old.simulation.takes_input and effect.before_given
