@@ -34,6 +34,12 @@ PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
     "cubic-stiffness": {"cubic": quantity(-0.9375, 0.0027, "1/y^2")},
     "end-stop": {"low": quantity(-0.4998, 0.0006, "y"), "high": quantity(0.4502, 0.0005, "y")},
     "quadratic-drag": {"drag": quantity(0.166, 0.002, "u s^2/y^2")},
+    "gravity": {
+        "torque": quantity(0.3715, 0.0021, "u"),
+        "angle": quantity(-0.0142, 0.0031, "y"),
+        "per_radian": quantity(1.0, 0.0, "y"),
+    },
+    "force-limit": {"limit": quantity(0.4141, 0.0012, "u")},
     "slow-mode": {"tau": quantity(8.15, 0.3, "s"), "share": quantity(0.287, 0.006, "1")},
     "parameter-drift": {"drift": quantity(-0.597, 0.001, "1")},
     "output-drift": {"amplitude": quantity(0.07595, 0.00057, "y")},
@@ -65,6 +71,8 @@ DYNAMICS = (
     "cubic-stiffness",
     "end-stop",
     "quadratic-drag",
+    "gravity",
+    "force-limit",
     "slow-mode",
     "parameter-drift",
 )

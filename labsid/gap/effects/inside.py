@@ -24,13 +24,15 @@ STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint
 class Inside(PlantEffect):
     """A change at the joint or the actuator of a simulation that opens.
 
-    `variant` is "inside", or "inside-" and a form of it.
+    `variant` is "inside", or "inside-" and a form of it. Variants that are `apart` are different causes of one name,
+    each of which is fitted.
     """
 
     before_given = True
     only_given = True
     variants: ClassVar[tuple[str, ...]] = (INSIDE,)
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    apart: ClassVar[bool] = False
 
     @property
     def changes(self) -> tuple[str, ...]:
@@ -309,6 +311,7 @@ class Mismatch(Inside):
     variants: ClassVar[tuple[str, ...]] = tuple(
         f"inside-{what}" for what in ("damping", "armature", "stiffness", "gain", "mass")
     )
+    apart = True
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
         f"inside-{what}": (what,) for what in ("damping", "armature", "stiffness", "gain", "mass")
     }
@@ -340,6 +343,28 @@ class Mismatch(Inside):
             return {name: Value(nominal * (1.0 + change), "")}
         unit = {"armature": "inertia"}.get(self.what, self.what)
         return {name: Value(nominal + change, port.unit_of(unit))}
+
+
+def place_inside(fit: ParentFit, effect: Effect | None) -> dict[str, str]:
+    """The `joint` and the `actuator` at which an effect acts; empty for one that does not act inside a simulation."""
+    port = fit.hypothesis.plant.simulation.port
+    if port is None or not isinstance(effect, Inside):
+        return {}
+    return {"joint": port.joint, "actuator": port.actuator}
+
+
+def with_nominal(fit: ParentFit, parameters: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:
+    """Parameters of an effect; numbers of a simulation that opens with their nominal values."""
+    port = fit.hypothesis.plant.simulation.port
+    nominal = {} if port is None else port.nominal
+    return {
+        name: entry | ({"nominal": nominal[name]} if name in nominal else {}) for name, entry in parameters.items()
+    }
+
+
+def is_apart(family: type[Effect]) -> bool:
+    """Whether the forms of a family are different causes of one name."""
+    return issubclass(family, Inside) and family.apart
 
 
 FAMILIES: tuple[type[Effect], ...] = (Friction, Drag, Spring, Gravity, EndStop, ForceLimit, Load, Wave, Mismatch)

@@ -101,7 +101,7 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
     ),
     "coulomb-friction": EffectGuide(
         "dynamics",
-        {"friction": "u", "break_away": "u"},
+        {"friction": "u", "break_away": "u", "load": "1"},
         "Slow motion, stops and changes of direction.",
         ("input-dead-zone", "input-backlash"),
     ),
@@ -122,6 +122,18 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
         {"drag": "u s^2/y^2"},
         "Slow and fast motion: small and large steps, without reaching a limit.",
         ("sqrt-outflow", "input-nonlinearity", "coulomb-friction"),
+    ),
+    "gravity": EffectGuide(
+        "dynamics",
+        {"torque": "u", "angle": "y", "per_radian": "y"},
+        "Slow motion over a large range of angles, in both directions.",
+        ("cubic-stiffness", "output-nonlinearity", "load-step"),
+    ),
+    "force-limit": EffectGuide(
+        "dynamics",
+        {"limit": "u"},
+        "Large steps of the command beside small ones.",
+        ("input-rate-limit", "input-saturation", "quadratic-drag"),
     ),
     "slow-mode": EffectGuide(
         "dynamics",

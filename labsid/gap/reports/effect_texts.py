@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from string import Formatter
 from typing import Any
 
+from labsid.gap.reports.inside_texts import INSIDE_LABELS, inside_clause
 from labsid.gap.reports.quantities import UNITS, Quantity, number, percent, with_error
 
 
@@ -166,6 +167,25 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "The faster the motion, the more the rig is damped: twice the speed meets four times the resistance. Look for "
         "fans, propellers, fluid pushed through a narrow passage, and parts that move in air or water.",
     ),
+    "gravity": EffectText(
+        "gravity",
+        (
+            "A weight turns the joint towards {angle} with a torque of up to {torque}",
+            "A weight turns the joint towards its angle of rest",
+        ),
+        "The torque is proportional to the sine of the angle between the joint and its rest. It is given as the "
+        "command that holds it. Look for an arm or a load off the axis that the simulation lacks, or a wrong mass or "
+        "centre of mass.",
+    ),
+    "force-limit": EffectText(
+        "a limit in the loop of the drive",
+        (
+            "The drive gives no more force once the error of its loop exceeds {limit}",
+            "The force of the drive is limited",
+        ),
+        "The loop inside the drive runs into the largest current or voltage: the command is reached later, not cut "
+        "off. Check the limits of current, voltage and duty cycle in the drive, and the supply.",
+    ),
     "slow-mode": EffectText(
         "a slow mode",
         (
@@ -293,6 +313,11 @@ _LABELS = {
     "caught": "share received by the next tank",
     "friction": "friction, in units of the command",
     "drag": "drag: command that holds it, over the square of the speed",
+    "torque": "largest torque, in units of the command",
+    "angle": "angle of rest",
+    "per_radian": "output per radian",
+    "limit": "error of the loop at the limit, in units of the command",
+    "load": "share of the transmitted force that is added to the friction",
     "break_away": "friction at rest, in units of the command",
     "jump_low": "step at the lower edge",
     "jump_high": "step at the upper edge",
@@ -323,10 +348,10 @@ _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
     ("input-quantization", "step"): "step of the command that acts",
     ("load-step", "size", "1"): "increase of the rate of return to rest",
 }
-_POSITIONS = {"low", "high", "level", "upper", "onset", "end", "zero", "empty", "centre", "fold"}
+_POSITIONS = {"low", "high", "level", "upper", "onset", "end", "zero", "empty", "centre", "fold", "angle"}
 """Positions, which may be near zero; the other parameters are magnitudes."""
 
-_SHARES = {"drift", "share", "caught", "size", "pole"}  # dimensionless parameters that are written in per cent
+_SHARES = {"drift", "share", "caught", "size", "pole", "load"}  # dimensionless parameters that are written in per cent
 
 
 def noun(name: str) -> str:
@@ -337,6 +362,8 @@ def noun(name: str) -> str:
 
 def clause(effect: dict[str, Any]) -> str:
     """What the rig does, without the full stop."""
+    if effect.get("joint"):
+        return inside_clause(effect)
     known: dict[str, Quantity] = {}
     for name, entry in effect["parameters"].items():
         quantity = Quantity(entry["value"], entry["stderr"] or 0.0, entry["unit"])
@@ -359,6 +386,8 @@ def parameter_label(effect: str, parameter: str, entry: dict[str, Any]) -> str:
     for key in ((effect, parameter, entry.get("of", entry["unit"])), (effect, parameter)):
         if key in _SPECIFIC_LABELS:
             return _SPECIFIC_LABELS[key]
+    if entry["unit"] in INSIDE_LABELS.get(parameter, {}):
+        return INSIDE_LABELS[parameter][entry["unit"]]
     return _LABELS.get(parameter, parameter)
 
 

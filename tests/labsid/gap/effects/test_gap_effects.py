@@ -39,6 +39,8 @@ TABLE = {
     "cubic-stiffness": "dynamics",
     "end-stop": "dynamics",
     "quadratic-drag": "dynamics",
+    "gravity": "dynamics",
+    "force-limit": "dynamics",
     "slow-mode": "dynamics",
     "parameter-drift": "dynamics",
     "output-drift": "output",
@@ -70,6 +72,8 @@ PARAMETERS = {
     "cubic-stiffness": {"cubic"},
     "end-stop": {"low", "high"},
     "quadratic-drag": {"drag"},
+    "gravity": {"torque", "angle", "per_radian"},
+    "force-limit": {"limit"},
     "slow-mode": {"tau", "share"},
     "parameter-drift": {"drift", "pole"},
     "output-drift": {"amplitude"},
@@ -141,7 +145,9 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
         assert starts
         assert {name.rstrip("+") for start in starts for name in start} <= names
         elsewhere = effect.variant in {"ahead", "beside", "inside"} or effect.key.endswith("-inside")
-        quick = effect.variant.endswith("unsprung")  # which only a slow pole may be
+        quick = (
+            effect.variant.endswith("unsprung") or effect.key == "force-limit/speed"
+        )  # which only a slow pole may be
         assert effect.applies(context) != (elsewhere or quick)  # the parent is linear
     else:
         starts = effect.starts(context)

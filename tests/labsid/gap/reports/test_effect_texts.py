@@ -25,6 +25,8 @@ CLAUSES = {
     "cubic-stiffness": "The stiffness decreases by 0.938 times the square of the displacement",
     "end-stop": "The motion runs against stops at -0.4998 and at 0.4502",
     "quadratic-drag": "A resistance of 0.166 times the square of the speed opposes the motion",
+    "gravity": "A weight turns the joint towards -0.014 with a torque of up to 0.371",
+    "force-limit": "The drive gives no more force once the error of its loop exceeds 0.414",
     "slow-mode": "A share of 29 % of the response comes with a time constant of 8.2 s",
     "parameter-drift": "The gain of the rig changes by -60 % over the record",
     "output-drift": "The zero of the sensor drifts by ±0.0760",
