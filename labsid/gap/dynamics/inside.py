@@ -1,7 +1,8 @@
 """Changes inside a simulation that opens: at its joint and at its actuator."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +52,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
     "gravity": (_part("gravity_sin", "torque", -FAR, FAR), _part("gravity_cos", "torque", -FAR, FAR)),
     "mass": (_part("mass", "mass", -FAR, FAR),),
     "gain": (_part("gain", "one", -5.0, 50.0),),
+    "lag": (Part("lag", "sample", Parameter("log_lag", -4.0, 8.0, 1e-3)),),
     "low": (Part("low", "place", Parameter("stop_low", -FAR, FAR, 1e-3, leap=0.05)),),
     "high": (Part("high", "place", Parameter("stop_high", -FAR, FAR, 1e-3, leap=0.05)),),
     "limit": (Part("limit", "force", Parameter("limit", 1e-3, FAR, 1e-3, leap=0.05, start=FAR)),),
@@ -65,6 +67,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
     ),
 }
 """The changes that effects switch on, with their parameters in theta."""
+STATE_OF_ACTUATOR = Parameter("i0", -FAR, FAR, 1e-2)
 STATES = (Parameter("z0", -FAR, FAR, 1e-3, leap=0.05), Parameter("v0", -FAR, FAR, 1e-3))
 """Initial position, from the model's default one, and initial speed."""
 IN_TIME = ("load", "wave")
@@ -92,6 +95,8 @@ class InsidePort:
         Of the joint in its default configuration.
     names : dict
         Name in the model of each number that may be wrong.
+    has_state : bool
+        Whether the actuator has a state.
     reads : bool
         Whether the output is the position.
     scale : tuple of float
@@ -109,26 +114,31 @@ class InsidePort:
     nominal: Mapping[str, float]
     position: float = 0.0
     names: Mapping[str, str] = field(default_factory=dict)
+    has_state: bool = False
     reads: bool = True
     scale: tuple[float, float] = (0.0, 1.0)
     forces: FloatArray = field(default_factory=lambda: np.ones(1))
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """All but the forces along the record."""
+        names = (one.name for one in fields(self) if one.name != "forces")
+        return {name: value if not isinstance(value := getattr(self, name), Mapping) else dict(value) for name in names}
 
     def position_of(self, output: FloatArray) -> FloatArray:
         """Position of the joint for a scaled output that reads it."""
         return self.scale[0] + self.scale[1] * output
 
-    @property
-    def states(self) -> tuple[Parameter, ...]:
+    def states(self, changes: Iterable[str]) -> tuple[Parameter, ...]:
         """Parameters of the initial state."""
-        return STATES
+        return (*STATES, STATE_OF_ACTUATOR) if self.has_state or "lag" in changes else STATES
 
     def parameters(self, changes: Iterable[str]) -> tuple[Parameter, ...]:
         """Parameters in theta of these changes, and of the initial state."""
-        return (*(part.parameter for change in changes for part in PARTS[change]), *STATES)
+        return (*(part.parameter for change in changes for part in PARTS[change]), *self.states(changes))
 
     def value(self, part: Part, theta: float) -> float:
         """A number in the simulation's unit, for a parameter in theta."""
-        if part.change == "stribeck":
+        if part.change in ("stribeck", "lag"):
             theta = float(np.exp(theta))
         return theta * self.units[part.unit] + (self.place if part.unit == "place" else 0.0)
 
@@ -137,9 +147,10 @@ class InsidePort:
         parts = [part for change in changes for part in PARTS[change]]
         values = list(theta)
         found = {PREFIX + part.change: self.value(part, x) for part, x in zip(parts, values, strict=False)}
-        start, speed = values[len(parts) : len(parts) + 2]
+        start, speed, *lag = values[len(parts) : len(parts) + len(self.states(changes))]
         found[PREFIX + "start"] = start * self.units["position"]
         found[PREFIX + "start_speed"] = speed * self.units["speed"]
+        found |= {PREFIX + "start_lag": one * self.units["command"] for one in lag}
         return found
 
     def unit_of(self, what: str) -> str:
@@ -165,3 +176,17 @@ class InsidePort:
             "speed": "m/s",
         }
         return (sliding if self.slides else turning).get(what, {"mass": "kg"}.get(what, ""))
+
+
+def port_from_json(content: Any) -> InsidePort:
+    """Read what `InsidePort.to_json_dict` wrote.
+
+    Raises
+    ------
+    ValueError
+        If it has another form.
+    """
+    try:
+        return InsidePort(**{**content, "scale": tuple(content["scale"]), "forces": np.ones(1)})
+    except (TypeError, KeyError):
+        raise ValueError('not an exported simulation: its "port" has the wrong form. Export it again.') from None

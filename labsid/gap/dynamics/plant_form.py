@@ -303,7 +303,7 @@ class PlantForm:
     def states(self) -> tuple[Parameter, ...]:
         """Initial states that are parameters."""
         port = self.simulation.port
-        return STATES.get(self.kind, ()) if port is None else port.states
+        return STATES.get(self.kind, ()) if port is None else port.states(self.inside)
 
     def brim_name(self, tank: str) -> str:
         """Name of the parameter of a tank's brim."""

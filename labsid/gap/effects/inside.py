@@ -250,6 +250,26 @@ class ForceLimit(Inside):
         return {"limit": Value(in_units(fit, "limit")[0], port_of(fit).unit_of("torque"))}
 
 
+class Lag(Inside):
+    """A lag of the actuator, if the simulation has none."""
+
+    name = "extra-lag"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("lag",)}
+
+    def applies(self, context: Context) -> bool:
+        """An actuator without dynamics: those of another one have a time constant that may be wrong."""
+        port = context.parent.hypothesis.plant.simulation.port
+        return super().applies(context) and port is not None and not port.has_state
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Short to long lags, in samples."""
+        return [{"log_lag": float(np.log(samples))} for samples in (1.0, 4.0, 16.0)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`tau` in seconds."""
+        return {"tau": Value(in_units(fit, "lag")[0], "s")}
+
+
 class Load(Inside):
     """A force on the joint that begins at an instant."""
 
@@ -367,5 +387,7 @@ def is_apart(family: type[Effect]) -> bool:
     return issubclass(family, Inside) and family.apart
 
 
-FAMILIES: tuple[type[Effect], ...] = (Friction, Drag, Spring, Gravity, EndStop, ForceLimit, Load, Wave, Mismatch)
+FAMILIES: tuple[type[Effect], ...] = (Friction, Drag, Spring, Gravity, EndStop, ForceLimit, Lag, Load, Wave, Mismatch)
 """In the order of the search."""
+INSIDE_NAMES = frozenset(family.name for family in FAMILIES)
+"""Effects that act inside a simulation that opens, and not around it."""

@@ -34,6 +34,10 @@ CLAUSES: dict[str, tuple[str, ...]] = {
         "The actuator {actuator} of the joint {joint} gives no more than {limit}",
         "The force of the actuator {actuator} of the joint {joint} is limited",
     ),
+    "extra-lag": (
+        "The actuator {actuator} of the joint {joint} has a lag of {tau}",
+        "The actuator {actuator} of the joint {joint} has a lag",
+    ),
     "load-step": (
         "From {onset} on, a load of {torque} acts on the joint {joint}",
         "A load acts on the joint {joint} from an instant on",

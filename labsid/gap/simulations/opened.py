@@ -133,6 +133,8 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
         "position": float(data.y_scale.unit) if reads else spread,
         "place": float(np.ptp(position)),
         "span": data.samples * data.Ts,
+        "sample": data.Ts,
+        "command": float(data.u_scale.unit),
         "cycle": 1.0 / (data.samples * data.Ts),
     }
     nominal = one.nominal()
@@ -154,6 +156,7 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
         nominal=nominal,
         position=one.position,
         names=names,
+        has_state=one.dynamics != "none",
         reads=reads,
         scale=(float(data.y_scale.centre), float(data.y_scale.unit)),
         forces=np.abs(motion[:, 2]) / force,

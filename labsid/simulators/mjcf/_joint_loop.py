@@ -87,7 +87,7 @@ def _constraint_force(
 
 
 @compiled()
-def play_compiled(u: FloatArray, steps: int, h: float, q: float, v: float, c: FloatArray) -> FloatArray:
+def play_compiled(u: FloatArray, steps: int, h: float, q: float, v: float, act: float, c: FloatArray) -> FloatArray:
     """Position, speed and force of the actuator at each sample, shape (N, 3)."""
     inertia, damping, drag, stiffness, springref, cubic = c[0], c[1], c[2], c[3], c[4], c[5]
     weight_sin, weight_cos, weight = c[6], c[7], c[8]
@@ -100,7 +100,7 @@ def play_compiled(u: FloatArray, steps: int, h: float, q: float, v: float, c: Fl
     heavy = weight_sin != 0.0 or weight_cos != 0.0
     waves = wave_cos != 0.0 or wave_sin != 0.0
     out = np.empty((u.size, 3))
-    act, drive = 0.0, 0.0
+    drive = 0.0
     for k in range(u.size):
         command = min(max(u[k], c[34]), c[35])
         for s in range(steps):

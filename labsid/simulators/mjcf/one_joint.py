@@ -10,6 +10,7 @@ documentation of MuJoCo, https://mujoco.readthedocs.io.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -43,16 +44,19 @@ CHANGES = (
     "wave_cos",
     "wave_sin",
     "frequency",
-    "play",
+    "lag",
     "start",
     "start_speed",
+    "start_lag",
 )
 """Changes of a joint and its actuator, in SI units: `transmitted` is friction over the torque of the actuator, `peak`
 the excess of friction at rest, which decays with the speed `stribeck`; `mass` sits at the end of the link; `low` and
 `high` are stops, `limit` bounds the force of the actuator, `gain` is a relative change of its gain; `load` acts from
-`onset` seconds on; `start` (from the default position) and `start_speed` are the initial state."""
+`onset` seconds on; `lag` is the time constant of an actuator that has no dynamics. `start` (from the default position),
+`start_speed`, and `start_lag` (from the first command) are the initial state."""
 SWITCHED_OFF = {"low": -FREE, "high": FREE, "limit": FREE, "stribeck": 1.0, "frequency": 1.0}
 PREFIX = "inside "  # ahead of the name of a change among the numbers of a simulation
+DYNAMICS = ("none", "filter", "filterexact", "integrator")
 OUTPUTS = ("position", "speed", "force")
 
 # Places in the array of constants.
@@ -145,6 +149,8 @@ class OneJoint:
     ctrlrange, forcerange, actrange, jointrange : tuple of float
     implicit : bool
         Whether the integrator takes the derivatives of all forces by the speed, or of damping only.
+    delay : float
+        Of the actuator, in seconds.
     geoms : tuple of str
         Names.
     euler_damping : bool
@@ -180,6 +186,7 @@ class OneJoint:
     jointrange: tuple[float, float]
     implicit: bool
     euler_damping: bool = True
+    delay: float = 0.0
     geoms: tuple[str, ...] = ()
 
     def run(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
@@ -197,15 +204,27 @@ class OneJoint:
         """
         steps = substeps(float(t[1] - t[0]) if t.size > 1 else self.timestep, self.timestep)
         changes = changes_in(numbers)
+        late, command = ceil(self.delay / self.timestep - 1e-9), np.ascontiguousarray(u, np.float64)
+        if late:
+            command = np.concatenate([np.full(late, u[0]), np.repeat(command, steps)[: u.size * steps - late]])
         motion = play(
-            np.ascontiguousarray(u, np.float64),
-            steps,
+            command,
+            1 if late else steps,
             self.timestep,
             self.position + changes["start"],
             changes["start_speed"],
+            self.activation(float(u[0]), changes),
             self.constants(numbers, changes),
         )
-        return np.ascontiguousarray(motion[:, OUTPUTS.index(self.output)])
+        return np.ascontiguousarray(motion[:: steps if late else 1, OUTPUTS.index(self.output)])
+
+    def activation(self, command: float, changes: Mapping[str, float]) -> float:
+        """Initial state of the actuator: a filter has followed the first command, an integrator holds the position."""
+        if self.dynamics == "integrator":
+            first = self.gear * (self.position + changes["start"]) if self.kind == "position" else 0.0
+        else:
+            first = min(max(command, self.ctrlrange[0]), self.ctrlrange[1])
+        return min(max(first + changes["start_lag"], self.actrange[0]), self.actrange[1])
 
     def constants(self, numbers: Mapping[str, float], changes: Mapping[str, float]) -> FloatArray:
         """The array of constants of `play`."""
@@ -243,8 +262,9 @@ class OneJoint:
         c[_GEAR] = gear
         c[_GAIN0 : _GAIN2 + 1] = gain
         c[_BIAS0 : _BIAS2 + 1] = bias
-        c[_DYNAMICS] = ("none", "filter", "filterexact", "integrator").index(self.dynamics)
-        c[_TIME_CONSTANT] = max(numbers.get(f"{self.actuator}:timeconst", self.time_constant), 1e-9)
+        lag = changes["lag"] if self.dynamics == "none" else 0.0
+        c[_DYNAMICS] = DYNAMICS.index("filterexact" if lag > 0.0 else self.dynamics)
+        c[_TIME_CONSTANT] = max(lag or numbers.get(f"{self.actuator}:timeconst", self.time_constant), 1e-9)
         c[_CTRL_LOW], c[_CTRL_HIGH] = self.ctrlrange
         limit = abs(changes["limit"])
         most = numbers.get(f"{self.actuator}:forcelimit", self.forcerange[1])
@@ -339,8 +359,8 @@ def stiffness_of(solref: tuple[float, ...], solimp: tuple[float, ...], timestep:
     return 2.0 / (most * time_constant), 1.0 / (most * time_constant * solref[1]) ** 2
 
 
-def play(u: FloatArray, steps: int, h: float, q: float, v: float, c: FloatArray) -> FloatArray:
+def play(u: FloatArray, steps: int, h: float, q: float, v: float, act: float, c: FloatArray) -> FloatArray:
     """Position, speed and force of the actuator at each sample, shape (N, 3); numba is loaded at the first call."""
     from labsid.simulators.mjcf._joint_loop import play_compiled
 
-    return np.asarray(play_compiled(u, steps, h, q, v, c))
+    return np.asarray(play_compiled(u, steps, h, q, v, act, c))

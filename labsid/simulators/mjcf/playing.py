@@ -85,6 +85,7 @@ def describe(opened: OpenedModel) -> OneJoint:
         actrange=_bounds(model.actuator_actrange[at], model.actuator_actlimited[at]),
         jointrange=_bounds(model.jnt_actfrcrange[joint], model.jnt_actfrclimited[joint]),
         implicit=int(model.opt.integrator) != int(integrators.mjINT_EULER),
+        delay=float(model.actuator_delay[at]) if hasattr(model, "actuator_delay") else 0.0,
         geoms=tuple(mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, i) or f"geom {i}" for i in range(model.ngeom)),
         euler_damping=not int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP),
     )
@@ -211,6 +212,11 @@ class Player:
         _change(model, one, c, changes)
         data = mujoco.MjData(model)
         data.qpos[0], data.qvel[0] = one.position + changes["start"], changes["start_speed"]
+        if one.delay:
+            _fill_history(mujoco, model, data, float(u[0]))
+        lagging = _Lag(one, c, one.activation(float(u[0]), changes)) if not model.na and c[32] else None
+        if model.na:
+            data.act[0] = one.activation(float(u[0]), changes)
         steps = substeps(float(t[1] - t[0]) if t.size > 1 else one.timestep, one.timestep)
         extra = [c[6] - one.gravity[0], c[7] - one.gravity[1], c[8] - one.gravity[2]]
         applied = any(abs(x) > UNIT_GRAVITY for x in extra) or any(c[[42, 44, 45]])
@@ -218,8 +224,11 @@ class Player:
         motion, contacts = np.empty((u.size, 3)), np.full(u.size, -1)
         for k in range(u.size):
             data.ctrl[0] = u[k]
+            command = min(max(float(u[k]), c[34]), c[35])
             motion[k, 0], motion[k, 1] = data.qpos[0], data.qvel[0]
             for s in range(steps):
+                if lagging is not None:
+                    data.ctrl[0] = lagging.next(command)
                 if applied:
                     data.qfrc_applied[0] = _applied(float(data.qpos[0]), (k * steps + s) * one.timestep, one, c, extra)
                 if varied:
@@ -233,6 +242,26 @@ class Player:
                 motion[k + 1 :] = np.nan
                 break
         return motion, contacts
+
+
+def _fill_history(mujoco: Any, model: Any, data: Any, command: float) -> None:
+    """A delayed actuator has had the first command for long."""
+    samples = int(model.actuator_history[0, 0])
+    times = (np.arange(samples) - samples) * float(model.opt.timestep)
+    mujoco.mj_initCtrlHistory(model, data, 0, times, np.full(samples, command))
+
+
+class _Lag:
+    """A lag ahead of an actuator without dynamics."""
+
+    def __init__(self, one: OneJoint, c: FloatArray, first: float) -> None:
+        self.state, self.share = first, 1.0 - float(np.exp(-one.timestep / c[33]))
+
+    def next(self, command: float) -> float:
+        """The state before this step."""
+        before = self.state
+        self.state += self.share * (command - before)
+        return before
 
 
 def _applied(q: float, time: float, one: OneJoint, c: FloatArray, extra: list[float]) -> float:
@@ -270,5 +299,6 @@ def _change(model: Any, one: OneJoint, c: FloatArray, changes: Mapping[str, floa
     if c[36] > -FREE or c[37] < FREE:
         model.actuator_forcelimited[0] = 1
         model.actuator_forcerange[0] = max(c[36], -1e9), min(c[37], 1e9)
-    model.actuator_dynprm[0, 0] = c[33]
+    if model.na:
+        model.actuator_dynprm[0, 0] = c[33]
     model.dof_invweight0[0] = 1.0 / c[0]
