@@ -74,7 +74,7 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
                 problem = Problem(data, hypothesis)
                 thetas = list(start_points(context, hypothesis, effect))
                 if lost and isinstance(effect, Inside) and not hypothesis.plant.changes_in_time:
-                    thetas += grown_starts(data, hypothesis, thetas)
+                    thetas += list(grown_starts(data, hypothesis, thetas))
                 points = evaluate(problem, thetas)
                 starts = [Trial(problem, point) for point in sorted(points, key=attrgetter("cost"))]
                 selected += _in_turn(starts)[:STARTS_PER_VARIANT]

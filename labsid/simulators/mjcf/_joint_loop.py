@@ -5,7 +5,6 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-ROUNDS = 30
 DIVERGED = 1e8  # rad or m
 
 
@@ -27,6 +26,29 @@ def _impedance(d0: float, d1: float, width: float, mid: float, power: float, x: 
 
 
 @compiled()
+def _pieces(
+    a: float,
+    friction: float,
+    friction_at: float,
+    friction_d: float,
+    low_at: float,
+    low_d: float,
+    high_at: float,
+    high_d: float,
+) -> tuple[float, float]:
+    """Force of friction and stops at an acceleration, and its negative slope there."""
+    force = min(max(friction_d * (friction_at - a), -friction), friction)
+    slope = friction_d if abs(friction_d * (friction_at - a)) < friction else 0.0
+    if low_d > 0.0 and a < low_at:
+        force += low_d * (low_at - a)
+        slope += low_d
+    if high_d > 0.0 and a > high_at:
+        force += high_d * (high_at - a)
+        slope += high_d
+    return force, slope
+
+
+@compiled()
 def _constraint_force(
     free: float,
     inertia: float,
@@ -43,47 +65,27 @@ def _constraint_force(
     Each is a piecewise linear function of the acceleration a: friction -D (a - at) between its bounds, a lower stop
     D (at - a) and an upper one -D (a - at) where it pushes. D of an inactive one is zero.
     """
-    a = free
-    force = 0.0
-    for _ in range(ROUNDS):
-        constant, slope = 0.0, 0.0
-        if friction > 0.0:
-            pull = friction_d * (friction_at - a)
-            if pull > friction:
-                constant += friction
-            elif pull < -friction:
-                constant -= friction
-            else:
-                constant += friction_d * friction_at
-                slope += friction_d
-        if low_d > 0.0 and a < low_at:
-            constant += low_d * low_at
-            slope += low_d
-        if high_d > 0.0 and a > high_at:
-            constant += high_d * high_at
-            slope += high_d
-        new = (inertia * free + constant) / (inertia + slope)
-        force = constant - slope * new
-        if abs(new - a) <= 1e-12 * (abs(new) + abs(a) + 1e-9):
-            return force
-        a = new
-    # Bisection of the increasing function inertia (a - free) - force(a), where the pieces alternate.
-    reach = abs(a - free) + (friction + 1.0) / inertia + 1.0
-    low, high = free - 10.0 * reach, free + 10.0 * reach
-    for _ in range(200):
-        a = 0.5 * (low + high)
-        force = 0.0
-        if friction > 0.0:
-            force += min(max(friction_d * (friction_at - a), -friction), friction)
-        if low_d > 0.0 and a < low_at:
-            force += low_d * (low_at - a)
-        if high_d > 0.0 and a > high_at:
-            force += high_d * (high_at - a)
-        if inertia * (a - free) > force:
-            high = a
+    if low_d == 0.0 and high_d == 0.0:
+        held = friction_d * (friction_at - (inertia * free + friction_d * friction_at) / (inertia + friction_d))
+        return min(max(held, -friction), friction)
+    # The acceleration is the root of the increasing, piecewise linear inertia (a - free) - force(a): find its piece.
+    reach = friction / friction_d if friction_d > 0.0 else 0.0
+    below, above = -np.inf, np.inf
+    for corner in (friction_at - reach, friction_at + reach, low_at, high_at):
+        force, _ = _pieces(corner, friction, friction_at, friction_d, low_at, low_d, high_at, high_d)
+        if inertia * (corner - free) <= force:
+            below = max(below, corner)
         else:
-            low = a
-    return force
+            above = min(above, corner)
+    if below == -np.inf:
+        a = above - 1.0
+    elif above == np.inf:
+        a = below + 1.0
+    else:
+        a = 0.5 * (below + above)
+    force, slope = _pieces(a, friction, friction_at, friction_d, low_at, low_d, high_at, high_d)
+    root = a - (inertia * (a - free) - force) / (inertia + slope)
+    return force - slope * (root - a)
 
 
 @compiled()

@@ -20,6 +20,7 @@ STANDING_SOLREF = (0.004, 1.0)
 STANDING_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
 """With these a joint that dry friction holds creeps by 1e-4 to 3e-4 rad/s at 0.65 of it; by default by 0.07."""
 MIN_IMPEDANCE, MAX_IMPEDANCE = 1e-4, 0.9999
+EQUAL = 1e-6  # relative difference of two numbers that are the same
 FREE = 1e30  # of a limit that is none
 CHANGES = (
     "friction",
@@ -297,9 +298,9 @@ class OneJoint:
     def kind(self) -> str:
         """What the command is: "torque", "position" or "velocity"."""
         gain, bias = self.gain, self.bias
-        if gain[0] and np.isclose(gain[0], -bias[1]):
+        if gain[0] and abs(gain[0] + bias[1]) < EQUAL * abs(gain[0]):
             return "position"
-        if gain[0] and not bias[1] and np.isclose(gain[0], -bias[2]):
+        if gain[0] and not bias[1] and abs(gain[0] + bias[2]) < EQUAL * abs(gain[0]):
             return "velocity"
         return "torque"
 
