@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -33,12 +33,12 @@ Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="The joint or 
 MatchText = Annotated[
     str | None,
     typer.Option(
-        "--match", metavar="y=F,...", help="Bring the log to FILE.xml: y=57.3 per unit, zero=, u= per unit, shift= samples."
+        "--match",
+        metavar="y=F,...",
+        help="Bring the log to FILE.xml: y=57.3 per unit, zero=, u= per unit, shift= samples.",
     ),
 ]
-Trust = Annotated[
-    bool, typer.Option("--trust", help="Let FILE.xml read files outside its folder, and load plugins.")
-]
+Trust = Annotated[bool, typer.Option("--trust", help="Let FILE.xml read files outside its folder, and load plugins.")]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of the confidence intervals.")]
 
 
@@ -118,7 +118,9 @@ def diagnose(
     other = None
     if holdout is not None:
         other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
-    simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, _ports(inputs, outputs, trust))
+    simulation = (
+        None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, _ports(inputs, outputs, trust))
+    )
     with _progress() as progress:
         found = diagnosis.diagnose(
             loaded,
@@ -244,7 +246,10 @@ def show_limits(
 @reads_log
 def simulate(
     model: Annotated[
-        Path, typer.Argument(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu or FILE.xml.")
+        Path,
+        typer.Argument(
+            metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu or FILE.xml."
+        ),
     ],
     record: RecordPath,
     *,

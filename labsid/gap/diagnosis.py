@@ -36,8 +36,8 @@ from labsid.gap.simulations.baseline import (
     make_baseline,
     read_exported,
 )
-from labsid.gap.simulations.model_check import check_model
 from labsid.gap.simulations.long_record import shorten_holdout, shorten_record, shorten_records
+from labsid.gap.simulations.model_check import check_model
 from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
 from labsid.gap.verdict.several_records import (

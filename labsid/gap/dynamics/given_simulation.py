@@ -67,7 +67,9 @@ class GivenSimulation:
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
     port: "InsidePort | None" = None
-    _outputs: dict[tuple[bytes, tuple[tuple[str, float], ...]], FloatArray] = field(default_factory=dict, init=False, repr=False)
+    _outputs: dict[tuple[bytes, tuple[tuple[str, float], ...]], FloatArray] = field(
+        default_factory=dict, init=False, repr=False
+    )
     _pulses: dict[tuple[float, ...], FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import product
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -365,7 +365,7 @@ class Mismatch(Inside):
         return {name: Value(nominal + change, port.unit_of(unit))}
 
 
-def place_inside(fit: ParentFit, effect: Effect | None) -> dict[str, str]:
+def place_inside(fit: ParentFit, effect: Effect | None) -> dict[str, Any]:
     """The `joint` and the `actuator` at which an effect acts; empty for one that does not act inside a simulation."""
     port = fit.hypothesis.plant.simulation.port
     if port is None or not isinstance(effect, Inside):
@@ -377,9 +377,7 @@ def with_nominal(fit: ParentFit, parameters: dict[str, dict[str, object]]) -> di
     """Parameters of an effect; numbers of a simulation that opens with their nominal values."""
     port = fit.hypothesis.plant.simulation.port
     nominal = {} if port is None else port.nominal
-    return {
-        name: entry | ({"nominal": nominal[name]} if name in nominal else {}) for name, entry in parameters.items()
-    }
+    return {name: entry | ({"nominal": nominal[name]} if name in nominal else {}) for name, entry in parameters.items()}
 
 
 def is_apart(family: type[Effect]) -> bool:

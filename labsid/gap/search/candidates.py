@@ -17,8 +17,8 @@ from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, fini
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
-from labsid.gap.search.growing_window import grown_starts, loses_phase
 from labsid.gap.search.forms import extended_hypotheses, shared_keys, transfer_theta
+from labsid.gap.search.growing_window import grown_starts, loses_phase
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
 MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole

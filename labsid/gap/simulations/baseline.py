@@ -23,8 +23,8 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
-from labsid.gap.simulations.opened import fit_as_it_is, opened_structure, simulate_other
 from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
+from labsid.gap.simulations.opened import fit_as_it_is, opened_structure, simulate_other
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system

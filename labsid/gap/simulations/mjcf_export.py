@@ -76,7 +76,8 @@ def _change_joint(spec: Any, opened: OpenedModel, one: OneJoint, numbers: Mappin
     c = one.constants(numbers, changes)
     joint = spec.joints[opened.joint]
     joint.damping[:2], joint.stiffness[::2] = c[1:3], (c[3], c[5])
-    joint.springref = c[4]
+    turn = np.degrees(1.0) if spec.compiler.degree and not one.slides else 1.0
+    joint.springref = turn * c[4]
     joint.frictionloss = c[9]
     held = [change for change in ("friction", *LAWS) if changes[change]]
     if held:
@@ -84,7 +85,7 @@ def _change_joint(spec: Any, opened: OpenedModel, one: OneJoint, numbers: Mappin
     joint.armature = max(numbers.get(f"{one.joint}:armature", one.armature) + changes["armature"], 0.0)
     if changes["low"] > -FREE or changes["high"] < FREE:
         joint.limited = 1
-        joint.range[:] = max(c[15], -1e6), min(c[16], 1e6)
+        joint.range[:] = turn * max(c[15], -1e6), turn * min(c[16], 1e6)
     scale = numbers.get(f"{one.link}:mass", one.mass) / one.mass
     if scale != 1.0 or changes["mass"]:
         _change_mass(spec, mujoco, opened, scale, changes["mass"])
@@ -188,7 +189,9 @@ def _keep_files(spec: Any, before: Path, after: Path) -> None:
     if before.resolve().parent == after.resolve().parent:
         return
     if len(spec.meshes) + len(spec.textures) + len(spec.hfields):
-        raise ValueError(f"{before} uses files of its folder. Write the mended model there: --export {before.parent}/...")
+        raise ValueError(
+            f"{before} uses files of its folder. Write the mended model there: --export {before.parent}/..."
+        )
 
 
 def _comments(found: Diagnosis, source: str) -> str:

@@ -13,15 +13,21 @@ from labsid.simulators.mjcf.simulation import CONTACTS
 from labsid.simulators.simulator import Simulator
 
 TOPIC = "model"
-FACTORS = {180.0 / np.pi: "degrees", np.pi / 180.0: "radians, and the model degrees", 1000.0: "thousandths", 1e-3: "units"}
+FACTORS = {
+    180.0 / np.pi: "degrees",
+    np.pi / 180.0: "radians, and the model degrees",
+    1000.0: "thousandths",
+    1e-3: "units",
+}
 NEAR = 0.1  # relative distance from one of these factors
 RATIO = 1.5  # of the motions, from which a factor that has no name is said
 WINDOWS = (1.0, 0.3, 0.1)  # of the record: a model that loses its phase agrees at the beginning only
 ALIKE = 0.5, 0.9  # shares of the variance that the simulation explains: enough for a sign, and for a zero
 MIN_ZERO = 0.1  # of the range of the output
 AHEAD, BEHIND = 8, 12  # samples of the command that are tried as causes
-MIN_T = 8.0  # of the effect of a later command
-FOLLOWS = 0.97  # correlation of a goal with what follows it
+MIN_T = 5.0  # of the effect of a later command
+LATE = 20  # samples by which what follows a goal may be late
+FOLLOWS = 0.93  # correlation of a goal with what follows it
 MAX_CONTACT = 0.5  # share of a record in contact, above which it is refused
 
 
@@ -96,7 +102,7 @@ def check_model(record: Record, simulate: Simulator) -> list[Finding]:
     one = simulate.joint
     assert one is not None
     substeps(record.Ts, one.timestep)
-    t = record.Ts * np.arange(len(record))
+    t = np.asarray(record.Ts * np.arange(len(record)), np.float64)
     start = initial_state(one, record.y, record.Ts)
     found = _limits(record, one)
     pairs = np.asarray(simulate.run(t, record.u, simulate.nominal | start | {CONTACTS: 1.0}))
@@ -104,7 +110,7 @@ def check_model(record: Record, simulate: Simulator) -> list[Finding]:
     if one.output in ("position", "speed"):
         q = np.asarray(one.run(t, record.u, start))
         found += _mode(record, one)
-        found += _time(record)
+        found += _time(record, q)
         if np.isfinite(q).all() and np.ptp(q) > 0.0:
             found += _scales(record, q, one)
     return found
@@ -150,10 +156,10 @@ def _mode(record: Record, one: OneJoint) -> list[Finding]:
     for kind, (u, signal) in fitting.items():
         if kind == one.kind or not np.std(signal):
             continue
-        r = float(np.corrcoef(u, signal)[0, 1])
+        r = _following(u, signal)
         slope = r * float(np.std(signal) / np.std(u))
         own = fitting.get(one.kind)
-        better = own is None or abs(np.corrcoef(*own)[0, 1]) < 0.9 * r
+        better = own is None or _following(*own) < 0.9 * r
         if r > FOLLOWS and 0.67 < slope < 1.5 and better:
             goal = "position" if kind == "position" else "speed"
             text = (
@@ -164,7 +170,13 @@ def _mode(record: Record, one: OneJoint) -> list[Finding]:
     return []
 
 
-def _time(record: Record) -> list[Finding]:
+def _following(u: FloatArray, signal: FloatArray) -> float:
+    """Largest correlation of a command with what may follow it, within a few samples."""
+    lags = range(min(LATE, u.size // 4))
+    return max(float(np.corrcoef(u[: u.size - lag], signal[lag:])[0, 1]) for lag in lags)
+
+
+def _time(record: Record, q: FloatArray) -> list[Finding]:
     """Whether the output answers commands that come later."""
     u, y = record.u, record.y
     k = np.arange(BEHIND, len(record) - AHEAD - 1)
@@ -177,11 +189,12 @@ def _time(record: Record) -> list[Finding]:
     e = y[k + 1] - matrix @ solution
     cov = np.linalg.pinv(matrix.T @ matrix) * float(e @ e) / max(k.size - matrix.shape[1], 1)
     ratios = np.abs(solution) / np.sqrt(np.maximum(np.diag(cov), 1e-300))
-    later = np.flatnonzero(ratios[-AHEAD:] > MIN_T) + 1
-    if not later.size:
+    if not (ratios[-AHEAD:] > MIN_T).any():
         return []
-    shift = int(later.max())
-    text = f"the output answers commands that are logged up to {shift} samples later. --match shift={shift} mends it."
+    count = y.size - AHEAD  # the shift at which the simulation agrees best
+    alike = [abs(np.corrcoef(y[:count], q[late : late + count])[0, 1]) for late in range(1, AHEAD + 1)]
+    shift = 1 + int(np.argmax(alike))
+    text = f"the output answers commands that are logged later, by {shift} samples. --match shift={shift} mends it."
     return [Finding("warning", TOPIC, text)]
 
 

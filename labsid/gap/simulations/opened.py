@@ -15,7 +15,7 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import export_model
 from labsid.gap.record.data import Data
 from labsid.records.record import Record
-from labsid.simulators.mjcf.one_joint import FREE, OneJoint
+from labsid.simulators.mjcf.one_joint import OneJoint
 from labsid.simulators.simulator import Simulator, SimulatorError
 
 SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo

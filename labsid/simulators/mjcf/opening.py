@@ -49,7 +49,7 @@ def import_mujoco() -> Any:
         If it is not installed.
     """
     try:
-        import mujoco
+        import mujoco  # type: ignore[import-untyped, unused-ignore]
     except ImportError:
         raise ValueError(f"a model of MuJoCo needs the package mujoco. Type: {INSTALL}") from None
     return mujoco
@@ -189,4 +189,3 @@ def _elements(path: Path, seen: set[Path]) -> Iterator[tuple[Path, ElementTree.E
             target = path.resolve().parent / named
             if target.resolve().is_relative_to(path.resolve().parent) and target.is_file():
                 yield from _elements(target, seen)
-

@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.mjcf.one_joint import FREE, OUTPUTS, STANDING_SOLIMP, STANDING_SOLREF, OneJoint, changes_in, substeps
+from labsid.simulators.mjcf.one_joint import (
+    FREE,
+    OUTPUTS,
+    STANDING_SOLIMP,
+    STANDING_SOLREF,
+    OneJoint,
+    changes_in,
+    substeps,
+)
 from labsid.simulators.mjcf.opening import OpenedModel, import_mujoco
 from labsid.simulators.simulator import SimulatorError
 
@@ -38,7 +46,9 @@ def describe(opened: OpenedModel) -> OneJoint:
     dynamics = {int(getattr(mujoco.mjtDyn, f"mjDYN_{name.upper()}")): name for name in names}
     kind = int(model.actuator_dyntype[at])
     if kind not in dynamics:
-        raise ValueError(f"the actuator {opened.actuator_name} has dynamics that cannot be opened. Give it as a function.")
+        raise ValueError(
+            f"the actuator {opened.actuator_name} has dynamics that cannot be opened. Give it as a function."
+        )
     poly = getattr(model, "dof_dampingpoly", np.zeros((1, 2)))
     stiff = getattr(model, "jnt_stiffnesspoly", np.zeros((1, 2)))
     limited = bool(model.jnt_limited[joint])
