@@ -56,7 +56,7 @@ def diagnose(
         Path | None,
         typer.Option(
             metavar="MODEL",
-            help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, FILE.xml of MuJoCo, or a .csv with t,y.",
+            help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, MuJoCo's FILE.xml, or a .csv t,y.",
         ),
     ] = None,
     free: Annotated[
@@ -276,7 +276,7 @@ def simulate(
 
 @gap.command("check")
 @reads_log
-def check(
+def check_simulation(
     record: RecordPath,
     *,
     how: "Reading",
@@ -397,7 +397,7 @@ def _write_simulation(path: Path, found: "Diagnosis") -> None:
 
     kind = path.suffix.lower()
     if kind in (".xml", ".mjcf"):
-        from labsid.gap.simulations.mjcf_export import write_mended_model
+        from labsid.gap.reports.mjcf_export import write_mended_model
 
         for line in write_mended_model(path, found):
             print(line)

@@ -5,15 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from traceback import extract_tb
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.simulators.meter import BudgetSpentError, RunMeter
-
-if TYPE_CHECKING:
-    from labsid.simulators.mjcf.one_joint import OneJoint
 
 ALL = "all"
 Run = Callable[[FloatArray, FloatArray, Mapping[str, float]], Any]
@@ -58,7 +55,7 @@ class Simulator:
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
-    joint: "OneJoint | None" = None
+    joint: Any = None
 
     def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float] | None = None) -> FloatArray:
         """Simulated output, shape (N,), with other values of some numbers.

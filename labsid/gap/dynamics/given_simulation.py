@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from labsid.gap.dynamics.reactions import Reaction, output_with
 from labsid.gap.record.data import Scale
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 from labsid.simulators.simulator import Simulator, SimulatorError
-
-if TYPE_CHECKING:
-    from labsid.gap.dynamics.inside import InsidePort
 
 CACHED_RUNS = 64  # the search often repeats an input
 
@@ -66,7 +63,7 @@ class GivenSimulation:
     pieces: Pieces = ()
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
-    port: "InsidePort | None" = None
+    port: Any = None
     _outputs: dict[tuple[bytes, tuple[tuple[str, float], ...]], FloatArray] = field(
         default_factory=dict, init=False, repr=False
     )

@@ -150,7 +150,8 @@ class InsidePort:
         start, speed, *lag = values[len(parts) : len(parts) + len(self.states(changes))]
         found[PREFIX + "start"] = start * self.units["position"]
         found[PREFIX + "start_speed"] = speed * self.units["speed"]
-        found |= {PREFIX + "start_lag": one * self.units["command"] for one in lag}
+        if lag:
+            found[PREFIX + "start_lag"] = lag[0] * self.units["command"]
         return found
 
     def unit_of(self, what: str) -> str:

@@ -7,9 +7,9 @@ from labsid.gap.reports.quantities import Quantity, number
 CLAUSES: dict[str, tuple[str, ...]] = {
     "coulomb-friction": (
         "At the joint {joint}, dry friction of {friction} opposes the motion, {break_away} from rest",
-        "At the joint {joint}, dry friction of {friction} and {load:%} of the torque of the actuator opposes the motion",
+        "At the joint {joint}, dry friction of {friction} and {load:%} of the torque of its drive opposes the motion",
         "At the joint {joint}, dry friction of {friction} opposes the motion",
-        "At the joint {joint}, dry friction of {load:%} of the torque of the actuator opposes the motion",
+        "At the joint {joint}, dry friction of {load:%} of the torque of its drive opposes the motion",
         "At the joint {joint}, dry friction opposes the motion",
     ),
     "quadratic-drag": (

@@ -97,7 +97,7 @@ def check_model(record: Record, simulate: Simulator) -> list[Finding]:
     Raises
     ------
     ValueError
-        If the timestep of the model does not divide the sampling time, or the model is in contact for most of the record.
+        If the timestep of the model does not divide the sampling time, or the model is in contact for most of it.
     """
     one = simulate.joint
     assert one is not None
@@ -138,8 +138,8 @@ def _contacts(pairs: FloatArray, one: OneJoint) -> list[Finding]:
     names = " and ".join(one.geoms[i] for i in divmod(pair, len(one.geoms)))
     if share > MAX_CONTACT:
         raise ValueError(
-            f"the geoms {names} of the model touch for {100.0 * share:.0f} % of the record. Set contype and conaffinity "
-            "of geoms that do not touch on the rig to 0, or exclude the contact from the record."
+            f"the geoms {names} of the model touch for {100.0 * share:.0f} % of the record. Set contype and "
+            "conaffinity of geoms that do not touch on the rig to 0, or exclude the contact from the record."
         )
     text = (
         f"the geoms {names} of the model touch for {100.0 * share:.2g}% of the record. If they do not on the rig, set "
@@ -163,7 +163,7 @@ def _mode(record: Record, one: OneJoint) -> list[Finding]:
         if r > FOLLOWS and 0.67 < slope < 1.5 and better:
             goal = "position" if kind == "position" else "speed"
             text = (
-                f"the {goal} follows the command, as with a {kind} servo; the actuator {one.actuator} of the model takes "
+                f"the {goal} follows the command, as with a {kind} servo; the actuator {one.actuator} takes "
                 f"a {one.kind}. Use <{kind}> in the model, or log its {one.kind}."
             )
             return [Finding("warning", TOPIC, text)]
@@ -227,6 +227,7 @@ def _scales(record: Record, q: FloatArray, one: OneJoint) -> list[Finding]:
         return [Finding("warning", TOPIC, text)]
     anchored = one.kind == "position" or one.passive["stiffness"]
     if anchored and one.output == "position" and best > ALIKE[1] and abs(level) > MIN_ZERO * float(np.ptp(record.y)):
-        text = f"the output reads about {level:.3g} at the zero of the joint {one.joint}. --match zero={level:.3g} mends it."
+        text = f"the output reads about {level:.3g} at the zero of the joint {one.joint}. "
+        text += f"--match zero={level:.3g} mends it."
         return [Finding("note", TOPIC, text)]
     return []

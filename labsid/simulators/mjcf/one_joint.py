@@ -150,12 +150,12 @@ class OneJoint:
     ctrlrange, forcerange, actrange, jointrange : tuple of float
     implicit : bool
         Whether the integrator takes the derivatives of all forces by the speed, or of damping only.
+    euler_damping : bool
+        Whether Euler's method takes damping implicitly.
     delay : float
         Of the actuator, in seconds.
     geoms : tuple of str
         Names.
-    euler_damping : bool
-        Whether Euler's method takes damping implicitly.
     """
 
     joint: str
@@ -208,7 +208,7 @@ class OneJoint:
         late, command = ceil(self.delay / self.timestep - 1e-9), np.ascontiguousarray(u, np.float64)
         if late:
             command = np.concatenate([np.full(late, u[0]), np.repeat(command, steps)[: u.size * steps - late]])
-        motion = play(
+        motion = run_loop(
             command,
             1 if late else steps,
             self.timestep,
@@ -228,7 +228,7 @@ class OneJoint:
         return min(max(first + changes["start_lag"], self.actrange[0]), self.actrange[1])
 
     def constants(self, numbers: Mapping[str, float], changes: Mapping[str, float]) -> FloatArray:
-        """The array of constants of `play`."""
+        """The array of constants of `run_loop`."""
         own = {key: numbers.get(f"{self.joint}:{key}", value) for key, value in self.passive.items()}
         armature = numbers.get(f"{self.joint}:armature", self.armature) + changes["armature"]
         scale = numbers.get(f"{self.link}:mass", self.mass) / self.mass if self.mass else 1.0
@@ -345,7 +345,7 @@ def substeps(Ts: float, timestep: float) -> int:
     if count < 1 or abs(count * timestep - Ts) > 1e-3 * timestep * max(count, 1):
         near = Ts / max(count, 1)
         raise ValueError(
-            f"the sampling time {Ts:g} s is no multiple of the timestep {timestep:g} s of the model. Set its timestep to "
+            f"the sampling time {Ts:g} s is no multiple of the timestep {timestep:g} s of the model. Set that to "
             f"{near:.6g}, or resample the record with --resample {max(count, 1) * timestep:g}."
         )
     return count
@@ -360,7 +360,7 @@ def stiffness_of(solref: tuple[float, ...], solimp: tuple[float, ...], timestep:
     return 2.0 / (most * time_constant), 1.0 / (most * time_constant * solref[1]) ** 2
 
 
-def play(u: FloatArray, steps: int, h: float, q: float, v: float, act: float, c: FloatArray) -> FloatArray:
+def run_loop(u: FloatArray, steps: int, h: float, q: float, v: float, act: float, c: FloatArray) -> FloatArray:
     """Position, speed and force of the actuator at each sample, shape (N, 3); numba is loaded at the first call."""
     from labsid.simulators.mjcf._joint_loop import play_compiled
 

@@ -23,7 +23,7 @@ UNIT_GRAVITY = 1e-9  # torque over that at rest: less is none
 DEFAULT_GRAVITY = (0.0, 0.0, -9.81)
 
 
-def describe(opened: OpenedModel) -> OneJoint:
+def describe_joint(opened: OpenedModel) -> OneJoint:
     """The model of one joint as numbers.
 
     Raises
@@ -34,8 +34,8 @@ def describe(opened: OpenedModel) -> OneJoint:
     mujoco, model = import_mujoco(), opened.model
     if model.nv != 1 or model.nu != 1:
         raise ValueError(
-            f"{opened.source.path} has {model.nv} degrees of freedom and {model.nu} actuators; a model of one joint with "
-            "one actuator can be diagnosed. Remove or fix the others, as they were in the record."
+            f"{opened.source.path} has {model.nv} degrees of freedom and {model.nu} actuators; a model of one joint "
+            "with one actuator can be diagnosed. Remove or fix the others, as they were in the record."
         )
     at, joint = opened.actuator, opened.joint
     moment = _gravity_torque(mujoco, model, joint)
@@ -161,7 +161,7 @@ def _tip(mujoco: Any, model: Any, joint: int) -> tuple[float, float, float, floa
 
 
 def tip_of(mujoco: Any, model: Any, joint: int) -> tuple[int, FloatArray]:
-    """The body and the place in it, where a load would be held: of what moves, the end of the geom farthest from the joint.
+    """The body and the place in it, where a load would be held: the end of what moves, far from the joint.
 
     Without geoms it is the centre of mass.
     """
@@ -199,7 +199,7 @@ class Player:
 
     def __init__(self, opened: OpenedModel) -> None:
         self.mujoco, self.opened = import_mujoco(), opened
-        self.one = describe(opened)
+        self.one = describe_joint(opened)
 
     def run(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         """Output for a command that is held between samples, shape (N,).

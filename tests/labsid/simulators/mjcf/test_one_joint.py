@@ -68,7 +68,7 @@ def test_numbers_of_the_model_act(tmp_path: Path) -> None:
 
 def test_a_sampling_time_that_the_timestep_does_not_divide_is_refused() -> None:
     assert substeps(0.01, 0.002) == 5
-    with pytest.raises(ValueError, match=r"no multiple of the timestep 0.003 s .* Set its timestep to 0.00333333"):
+    with pytest.raises(ValueError, match=r"no multiple of the timestep 0.003 s .* Set that to 0.00333333"):
         substeps(0.01, 0.003)
 
 

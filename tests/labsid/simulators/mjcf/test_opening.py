@@ -15,8 +15,8 @@ from labsid.simulators.mjcf.sources import MjcfSource, is_mjcf, parse_mjcf
 
 TWO = arm(MOTOR + '<motor name="other" joint="elbow"/>')
 SENSORS = arm(more='<sensor><jointvel name="speed" joint="elbow"/><clock name="clock"/></sensor>')
-URDF = """<robot name="arm"><mujoco><compiler fusestatic="false"/></mujoco><link name="base"/><link name="rod"><inertial>
-<mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+URDF = """<robot name="arm"><mujoco><compiler fusestatic="false"/></mujoco><link name="base"/>
+<link name="rod"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="elbow" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>"""
 
 

@@ -16,7 +16,7 @@ from labsid.gap.reports.result import Diagnosis
 from labsid.gap.simulations.python_export import write_python_module
 from labsid.simulators.mjcf.one_joint import FREE, STANDING_SOLIMP, STANDING_SOLREF, OneJoint, changes_in
 from labsid.simulators.mjcf.opening import OpenedModel, import_mujoco, open_model
-from labsid.simulators.mjcf.playing import describe, tip_of
+from labsid.simulators.mjcf.playing import describe_joint, tip_of
 from labsid.simulators.mjcf.sources import parse_mjcf
 
 IN_MJCF = ("input-delay", "input-saturation")
@@ -47,7 +47,7 @@ def write_mended_model(path: Path, found: Diagnosis) -> list[str]:
     if source is None or plant.simulation.port is None:
         raise ValueError("--export FILE.xml needs a model of MuJoCo as the simulation. Give --sim FILE.xml.")
     opened = open_model(source)
-    one = describe(opened)
+    one = describe_joint(opened)
     theta = model.theta[model.hypothesis.slices["plant"]]
     numbers = plant.simulation.nominal | plant.numbers(theta)
     spec = import_mujoco().MjSpec.from_file(str(source.path))
@@ -149,7 +149,7 @@ def _change_gravity(spec: Any, mujoco: Any, opened: OpenedModel, wanted: tuple[f
     axes, torques = np.eye(3), []
     for axis in axes:
         model.opt.gravity[:] = axis
-        torques.append(describe(opened).gravity[:2])
+        torques.append(describe_joint(opened).gravity[:2])
     model.opt.gravity[:] = before
     matrix = np.array(torques).T
     if np.linalg.matrix_rank(matrix, SMALL) < 2:
@@ -209,7 +209,7 @@ def _comments(found: Diagnosis, source: str) -> str:
     return "".join(f"<!-- {line.replace('--', '- -')} -->\n" for line in lines)
 
 
-_LAW_MODULE = '''"""Steps {model} with what MJCF has not: dry friction that depends on the torque of the actuator and on the speed."""
+_LAW_MODULE = '''"""Steps {model} with what MJCF has not: friction that depends on torque and speed."""
 
 from math import exp
 from pathlib import Path
