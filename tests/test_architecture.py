@@ -188,7 +188,7 @@ def test_only_plots_imports_matplotlib_and_never_its_global_state(labsid: list[M
     [
         (
             "labsid",
-            ["cluster", "fmu", "logs", "notebooks"],
+            ["cluster", "fmu", "logs", "mujoco", "notebooks"],
         ),  # of notebooks jupyter_client and ipywidgets alone, as the test above says
         ("autograder", ["notebooks", "autograder", "cluster"]),
         ("tests", ["notebooks", "autograder", "fmu", "logs", "mujoco", "dev"]),

@@ -8,14 +8,17 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from labsid.cli.options import RecordPath, RecordPaths, reads_log
 
 if TYPE_CHECKING:  # a slow import
+    from labsid.gap.reports.result import Diagnosis
+    from labsid.gap.simulations.simulation_files import Ports
     from labsid.records.reading import Reading
+    from labsid.records.record import Record
 
 gap = typer.Typer(
     rich_markup_mode=None,
@@ -25,6 +28,17 @@ gap = typer.Typer(
 
 _OUTPUT_OPTIONS = ("json_file", "html", "export")
 
+Inputs = Annotated[str | None, typer.Option(metavar="NAME", help="The actuator of FILE.xml that takes u.")]
+Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="The joint or sensor of FILE.xml that y measures.")]
+MatchText = Annotated[
+    str | None,
+    typer.Option(
+        "--match",
+        metavar="y=F,...",
+        help="Bring the log to FILE.xml: y=57.3 per unit, zero=, u= per unit, shift= samples.",
+    ),
+]
+Trust = Annotated[bool, typer.Option("--trust", help="Let FILE.xml read files outside its folder, and load plugins.")]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of the confidence intervals.")]
 
 
@@ -42,7 +56,7 @@ def diagnose(
         Path | None,
         typer.Option(
             metavar="MODEL",
-            help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, or a .csv with t,y.",
+            help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, MuJoCo's FILE.xml, or a .csv t,y.",
         ),
     ] = None,
     free: Annotated[
@@ -52,6 +66,10 @@ def diagnose(
             help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted; with a range as NAME=0:5.",
         ),
     ] = None,
+    inputs: Inputs = None,
+    outputs: Outputs = None,
+    match: MatchText = None,
+    trust: Trust = False,
     evaluations: Annotated[
         int | None,
         typer.Option(min=1, metavar="N", help="End the search after N runs of FILE.py:FUNCTION or FILE.fmu."),
@@ -95,11 +113,14 @@ def diagnose(
         check_fmu_export()
     stated = None if units is None else _units(units)
     excluded = [_time_range(text) for text in exclude or ()]
-    loaded = [read_record(path, how) for path in records]
+    how_matched = _matcher(match)
+    loaded = [how_matched(read_record(path, how)) for path in records]
     other = None
     if holdout is not None:
-        other = read_record(holdout, replace(how, columns=holdout_columns or how.columns))
-    simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1)
+        other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
+    simulation = (
+        None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, _ports(inputs, outputs, trust))
+    )
     with _progress() as progress:
         found = diagnosis.diagnose(
             loaded,
@@ -124,7 +145,7 @@ def diagnose(
         write_html_report(html, report)
     print(format_report(report))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
-        _write_simulation(export, found.model.to_json_dict())
+        _write_simulation(export, found)
 
 
 @gap.command("batch")
@@ -225,11 +246,18 @@ def show_limits(
 @reads_log
 def simulate(
     model: Annotated[
-        Path, typer.Argument(metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION or FILE.fmu.")
+        Path,
+        typer.Argument(
+            metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu or FILE.xml."
+        ),
     ],
     record: RecordPath,
     *,
     how: "Reading",
+    inputs: Inputs = None,
+    outputs: Outputs = None,
+    match: MatchText = None,
+    trust: Trust = False,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write t,u,y,y_sim as CSV.")] = None,
 ) -> None:
     """Simulate a model on a record's input. Its initial state is estimated from the first 50 samples."""
@@ -237,13 +265,48 @@ def simulate(
     from labsid.gap.simulations.simulation_files import replay, write_replay
     from labsid.records.record import read_record
 
-    loaded = read_record(record, how)
-    played = replay(model, loaded)
+    loaded = _matcher(match)(read_record(record, how))
+    played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
         write_replay(out, loaded, played.y)
     print(f"{len(loaded)} samples, free run: rmse {played.rmse:.6g} after the first {played.start} samples")
     for finding in clock_findings(loaded):
         print(f"note: {finding.text}")
+
+
+@gap.command("check")
+@reads_log
+def check_simulation(
+    record: RecordPath,
+    *,
+    how: "Reading",
+    sim: Annotated[Path, typer.Option(metavar="FILE.xml", help="A model of MuJoCo.")],
+    inputs: Inputs = None,
+    outputs: Outputs = None,
+    match: MatchText = None,
+    trust: Trust = False,
+) -> None:
+    """Check whether a record and a model of MuJoCo speak of the same thing. Exit status 1 if not."""
+    from labsid.gap.simulations.model_check import check_model
+    from labsid.gap.simulations.simulation_files import load_simulation
+    from labsid.records.record import read_record
+    from labsid.simulators.mjcf.sources import is_mjcf
+    from labsid.simulators.simulator import Simulator
+
+    if not is_mjcf(str(sim)):
+        raise ValueError(f"--sim must be a model of MuJoCo, FILE.xml; got {sim}.")
+    loaded = _matcher(match)(read_record(record, how))
+    opened = load_simulation(sim, loaded, False, _ports(inputs, outputs, trust))
+    assert isinstance(opened, Simulator)
+    assert opened.joint is not None
+    found = check_model(loaded, opened)
+    one = opened.joint
+    print(f"{len(loaded)} samples; {one.actuator} ({one.kind}) moves the joint {one.joint}, y is its {one.output}")
+    for finding in found:
+        print(f"{finding.level}: {finding.text}")
+    if not found:
+        print("The record and the model agree in sign, units, time and limits.")
+    raise typer.Exit(int(any(finding.level == "warning" for finding in found)))
 
 
 @gap.command("effects")
@@ -314,11 +377,32 @@ def sealed_check(
     )
 
 
-def _write_simulation(path: Path, content: dict[str, Any]) -> None:
+def _ports(inputs: str | None, outputs: str | None, trust: bool) -> "Ports":
+    from labsid.gap.simulations.simulation_files import Ports
+
+    return Ports(inputs or "", outputs or "", trust)
+
+
+def _matcher(match: str | None) -> "Callable[[Record], Record]":
+    """Bring a record to the numbers of a model."""
+    from labsid.gap.simulations.model_check import matched, read_match
+
+    how = None if match is None else read_match(match)
+    return lambda record: record if how is None else matched(record, how)
+
+
+def _write_simulation(path: Path, found: "Diagnosis") -> None:
     """Write an exported simulation in the form that the name of its file asks for."""
     from labsid._files import write_json
 
     kind = path.suffix.lower()
+    if kind in (".xml", ".mjcf"):
+        from labsid.gap.reports.mjcf_export import write_mended_model
+
+        for line in write_mended_model(path, found):
+            print(line)
+        return
+    content = found.model.to_json_dict()
     if kind == ".py":
         from labsid.gap.simulations.python_export import write_python_module
 

@@ -37,6 +37,7 @@ from labsid.gap.simulations.baseline import (
     read_exported,
 )
 from labsid.gap.simulations.long_record import shorten_holdout, shorten_record, shorten_records
+from labsid.gap.simulations.model_check import check_model
 from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
 from labsid.gap.verdict.several_records import (
@@ -50,6 +51,7 @@ from labsid.gap.verdict.several_records import (
 from labsid.lab.findings import Finding
 from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.simulators.meter import RunMeter
+from labsid.simulators.simulator import Simulator
 
 MIN_SAMPLES = 100  # samples
 _Times = Sequence[tuple[float, float]]
@@ -236,11 +238,11 @@ def _check_planned(u: FloatArray, Ts: float, record: Record) -> None:
 def _start(data: Data, base: Baseline, progress: Progress | None) -> FloatArray | None:
     """Parameters from which the search starts: with the free numbers of a given simulation found over decades."""
     structure = base.structure
-    if not structure.plant.free or base.start is not None:
+    if not structure.plant.free or (base.start is not None and structure.plant.simulation.port is None):
         return base.start
     if progress is not None:
         progress(f"free numbers at their nominal values: {_identifiability(data, structure)}", 0.0)
-    return search_numbers(data, structure)
+    return search_numbers(data, structure, base.start)
 
 
 def _identifiability(data: Data, structure: Hypothesis) -> str:
@@ -323,6 +325,7 @@ def _prepare(
     _check_records(record, holdout)
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
+    findings += _compared(record, simulation)
     whole, shortened = record, shorten_record(record, simulation)
     record, simulation, notes = shortened.record, shortened.simulation, shortened.notes
     if holdout is not None:
@@ -418,6 +421,13 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     report["replay"] = replay_content(record, inside, measured, answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model)
+
+
+def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:
+    """What of a record and a simulation that opens does not fit together."""
+    if not isinstance(simulation, Simulator) or simulation.joint is None:
+        return []
+    return check_model(record, simulation)
 
 
 def _refuse_sparse(record: Record) -> None:

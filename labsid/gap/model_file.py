@@ -11,6 +11,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
+from labsid.gap.dynamics.inside import port_from_json
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import Restarts, in_one_record
@@ -238,6 +239,8 @@ class ExportedModel:
                 for name, value in given.nominal.items()
             }
             content["simulator"] = {"source": given.source, "free": free, "rates": list(given.rates)}
+            if given.port is not None:
+                content["simulator"]["port"] = given.port.to_json_dict()
         return content if self.elsewhere is None else content | {"elsewhere": self.elsewhere.to_json_dict()}
 
 
@@ -400,6 +403,8 @@ def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
             "when the simulation was exported. Export it again."
         )
     given = replace(GivenSimulation.of(simulate, scales, Ts, rates), units=units, ranges=ranges)
+    if content.get("port") is not None:
+        given = replace(given, port=port_from_json(content["port"]))
     return Plant(kind="given", simulation=given)
 
 

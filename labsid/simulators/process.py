@@ -37,7 +37,7 @@ def open_in_process(source: str, call_seconds: float = CALL_SECONDS) -> Simulato
         If the source cannot be opened.
     """
     process = _Process(source, call_seconds)
-    return Simulator(process, process.label, process.nominal, source=source)
+    return Simulator(process, process.label, process.nominal, source=source, joint=process.joint, ranges=process.ranges)
 
 
 class _Process:
@@ -61,7 +61,7 @@ class _Process:
         opened = self._reply("be opened")
         if isinstance(opened, str):
             raise ValueError(opened)
-        self.label, self.nominal = opened
+        self.label, self.nominal, self.joint, self.ranges = opened
 
     def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         try:

@@ -12,6 +12,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 
+ALL = "all"
 Run = Callable[[FloatArray, FloatArray, Mapping[str, float]], Any]
 
 
@@ -43,6 +44,8 @@ class Simulator:
         The file from which it can be opened again, as ``rig.py:simulate``; empty without one.
     meter : RunMeter
         Counts its runs.
+    joint : OneJoint or None
+        Of a model of one joint: the same model as a compiled loop, in which effects can be put.
     """
 
     run: Run
@@ -52,6 +55,7 @@ class Simulator:
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
+    joint: Any = None
 
     def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float] | None = None) -> FloatArray:
         """Simulated output, shape (N,), with other values of some numbers.
@@ -78,23 +82,29 @@ class Simulator:
         Parameters
         ----------
         wanted : sequence of str
-            Their names, with a range of their own as ``gain=0:5``.
+            Their names, with a range of their own as ``gain=0:5``; the name of a joint or an actuator for all of its
+            numbers, "all" for all.
 
         Raises
         ------
         ValueError
             If it has no such number, or a range is none that contains the nominal value.
         """
-        free, ranges = [], {}
+        free, ranges = [], dict(self.ranges)
         for text in wanted:
             name, equals, limits = (part.strip() for part in text.partition("="))
+            group = [one for one in self.nominal if name == ALL or one.startswith(f"{name}:")]
+            if group and name not in self.nominal and not equals:
+                free += group
+                continue
             if name not in self.nominal:
                 known = f"it has {', '.join(self.nominal)}" if self.nominal else "it has none with a nominal value"
                 raise ValueError(f"{self.label} has no number {name!r} that could be free; {known}.")
             free.append(name)
             if equals:
                 ranges[name] = _range(name, limits, self.nominal[name])
-        return replace(self, free=tuple(dict.fromkeys(free)), ranges=ranges)
+        chosen = tuple(dict.fromkeys(free))
+        return replace(self, free=chosen, ranges={name: ranges[name] for name in chosen if name in ranges})
 
 
 def _range(name: str, text: str, nominal: float) -> tuple[float, float]:

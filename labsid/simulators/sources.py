@@ -10,14 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from labsid.simulators.mjcf.sources import is_mjcf, parse_mjcf
 from labsid.simulators.simulator import Simulator, function_simulator
 
 FUNCTION = "simulate"  # of a Python file, where none is named
 
 
 def is_source(text: str) -> bool:
-    """Whether `text` names a function in a Python file, as ``rig.py:simulate`` or ``rig.py``, or an FMU."""
-    return _split(text) is not None or text.lower().endswith(".fmu")
+    """Whether `text` names a function in a Python file, as ``rig.py:simulate``, an FMU, or a model of MuJoCo."""
+    return _split(text) is not None or text.lower().endswith(".fmu") or is_mjcf(text)
 
 
 def source_file(source: Path) -> Path:
@@ -25,7 +26,9 @@ def source_file(source: Path) -> Path:
     packed = _packed(str(source))
     if packed is not None:
         return packed[0]
-    split = _split(str(source))
+    split, model = _split(str(source)), parse_mjcf(str(source))
+    if model is not None:
+        return model.path
     return source if split is None else split[0]
 
 
@@ -52,8 +55,8 @@ def open_source(text: str) -> Simulator:
     Parameters
     ----------
     text : str
-        ``FILE.py:FUNCTION``, ``FILE.py`` for its function ``simulate``, or ``FILE.fmu``; in the resources of an FMU
-        ``OTHER.fmu:FILE.py:FUNCTION`` or ``OTHER.fmu:FILE.fmu``.
+        ``FILE.py:FUNCTION``, ``FILE.py`` for its function ``simulate``, ``FILE.fmu``, or ``FILE.xml:ACTUATOR:OUTPUT``
+        of MuJoCo; in the resources of an FMU ``OTHER.fmu:FILE.py:FUNCTION`` or ``OTHER.fmu:FILE.fmu``.
 
     Raises
     ------
@@ -62,7 +65,11 @@ def open_source(text: str) -> Simulator:
     """
     if _packed(text) is not None:
         return open_source(_unpacked(text))
-    split = _split(text)
+    split, model = _split(text), parse_mjcf(text)
+    if model is not None:
+        from labsid.simulators.mjcf.simulation import open_mjcf
+
+        return open_mjcf(model)
     if split is None:
         from labsid.simulators.fmu import open_fmu
 

@@ -23,7 +23,7 @@ def main() -> None:
     except (ValueError, OSError) as error:
         write_message(replies, str(error))
         return
-    write_message(replies, (simulator.label, simulator.nominal))
+    write_message(replies, (simulator.label, simulator.nominal, simulator.joint, simulator.ranges))
     while True:
         try:
             t, u, numbers = read_message(requests)

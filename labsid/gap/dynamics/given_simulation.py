@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -46,6 +46,8 @@ class GivenSimulation:
         Its file, as ``rig.py:simulate``, for export; empty without one.
     meter : RunMeter
         Counts its runs.
+    port : InsidePort or None
+        Where effects are put inside it; None for a simulation that is a whole.
     _outputs, _pulses : dict
         The last outputs, and the responses to a unit pulse.
     """
@@ -61,7 +63,10 @@ class GivenSimulation:
     pieces: Pieces = ()
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
-    _outputs: dict[tuple[bytes, tuple[float, ...]], FloatArray] = field(default_factory=dict, init=False, repr=False)
+    port: Any = None
+    _outputs: dict[tuple[bytes, tuple[tuple[str, float], ...]], FloatArray] = field(
+        default_factory=dict, init=False, repr=False
+    )
     _pulses: dict[tuple[float, ...], FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
@@ -122,7 +127,7 @@ class GivenSimulation:
 
     def run(self, w: FloatArray, numbers: dict[str, float]) -> FloatArray:
         """Output for the input `w`. The last outputs are kept, but no failure: it may be that of a budget."""
-        key = w.tobytes(), tuple(numbers.values())
+        key = w.tobytes(), tuple(numbers.items())
         if key in self._outputs:
             return self._outputs[key]
         output = self.simulate(w, numbers)

@@ -188,6 +188,8 @@ class PlantForm:
     reactions : tuple of str
         Forces at the input of a given simulation that react to its output: "friction" of a position, "speed" for that
         of a speed, "cubic".
+    inside : tuple of str
+        Changes inside a given simulation that opens, of `labsid.gap.dynamics.inside.PARTS`.
     parameters : tuple of Parameter
         In their order in theta.
     """
@@ -216,6 +218,7 @@ class PlantForm:
     sinusoid: str = ""
     simulation: GivenSimulation = NOT_GIVEN
     reactions: tuple[str, ...] = ()
+    inside: tuple[str, ...] = ()
     parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -225,6 +228,8 @@ class PlantForm:
         if self.kind == "given":
             own: list[Parameter] = [FRICTION] if {"friction", "speed"} & set(self.reactions) else []
             own += [SPRING] if "cubic" in self.reactions else []
+            port = self.simulation.port
+            own += port.parameters(self.inside) if port is not None else ()
             return (*self.free, *own, *self._in_series())
         rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", -22.0, 4.0)]
         if self.kind in ("tanks", "speed"):
@@ -284,7 +289,7 @@ class PlantForm:
     @property
     def changes_in_time(self) -> bool:
         """Whether a load, a sinusoid or a drift acts on the states."""
-        return bool(self.drift_degree or self.load or self.sinusoid)
+        return bool(self.drift_degree or self.load or self.sinusoid or {"load", "wave"} & set(self.inside))
 
     @property
     def has_root(self) -> bool:
@@ -311,8 +316,17 @@ class PlantForm:
         )
 
     def numbers(self, theta: Iterable[float]) -> dict[str, float]:
-        """The free numbers of a given simulation, by their names in it."""
-        return {one.given_name: one.number(value) for one, value in zip(self.free, theta, strict=False)}
+        """The free numbers of a given simulation, by their names in it, and the changes inside it."""
+        values, free = list(theta), self.free
+        found = {one.given_name: one.number(value) for one, value in zip(free, values, strict=False)}
+        port = self.simulation.port
+        return found if port is None else found | port.numbers(self.inside, values[len(free) :])
+
+    @property
+    def states(self) -> tuple[Parameter, ...]:
+        """Initial states that are parameters."""
+        port = self.simulation.port
+        return STATES.get(self.kind, ()) if port is None else port.states(self.inside)
 
     def brim_name(self, tank: str) -> str:
         """Name of the parameter of a tank's brim."""

@@ -106,7 +106,7 @@ class Plant(PlantForm):
     @property
     def has_fixed_gain(self) -> bool:
         """Whether the gain of the first column is known: of a simulation with numbers of its own, or of a joint."""
-        return bool(self.free) or self.follows
+        return bool(self.free) or self.follows or self.simulation.port is not None
 
     @property
     def state_columns(self) -> tuple[int, ...]:
@@ -120,7 +120,7 @@ class Plant(PlantForm):
         elif self.kind == "leak":
             own, width = (4, 5), 6
         elif self.kind == "given" and self.simulation.takes_input:
-            own, width = (1, 2), 3
+            own, width = ((1, 2), 3) if self.simulation.port is None else ((), 1)
         if self.lag and (self.kind == "given" or not self.lag_ahead):
             width += 2 if self.kind == "linear" else 1
             own = (*own, width - 1)

@@ -314,7 +314,9 @@ def _given(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: fl
         output = given.react(w, numbers, reaction)[:, None]
     else:
         output = given.run(w, numbers)[:, None]
-    return beside([output, free_responses(w.size, *given.rates)]) if given.takes_input else output
+    if not given.takes_input or given.port is not None:
+        return output
+    return beside([output, free_responses(w.size, *given.rates)])
 
 
 def free_responses(samples: int, c: float, k: float) -> FloatArray:

@@ -9,6 +9,7 @@ from labsid.gap.effects import (
     force_limit,
     gravity,
     input,
+    inside,
     motion,
     output,
     periodic,
@@ -53,13 +54,14 @@ FAMILIES: tuple[type[Effect], ...] = (
     disturbance.InnerLoad,
     periodic.Periodic,
     periodic.InnerPeriodic,
+    *inside.FAMILIES,
 )
 """In the order of the search."""
 CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(
     tuple(effect for family in FAMILIES if family.name == name for effect in family.searched())
-    for name in dict.fromkeys(family.name for family in FAMILIES)
-)
-"""Forms that the search adds to a simulation, in a group for each name."""
+    for name in dict.fromkeys(family.name for family in FAMILIES if not inside.is_apart(family))
+) + tuple((effect,) for family in FAMILIES if inside.is_apart(family) for effect in family.searched())
+"""Forms that the search adds to a simulation, in a group for each name, or for each of several causes of one name."""
 EFFECTS_BY_KEY: dict[str, Effect] = {
     effect.key: effect for effect in (*(e for family in FAMILIES for e in family.forms()), dynamics.DirectFeedthrough())
 }

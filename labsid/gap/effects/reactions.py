@@ -21,9 +21,11 @@ class _AroundGiven(PlantEffect):
     def applies(self, context: Context) -> bool:
         """Whether the force at the input moves the output at once, in the sense of a mechanism."""
         plant = context.parent.hypothesis.plant
-        if not plant.simulation.takes_input or self.name in {
-            effect.name for effect in context.parent.hypothesis.effects
-        }:
+        if (
+            plant.simulation.port is not None
+            or not plant.simulation.takes_input
+            or self.name in {effect.name for effect in context.parent.hypothesis.effects}
+        ):
             return False
         return is_collocated(_pulse(plant, context.parent.plant_theta, context.data.samples))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import Pieces, is_joined
-from labsid.gap.dynamics.plant_form import STATES, Parameter
+from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect
 from labsid.gap.effects.context import Context
@@ -64,7 +64,7 @@ class Restarts(AdditiveEffect):
 
     def beside(self, plant: Plant) -> "Restarts":
         """With the free responses of these dynamics, or their initial states."""
-        states = () if plant.changes_in_time else STATES.get(plant.kind, ())
+        states = () if plant.changes_in_time else plant.states
         return replace(self, n_poles=plant.n_poles - len(states), states=states)
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:

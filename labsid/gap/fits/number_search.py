@@ -50,16 +50,16 @@ class _Box:
             changed[self.at[i]] = value
             yield changed
 
-    def spread(self, count: int) -> Iterator[FloatArray]:
+    def spread(self, count: int, at_nominal: FloatArray) -> Iterator[FloatArray]:
         """Points that are spread evenly over all numbers."""
-        theta = np.zeros(len(self.problem.hypothesis.parameters))
+        theta = at_nominal.copy()
         sequence = qmc.Sobol(self.at.size, seed=0).random(count)
         for point in qmc.scale(sequence, self.low, self.high):
             theta[self.at] = point
             yield theta.copy()
 
 
-def search_numbers(data: Data, structure: Hypothesis) -> FloatArray | None:
+def search_numbers(data: Data, structure: Hypothesis, start: FloatArray | None = None) -> FloatArray | None:
     """Parameters of a structure at the free numbers that fit the record best; None if nothing can be simulated.
 
     A descent from the nominal values is kept unless the best of several others, from the best points of grids of each
@@ -72,19 +72,22 @@ def search_numbers(data: Data, structure: Hypothesis) -> FloatArray | None:
     data : Data
     structure : Hypothesis
         With a given simulation that has free numbers.
+    start : ndarray, optional
+        Parameters at the nominal values; by default all are zero.
     """
     problem = Problem(data, structure)
     box = _box(problem)
-    nominal = problem.start(np.zeros(len(structure.parameters)))
+    at_nominal = np.zeros(len(structure.parameters)) if start is None else start
+    nominal = problem.start(at_nominal)
     kept = None if nominal is None else descend(problem, nominal, sum(ITERATIONS))
     meter = structure.plant.simulation.meter
     count = box.at.size
     spread = JOINT * count if count > 1 else 0
     if GRID * 2 * count + spread > BUDGET_SHARE * meter.left:
         return None if kept is None else kept.theta
-    about = np.zeros(len(structure.parameters)) if kept is None else kept.theta
+    about = at_nominal if kept is None else kept.theta
     points = _simulated(problem, [theta for i in range(count) for theta in box.moved(about, i)])
-    points += _simulated(problem, list(box.spread(1 << (spread - 1).bit_length()))) if spread else []
+    points += _simulated(problem, list(box.spread(1 << (spread - 1).bit_length(), at_nominal))) if spread else []
     if not points:
         return None if kept is None else kept.theta
     shaped = max(points, key=lambda point: _shape(problem, point))

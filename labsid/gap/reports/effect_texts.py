@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from string import Formatter
 from typing import Any
 
+from labsid.gap.reports.inside_texts import INSIDE_LABELS, inside_clause
 from labsid.gap.reports.quantities import UNITS, Quantity, number, percent, with_error
 
 
@@ -361,6 +362,8 @@ def noun(name: str) -> str:
 
 def clause(effect: dict[str, Any]) -> str:
     """What the rig does, without the full stop."""
+    if effect.get("joint"):
+        return inside_clause(effect)
     known: dict[str, Quantity] = {}
     for name, entry in effect["parameters"].items():
         quantity = Quantity(entry["value"], entry["stderr"] or 0.0, entry["unit"])
@@ -383,6 +386,8 @@ def parameter_label(effect: str, parameter: str, entry: dict[str, Any]) -> str:
     for key in ((effect, parameter, entry.get("of", entry["unit"])), (effect, parameter)):
         if key in _SPECIFIC_LABELS:
             return _SPECIFIC_LABELS[key]
+    if entry["unit"] in INSIDE_LABELS.get(parameter, {}):
+        return INSIDE_LABELS[parameter][entry["unit"]]
     return _LABELS.get(parameter, parameter)
 
 

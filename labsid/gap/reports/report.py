@@ -9,6 +9,7 @@ from scipy.special import chdtrc
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
+from labsid.gap.effects.inside import place_inside, with_nominal
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
@@ -96,7 +97,7 @@ def build_report(
         "simulation": {
             "given": base.given,
             "output_only": base.output_only,
-            "closed": base.structure.given is not None,
+            "closed": base.structure.given is not None and base.structure.plant.simulation.port is None,
             "output": None if base.output is None else _simulated_output(base.output, base.model),
             "model": _linear_model(answer),
         },
@@ -135,10 +136,13 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
     for name in decision.names:
         effect = by_name.get(name)
         found.append(
-            {
+            place_inside(explanation.best, effect)
+            | {
                 "name": name,
                 "path": EFFECT_GUIDE[name].path,
-                "parameters": estimate_parameters(explanation.data, explanation.best, effect)
+                "parameters": with_nominal(
+                    explanation.best, estimate_parameters(explanation.data, explanation.best, effect)
+                )
                 if effect is not None
                 else {str(one["name"]): one | {"unit": ""} for one in numbers}
                 if name == MISMATCH

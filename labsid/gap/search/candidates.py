@@ -12,11 +12,13 @@ from labsid.gap.dynamics.responses import real_rates, single_pole
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
+from labsid.gap.effects.inside import INSIDE_NAMES, Inside
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, finish, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
 from labsid.gap.search.forms import alternative_forms, extended_hypotheses, shared_keys, transfer_theta
+from labsid.gap.search.growing_window import grown_starts, loses_phase
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
 MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
@@ -65,11 +67,15 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
     """
     context = Context(data, parent, highpass)
     selected: list[Trial] = []
+    lost = not brief and loses_phase(data, parent)
     for effect in group:
         if effect.applies(context) and is_compatible(parent, effect):
             for hypothesis in extended_hypotheses(parent.hypothesis, effect):
                 problem = Problem(data, hypothesis)
-                points = evaluate(problem, start_points(context, hypothesis, effect))
+                thetas = list(start_points(context, hypothesis, effect))
+                if lost and isinstance(effect, Inside) and not hypothesis.plant.changes_in_time:
+                    thetas += list(grown_starts(data, hypothesis, thetas))
+                points = evaluate(problem, thetas)
                 starts = [Trial(problem, point) for point in sorted(points, key=attrgetter("cost"))]
                 selected += _in_turn(starts)[:STARTS_PER_VARIANT]
     if brief:
@@ -184,6 +190,8 @@ def is_compatible(parent: Fit, effect: Effect) -> bool:
     """Whether the effect can be added to the dynamics of the parent."""
     old = parent.hypothesis.plant
     if old.kind == "given":
+        if old.simulation.port is not None and effect.name in INSIDE_NAMES and not isinstance(effect, Inside):
+            return False
         if not isinstance(effect, PlantEffect):
             return old.simulation.takes_input or not isinstance(effect, InputEffect)
         return old.simulation.takes_input and effect.before_given

@@ -138,7 +138,7 @@ def explain(
 
     clean, spikes, levels, path = _search_without_spikes(data, usable, spikes_of, structure, start, most, progress)
     faults = SampleFaults(held, stretches, spikes, None if lattice is None else step, resolution)
-    if residual_is_slow(clean, path[-1]) and halved_by_drift(clean, path):
+    if residual_is_slow(clean, path[-1]) and (halved_by_drift(clean, path) or halved_inside(clean, levels, path)):
         slow = replace(clean, by_free_run=True)
         other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
         if mean_square(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
@@ -212,6 +212,14 @@ def halved_by_drift(data: Data, path: tuple[Fit, ...]) -> bool:
         return False
     trials = trial_fits(data, path[-1], Drift.searched(), fit_highpass(data, path[0]), brief=True)
     return bool(trials) and trials[0].point.cost < 0.5 * mean_square(data, path[-1])
+
+
+def halved_inside(data: Data, levels: Levels, path: tuple[Fit, ...]) -> bool:
+    """Whether an effect inside a simulation that opens halves the error, which the innovations hardly show."""
+    if path[0].hypothesis.plant.simulation.port is None or len(levels) < 2:
+        return False
+    least = min((mean_square(data, fit) for fit in levels[1].values()), default=np.inf)
+    return bool(least < 0.5 * mean_square(data, path[-1]))
 
 
 def cross_validated(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:

@@ -25,6 +25,7 @@ from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import switches_on_output
 from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
+from labsid.gap.simulations.opened import fit_as_it_is, opened_structure, simulate_other
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
@@ -270,6 +271,8 @@ def _exported(data: Data, model: ExportedModel) -> Baseline:
 
 
 def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
+    if simulate.joint is not None:
+        return _opened(data, simulate)
     u, y = _unscaled(data)
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at])), y)
     rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
@@ -284,6 +287,15 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
         return started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
 
     return Baseline(before, structure, simulate_record)
+
+
+def _opened(data: Data, simulate: Simulator) -> Baseline:
+    """Baseline of a simulation that opens: nothing but its initial state and the zero of the sensor is estimated."""
+    rates = fit_baseline(data).rates
+    plain, start = opened_structure(data, replace(simulate, free=()), rates)
+    structure, begun = opened_structure(data, simulate, rates) if simulate.free else (plain, start)
+    before = partial(fit_as_it_is, plain, start)
+    return Baseline(before, structure, partial(simulate_other, before, data), begun)
 
 
 def _units(given: GivenSimulation, w: FloatArray) -> dict[str, float]:

@@ -17,11 +17,43 @@ from labsid.gap.simulations.fmu_export import read_fmu_content
 from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput, resample
 from labsid.records.record import Record, bridge_gaps
+from labsid.simulators.mjcf.sources import MjcfSource, parse_mjcf
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator
 from labsid.simulators.sources import is_source
 
 MAX_MISSING = 0.5  # samples of the record by which a simulated output may begin later or end earlier
+
+
+@dataclass(frozen=True, slots=True)
+class Ports:
+    """The signals of a model of MuJoCo that a record holds.
+
+    Attributes
+    ----------
+    actuator, output : str
+        Names; empty for the only one.
+    trusted : bool
+        Whether the model may read files outside its folder and load plugins.
+    """
+
+    actuator: str = ""
+    output: str = ""
+    trusted: bool = False
+
+    def of(self, model: MjcfSource) -> MjcfSource:
+        """The model with these signals."""
+        return MjcfSource(
+            model.path, self.actuator or model.actuator, self.output or model.output, self.trusted or model.trusted
+        )
+
+    def refuse(self, path: Path) -> None:
+        """Refuse another simulation than a model of MuJoCo."""
+        if self.actuator or self.output or self.trusted:
+            raise ValueError(f"--inputs, --outputs and --trust are for a model of MuJoCo (FILE.xml); got {path}.")
+
+
+NO_PORTS = Ports()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,11 +75,12 @@ class Replay:
     start: int
 
 
-def load_simulation(source: str | Path, record: Record, several: bool = False) -> Simulation:
+def load_simulation(source: str | Path, record: Record, several: bool = False, ports: Ports = NO_PORTS) -> Simulation:
     """Read the argument of `--sim`.
 
-    It is MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, or a .csv with the header t,y. A function and
-    an FMU run in a process of their own; of an FMU that ``--export`` wrote, the simulation in it is read.
+    It is MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, a model of MuJoCo (FILE.xml), or a .csv with
+    the header t,y. A function, an FMU and a model of MuJoCo run in a process of their own; of an FMU that ``--export``
+    wrote, the simulation in it is read. `ports` are the actuator and the output of a model of MuJoCo.
 
     Raises
     ------
@@ -55,6 +88,10 @@ def load_simulation(source: str | Path, record: Record, several: bool = False) -
         If the file is none of these, a simulated output does not cover the record, or there are `several` records.
     """
     path = Path(source)
+    model = parse_mjcf(str(source))
+    if model is not None:
+        return open_in_process(str(ports.of(model)))
+    ports.refuse(path)
     if is_source(str(source)):
         return read_fmu_content(path) or open_in_process(str(source))
     if path.suffix.lower() == ".csv":
@@ -98,7 +135,7 @@ def _read_output(path: Path, record: Record) -> SimulatedOutput:
     return resample(t, y, record.t)
 
 
-def replay(source: Path, record: Record) -> Replay:
+def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
     """Run a simulation with the input of a record; the first output samples determine the initial state.
 
     Raises
@@ -107,9 +144,12 @@ def replay(source: Path, record: Record) -> Replay:
         If the source is no simulation that can be run, or one with another sampling time.
     """
     measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
+    model = parse_mjcf(str(source))
+    if model is None:
+        ports.refuse(source)
     content = read_fmu_content(source)
     if content is None and is_source(str(source)):
-        y = _play(open_in_process(str(source)), record)
+        y = _play(open_in_process(str(source if model is None else ports.of(model))), record)
     else:
         content = content or load_model(source)
         record = at_sampling_time(record, stated_sampling_time(content))

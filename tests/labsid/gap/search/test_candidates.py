@@ -150,14 +150,14 @@ def test_the_simpler_variant_is_preferred_at_equal_error(levels: FloatArray, two
     data = data_of(levels, y)
     base = fit_baseline(data)
     group = next(group for group in CANDIDATES if group[0].name == "load-step")
-    assert len(group) == 3
+    assert len(group) == 4
     found = best_fit(data, trial_fits(data, base, group, fit_highpass(data, base)))
     assert found is not None
     assert found.hypothesis.keys == ("load-step",)
 
 
 def test_candidates_of_a_group_share_their_name() -> None:
-    assert len(CANDIDATES) == 26
+    assert len(CANDIDATES) == 31
     for group in CANDIDATES:
         assert len({effect.name for effect in group}) == 1
     assert LINEAR.names == ()

@@ -1,0 +1,391 @@
+"""Effects inside a simulation that opens: at its joint and at its actuator."""
+
+from collections.abc import Mapping
+from itertools import product
+from typing import Any, ClassVar
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.dynamics.inside import PARTS, InsidePort
+from labsid.gap.dynamics.plants import Plant
+from labsid.gap.effects.base import Effect, Fitted, PlantEffect, Value
+from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.disturbance import MIN_ONSET, load_onsets
+from labsid.gap.effects.motion import MIN_STOPPED
+from labsid.gap.effects.periodic import residual_cycles
+
+INSIDE = "inside"
+MISMATCH = "parameter-mismatch"
+FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start
+STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop
+
+
+class Inside(PlantEffect):
+    """A change at the joint or the actuator of a simulation that opens.
+
+    `variant` is "inside", or "inside-" and a form of it. Variants that are `apart` are different causes of one name,
+    each of which is fitted.
+    """
+
+    before_given = True
+    only_given = True
+    variants: ClassVar[tuple[str, ...]] = (INSIDE,)
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    apart: ClassVar[bool] = False
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """Changes that it switches on."""
+        return self.parts[self.variant]
+
+    def applies(self, context: Context) -> bool:
+        """Whether the simulation opens, and nothing else makes these changes."""
+        plant = context.parent.hypothesis.plant
+        return plant.simulation.port is not None and not set(self.changes) & set(plant.inside)
+
+    def extend(self, plant: Plant) -> Plant:
+        """The simulation with these changes."""
+        if plant.simulation.port is None:
+            return plant
+        return plant.modified(inside=(*plant.inside, *self.changes))
+
+
+def port_of(fit: Fitted) -> InsidePort:
+    """Where effects are put inside the simulation of a fit."""
+    port = fit.hypothesis.plant.simulation.port
+    assert port is not None
+    return port
+
+
+def in_units(fit: Fitted, change: str) -> list[float]:
+    """Values of a change in the units of the simulation."""
+    return [port_of(fit).value(part, fit.value(part.parameter.name)) for part in PARTS[change]]
+
+
+class Friction(Inside):
+    """Dry friction of the joint; "inside-load" grows with the torque of the actuator, "inside-peak" breaks away."""
+
+    name = "coulomb-friction"
+    sizes = ("friction",)
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        INSIDE: ("friction",),
+        "inside-load": ("friction", "transmitted"),
+        "inside-peak": ("friction", "peak"),
+    }
+    richer: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("inside-load", "inside-peak")}
+    planted_variants = ()
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak to strong friction."""
+        more = {"inside-load": {"in_transmitted": 0.1}, "inside-peak": {"in_peak": 0.1}}.get(self.variant, {})
+        return [{"friction": size} | more for size in (0.05, 0.2, 0.6)]
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin with a little of what this form adds."""
+        for name in ("in_transmitted", "in_peak"):
+            if name in (own := [parameter.name for parameter in hypothesis.plant.parameters]):
+                theta[hypothesis.slices["plant"].start + own.index(name)] = 0.05
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`friction`, and `load`, its share of the torque of the actuator, or `break_away` from rest."""
+        torque = port_of(fit).unit_of("torque")
+        (sliding,) = in_units(fit, "friction")
+        found = {"friction": Value(sliding, torque)}
+        if self.variant == "inside-load":
+            found["load"] = Value(in_units(fit, "transmitted")[0], "1")
+        if self.variant == "inside-peak":
+            found["break_away"] = Value(sliding + in_units(fit, "peak")[0], torque)
+        return found
+
+
+class Drag(Inside):
+    """Resistance with the square of the joint's speed."""
+
+    name = "quadratic-drag"
+    sizes = ("in_drag",)
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("drag",)}
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak and strong drag."""
+        return [{"in_drag": size} for size in (0.05, 0.5)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drag`."""
+        return {"drag": Value(in_units(fit, "drag")[0], port_of(fit).unit_of("drag"))}
+
+
+class Spring(Inside):
+    """A force with the cube of the joint's distance from the rest of its spring."""
+
+    name = "cubic-stiffness"
+    sizes = ("in_cubic",)
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("cubic",)}
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Hardening and softening."""
+        return [{"in_cubic": size} for size in (0.05, 0.5, -0.02)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`stiffness`, of the cube."""
+        return {"stiffness": Value(in_units(fit, "cubic")[0], port_of(fit).unit_of("cubic"))}
+
+
+class Gravity(Inside):
+    """A torque with the sine of the joint's angle, that the simulation lacks or has wrong."""
+
+    name = "gravity"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("gravity",)}
+
+    def applies(self, context: Context) -> bool:
+        """A joint that turns."""
+        port = context.parent.hypothesis.plant.simulation.port
+        return super().applies(context) and port is not None and not port.slides
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Weak and strong torques towards four angles."""
+        directions = [(-1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+        return [
+            {"in_gravity_sin": size * sine, "in_gravity_cos": size * cosine}
+            for size, (sine, cosine) in product((0.1, 0.6), directions)
+        ]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`torque`, and the `angle` of rest at which it vanishes."""
+        sine, cosine = in_units(fit, "gravity")
+        port = port_of(fit)
+        angle = float(np.arctan2(cosine, -sine))
+        return {
+            "torque": Value(float(np.hypot(sine, cosine)), port.unit_of("torque")),
+            "angle": Value(angle, port.unit_of("position")),
+        }
+
+
+class EndStop(Inside):
+    """A stop of the joint, "inside-low", "inside-high" or both."""
+
+    name = "end-stop"
+    variants: ClassVar[tuple[str, ...]] = ("inside-high", "inside-low")
+    richer: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "inside-high": ("inside-both",),
+        "inside-low": ("inside-both",),
+    }
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "inside-high": ("high",),
+        "inside-low": ("low",),
+        "inside-both": ("low", "high"),
+    }
+    absent: ClassVar[Mapping[str, float]] = {"stop_low": -50.0, "stop_high": 50.0}
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Stops at the ends of the motion, and 5 and 20 % of its range within them."""
+        port = context.parent.hypothesis.plant.simulation.port
+        assert port is not None
+        position = np.asarray(context.data.y_scale.back(context.data.y[context.data.rows])) if port.reads else None
+        if position is None:
+            return [{f"stop_{side}": sign * at for side, sign in self._sides()} for at in (0.9, 0.6, 0.3)]
+        low, high = np.quantile((position - port.place) / port.units["place"], (0.005, 0.995))
+        ends = {"low": (low, 1.0), "high": (high, -1.0)}
+        return [
+            {f"stop_{side}": ends[side][0] + ends[side][1] * part * (high - low) for side, _ in self._sides()}
+            for part in (0.0, 0.05, 0.2)
+        ]
+
+    def _sides(self) -> list[tuple[str, float]]:
+        return [(side, {"low": -1.0, "high": 1.0}[side]) for side in self.changes]
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin a second stop at the end of the motion on its side."""
+        before, now = fit.hypothesis.plant, hypothesis.plant
+        port = now.simulation.port
+        new = [name for name in ("low", "high") if name in now.inside and name not in before.inside]
+        if port is None or len(new) != 1 or not {"low", "high"} & set(before.inside) or not port.reads:
+            return
+        y = port.position_of(fit.output)
+        at = np.quantile(y, 0.02 if new[0] == "low" else 0.98)
+        theta[hypothesis.slices["plant"].start + now.index(f"stop_{new[0]}")] = (at - port.place) / port.units["place"]
+
+    def active_samples(self, fit: Fitted) -> np.ndarray:
+        """The samples at which the joint is at a stop."""
+        port = port_of(fit)
+        if not port.reads:
+            return np.zeros(fit.data.samples, bool)
+        position = port.position_of(fit.output - fit.gains[1])
+        depth = STOP_DEPTH * float(np.ptp(position))
+        at = np.zeros(fit.data.samples, bool)
+        for side, sign in self._sides():
+            at |= sign * (position - in_units(fit, side)[0]) > -depth
+        return at
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require that the joint reaches a stop."""
+        return not port_of(fit).reads or bool(self.active_samples(fit).sum() >= MIN_STOPPED)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`low` and `high`."""
+        unit = port_of(fit).unit_of("position")
+        return {side: Value(in_units(fit, side)[0], unit) for side, _ in self._sides()}
+
+
+class ForceLimit(Inside):
+    """The force of a position or velocity servo is bounded."""
+
+    name = "force-limit"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("limit",)}
+    absent: ClassVar[Mapping[str, float]] = {"limit": 50.0}
+
+    def applies(self, context: Context) -> bool:
+        """A servo: a bounded torque is a bounded command."""
+        port = context.parent.hypothesis.plant.simulation.port
+        return super().applies(context) and port is not None and port.kind != "torque"
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Limits that the force of the simulation exceeds seldom and often."""
+        port = context.parent.hypothesis.plant.simulation.port
+        assert port is not None
+        return [{"limit": float(np.quantile(port.forces, share))} for share in FORCE_QUANTILES]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`limit`, of the actuator."""
+        return {"limit": Value(in_units(fit, "limit")[0], port_of(fit).unit_of("torque"))}
+
+
+class Lag(Inside):
+    """A lag of the actuator, if the simulation has none."""
+
+    name = "extra-lag"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("lag",)}
+
+    def applies(self, context: Context) -> bool:
+        """An actuator without dynamics: those of another one have a time constant that may be wrong."""
+        port = context.parent.hypothesis.plant.simulation.port
+        return super().applies(context) and port is not None and not port.has_state
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Short to long lags, in samples."""
+        return [{"log_lag": float(np.log(samples))} for samples in (1.0, 4.0, 16.0)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`tau` in seconds."""
+        return {"tau": Value(in_units(fit, "lag")[0], "s")}
+
+
+class Load(Inside):
+    """A force on the joint that begins at an instant."""
+
+    name = "load-step"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("load",)}
+
+    def applies(self, context: Context) -> bool:
+        """In one record: a load belongs to a record."""
+        return super().applies(context) and not context.data.pieces
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Onsets at which a load step reduces the residual most, of either sign."""
+        return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject onsets near either end of the record."""
+        edge = max(MIN_ONSET / fit.data.samples, 0.005)
+        return edge < fit.value("onset") < 1.0 - edge
+
+    def active_samples(self, fit: Fitted) -> np.ndarray:
+        """The samples after the onset."""
+        return np.asarray(np.arange(fit.data.samples) >= fit.value("onset") * fit.data.samples)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`onset` in seconds, and `torque`."""
+        size, onset = in_units(fit, "load")
+        return {"onset": Value(onset + fit.data.start, "s"), "torque": Value(size, port_of(fit).unit_of("torque"))}
+
+
+class Wave(Inside):
+    """A sinusoidal force on the joint."""
+
+    name = "periodic-disturbance"
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("wave",)}
+
+    def applies(self, context: Context) -> bool:
+        """In one record: its phase belongs to a record."""
+        return super().applies(context) and not context.data.pieces
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """The highest narrow peaks in the spectrum of the residual, of two phases."""
+        return [
+            {"cycles": at, "shake_cos": cosine, "shake_sin": sine}
+            for at in residual_cycles(context)
+            for cosine, sine in ((0.1, 0.0), (0.0, 0.1), (-0.1, 0.0), (0.0, -0.1))
+        ]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`frequency` and `torque`."""
+        frequency, cosine, sine = in_units(fit, "wave")
+        torque = Value(float(np.hypot(cosine, sine)), port_of(fit).unit_of("torque"))
+        return {"frequency": Value(frequency, "Hz"), "torque": torque}
+
+
+class Mismatch(Inside):
+    """A number of the joint or its actuator that is wrong; `variant` is "inside-" and what is wrong."""
+
+    name = MISMATCH
+    variants: ClassVar[tuple[str, ...]] = tuple(
+        f"inside-{what}" for what in ("damping", "armature", "stiffness", "gain", "mass")
+    )
+    apart = True
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        f"inside-{what}": (what,) for what in ("damping", "armature", "stiffness", "gain", "mass")
+    }
+
+    @property
+    def what(self) -> str:
+        """The number that is wrong."""
+        return self.changes[0]
+
+    def applies(self, context: Context) -> bool:
+        """Whether none of the numbers is free anyway."""
+        return super().applies(context) and not context.parent.hypothesis.plant.free
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Larger and smaller numbers."""
+        return [{f"in_{self.what}": size} for size in (0.1, 0.6, -0.1, -0.4)]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require a number that may be: no negative damping, inertia, mass or gain."""
+        (value,) = self.values(fit).values()
+        return self.what == "stiffness" or value.value > 0.0
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """The number, under its name in the model."""
+        port, (change,) = port_of(fit), in_units(fit, self.what)
+        name = port.names[self.what]
+        nominal = port.nominal[name]
+        if self.what == "gain":
+            return {name: Value(nominal * (1.0 + change), "")}
+        unit = {"armature": "inertia"}.get(self.what, self.what)
+        return {name: Value(nominal + change, port.unit_of(unit))}
+
+
+def place_inside(fit: ParentFit, effect: Effect | None) -> dict[str, Any]:
+    """The `joint` and the `actuator` at which an effect acts; empty for one that does not act inside a simulation."""
+    port = fit.hypothesis.plant.simulation.port
+    if port is None or not isinstance(effect, Inside):
+        return {}
+    return {"joint": port.joint, "actuator": port.actuator}
+
+
+def with_nominal(fit: ParentFit, parameters: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:
+    """Parameters of an effect; numbers of a simulation that opens with their nominal values."""
+    port = fit.hypothesis.plant.simulation.port
+    nominal = {} if port is None else port.nominal
+    return {name: entry | ({"nominal": nominal[name]} if name in nominal else {}) for name, entry in parameters.items()}
+
+
+def is_apart(family: type[Effect]) -> bool:
+    """Whether the forms of a family are different causes of one name."""
+    return issubclass(family, Inside) and family.apart
+
+
+FAMILIES: tuple[type[Effect], ...] = (Friction, Drag, Spring, Gravity, EndStop, ForceLimit, Lag, Load, Wave, Mismatch)
+"""In the order of the search."""
+INSIDE_NAMES = frozenset(family.name for family in FAMILIES)
+"""Effects that act inside a simulation that opens, and not around it."""

@@ -1,0 +1,1 @@
+"""Models of MuJoCo (MJCF, or URDF that MuJoCo reads) as simulations of a rig, with effects inside a joint."""
