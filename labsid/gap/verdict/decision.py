@@ -212,8 +212,8 @@ class PartialEvidence(NamedTuple):
     missed: float = 0.0
 
 
-PARTIAL_PRIOR = -4.5
-PARTIAL_WEIGHTS = PartialEvidence(alone=2.9, lead=2.3, margin=1.1, agreement=1.8, others=-0.5, together=1.9)
+PARTIAL_PRIOR = -3.7
+PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.3, together=0.2, missed=1.9)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:

@@ -305,7 +305,7 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 def test_rows_are_those_of_the_bars() -> None:
     old = ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
-    assert list(ROWS) == [*old, "families", "variants", "runs", "honest", "faint"]  # the order determines the seeds
+    assert list(ROWS) == [*old, "families", "variants", "runs", "honest", "faint", "joints", "several"]
 
 
 def test_the_runs_of_a_rig_have_its_effect_with_other_inputs_and_noise(some: list[Case], tmp_path) -> None:
