@@ -212,7 +212,7 @@ class PartialEvidence(NamedTuple):
     missed: float = 0.0
 
 
-PARTIAL_PRIOR = -3.7
+PARTIAL_PRIOR = -4.2
 PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.3, together=0.2, missed=1.9)
 
 
