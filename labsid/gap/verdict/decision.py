@@ -212,8 +212,8 @@ class PartialEvidence(NamedTuple):
     missed: float = 0.0
 
 
-PARTIAL_PRIOR = -4.2
-PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.3, together=0.2, missed=1.9)
+PARTIAL_PRIOR = -3.8
+PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.0, together=0.2, missed=1.9)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
@@ -221,7 +221,8 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
     steps, mismatch = search.steps, search.mismatch
     found = {}
     if mismatch is not None:  # every fit of the beam search has free parameters
-        found[MISMATCH] = PartialEvidence(_gain(mismatch), 0.0, 0.0, agreement=1.0, others=float(len(steps)))
+        gain = _gain(mismatch)
+        found[MISMATCH] = PartialEvidence(gain, 0.0, 0.0, agreement=1.0, others=float(len(steps)), missed=gain)
     others = len(steps) - 1.0 + len(found)
     for step in steps:
         margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)

@@ -317,7 +317,7 @@ def test_other_parameters_of_a_given_simulation_that_pay_are_named_first(
     check(decision)
     assert decision.names == ("parameter-mismatch", "coulomb-friction")
     assert decision.probability["parameter-mismatch"] > 0.5
-    assert decision.probability["coulomb-friction"] < chance_of(one)  # one more effect beside it
+    assert decision.probability["coulomb-friction"] <= chance_of(one)  # one more effect beside it
     alone = decide_partial(search(mismatch=Reduction(0.9, 3.0)), nothing)
     assert alone.verdict == "partial"
     assert 0.0 < alone.probability["parameter-mismatch"] < 0.1
