@@ -215,13 +215,17 @@ def _scales(record: Record, q: FloatArray, one: OneJoint) -> list[Finding]:
     named = next((f for f in FACTORS if abs(abs(slope) / f - 1.0) < NEAR), None)
     size = named or (abs(slope) if not 1.0 / RATIO < abs(slope) < RATIO and best > ALIKE[1] else 1.0)
     factor = size if slope > 0.0 else -size
+    if named is None and size != 1.0:
+        how = f"{size:.3g} times as far as the {one.output} of the joint {one.joint} in the simulation"
+        how += ", and against it" if factor < 0.0 else ""
+        why = "by a gear, or because numbers of the model are wrong"
+        text = f"the output moves {how}: {why}. Only for a gear, use --match y={factor:.6g}."
+        return [Finding("note", TOPIC, text)]
     found = []
     if factor < 0.0:
         found.append(f"the output moves against the {one.output} of the joint {one.joint}")
     if named is not None:
         found.append(f"the log seems to be in {FACTORS[named]}")
-    elif size != 1.0:
-        found.append(f"the output is {size:.3g} times the {one.output} of the joint {one.joint}, as behind a gear")
     if found:
         text = f"{' and '.join(found)}. --match y={factor:.6g} mends it."
         return [Finding("warning", TOPIC, text)]

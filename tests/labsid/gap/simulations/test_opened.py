@@ -132,7 +132,11 @@ def test_a_mended_model_moves_as_the_fit(what: str, tmp_path: Path) -> None:
     [
         (lambda r: (r.u, -r.y), [], "moves against the position of the joint elbow. --match y=-1 mends it"),
         (lambda r: (r.u, np.degrees(r.y)), [], "the log seems to be in degrees. --match y=57.2958 mends it"),
-        (lambda r: (r.u, 5.0 * r.y), [], "times the position of the joint elbow, as behind a gear"),
+        (
+            lambda r: (r.u, 5.0 * r.y),
+            [],
+            "times as far as the position of the joint elbow in the simulation: by a gear, or",
+        ),
         (lambda r: (r.u, r.y + 1.0), [], "at the zero of the joint elbow. --match zero="),
         (lambda r: (r.u, np.append(r.y[3:], r.y[-3:])), [], "later, by 3 samples. --match shift=3 mends it"),
         (lambda r: (r.u, np.degrees(r.y)), ["--match", "y=57.2958"], "agree in sign, units, time and limits"),
