@@ -213,7 +213,7 @@ class PartialEvidence(NamedTuple):
 
 
 PARTIAL_PRIOR = -3.8
-PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.0, together=0.2, missed=1.9)
+PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.0, together=1.9, missed=1.9)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
