@@ -408,4 +408,4 @@ class AdditiveEffect(Effect):
 
     def is_plausible(self, fit: "Fitted") -> bool:
         """Reject a signal that is larger than the record could show."""
-        return bool(np.ptp(self.added(fit)[fit.data.rows]) < MAX_RANGES * fit.range) and super().is_plausible(fit)
+        return bool(0.5 * np.ptp(self.added(fit)[fit.data.rows]) < MAX_RANGES * fit.range) and super().is_plausible(fit)

@@ -15,7 +15,7 @@ from labsid.gap.effects.disturbance import MIN_ONSET, load_onsets
 from labsid.gap.effects.motion import MIN_STOPPED
 from labsid.gap.effects.periodic import residual_cycles
 
-INSIDE = "inside"
+INSIDE = "joint"
 MISMATCH = "parameter-mismatch"
 FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start
 STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop
@@ -24,7 +24,7 @@ STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint
 class Inside(PlantEffect):
     """A change at the joint or the actuator of a simulation that opens.
 
-    `variant` is "inside", or "inside-" and a form of it. Variants that are `apart` are different causes of one name,
+    `variant` is "joint", or "joint-" and a form of it. Variants that are `apart` are different causes of one name,
     each of which is fitted.
     """
 
@@ -64,21 +64,21 @@ def in_units(fit: Fitted, change: str) -> list[float]:
 
 
 class Friction(Inside):
-    """Dry friction of the joint; "inside-load" grows with the torque of the actuator, "inside-peak" breaks away."""
+    """Dry friction of the joint; "joint-load" grows with the torque of the actuator, "joint-peak" breaks away."""
 
     name = "coulomb-friction"
     sizes = ("friction",)
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
         INSIDE: ("friction",),
-        "inside-load": ("friction", "transmitted"),
-        "inside-peak": ("friction", "peak"),
+        "joint-load": ("friction", "transmitted"),
+        "joint-peak": ("friction", "peak"),
     }
-    richer: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("inside-load", "inside-peak")}
+    richer: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("joint-load", "joint-peak")}
     planted_variants = ()
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak to strong friction."""
-        more = {"inside-load": {"in_transmitted": 0.1}, "inside-peak": {"in_peak": 0.1}}.get(self.variant, {})
+        more = {"joint-load": {"in_transmitted": 0.1}, "joint-peak": {"in_peak": 0.1}}.get(self.variant, {})
         return [{"friction": size} | more for size in (0.05, 0.2, 0.6)]
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
@@ -92,9 +92,9 @@ class Friction(Inside):
         torque = port_of(fit).unit_of("torque")
         (sliding,) = in_units(fit, "friction")
         found = {"friction": Value(sliding, torque)}
-        if self.variant == "inside-load":
+        if self.variant == "joint-load":
             found["load"] = Value(in_units(fit, "transmitted")[0], "1")
-        if self.variant == "inside-peak":
+        if self.variant == "joint-peak":
             found["break_away"] = Value(sliding + in_units(fit, "peak")[0], torque)
         return found
 
@@ -162,18 +162,18 @@ class Gravity(Inside):
 
 
 class EndStop(Inside):
-    """A stop of the joint, "inside-low", "inside-high" or both."""
+    """A stop of the joint, "joint-low", "joint-high" or both."""
 
     name = "end-stop"
-    variants: ClassVar[tuple[str, ...]] = ("inside-high", "inside-low")
+    variants: ClassVar[tuple[str, ...]] = ("joint-high", "joint-low")
     richer: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "inside-high": ("inside-both",),
-        "inside-low": ("inside-both",),
+        "joint-high": ("joint-both",),
+        "joint-low": ("joint-both",),
     }
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "inside-high": ("high",),
-        "inside-low": ("low",),
-        "inside-both": ("low", "high"),
+        "joint-high": ("high",),
+        "joint-low": ("low",),
+        "joint-both": ("low", "high"),
     }
     absent: ClassVar[Mapping[str, float]] = {"stop_low": -50.0, "stop_high": 50.0}
 
@@ -325,15 +325,15 @@ class Wave(Inside):
 
 
 class Mismatch(Inside):
-    """A number of the joint or its actuator that is wrong; `variant` is "inside-" and what is wrong."""
+    """A number of the joint or its actuator that is wrong; `variant` is "joint-" and what is wrong."""
 
     name = MISMATCH
     variants: ClassVar[tuple[str, ...]] = tuple(
-        f"inside-{what}" for what in ("damping", "armature", "stiffness", "gain", "mass")
+        f"joint-{what}" for what in ("damping", "armature", "stiffness", "gain", "mass")
     )
     apart = True
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        f"inside-{what}": (what,) for what in ("damping", "armature", "stiffness", "gain", "mass")
+        f"joint-{what}": (what,) for what in ("damping", "armature", "stiffness", "gain", "mass")
     }
 
     @property

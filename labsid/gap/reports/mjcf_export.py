@@ -173,7 +173,7 @@ def _change_actuator(spec: Any, opened: OpenedModel, one: OneJoint, model: Expor
             low, high = np.asarray(model.u_scale.back(_limits(model, effect)))
             actuator.ctrllimited = 1
             actuator.ctrlrange[:] = max(low, one.ctrlrange[0], -1e6), min(high, one.ctrlrange[1], 1e6)
-        elif not effect.key.partition("/")[2].startswith("inside"):
+        elif not effect.key.partition("/")[2].startswith("joint"):
             left.append(effect.name)
     return left + [change for change in hypothesis.plant.inside if change in IN_TIME]
 

@@ -100,6 +100,8 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
     -------
     list of Fit
     """
+    if base.hypothesis.plant.kind != "linear":
+        return []  # the dynamics of a given simulation are not replaced
     forms = {group[0].name: group for group in groups}
     starts: dict[tuple[str, ...], list[Trial]] = {(): [_unchanged(data, base)]}
     found: dict[frozenset[str], Fit] = {}

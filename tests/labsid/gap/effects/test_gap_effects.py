@@ -150,6 +150,7 @@ def test_every_effect_starts_inside_its_bounds_and_reports_the_agreed_parameters
         assert starts
         assert {name.rstrip("+") for start in starts for name in start} <= names
         elsewhere = effect.variant in {"ahead", "beside", "inside"} or effect.key.endswith("-inside")
+        elsewhere |= effect.variant.startswith("joint")
         slow = effect.variant.endswith("unsprung") and effect.name != "gravity"  # which only a slow pole may be
         quick = slow or effect.key == "force-limit/speed"
         assert effect.applies(context) != (elsewhere or quick)  # the parent is linear
