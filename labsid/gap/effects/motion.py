@@ -20,6 +20,7 @@ class EndStop(PlantEffect):
     """A mechanical stop; `variant` low, high or both, and "-unsprung" for a mass without a spring."""
 
     name = "end-stop"
+    grows = True
     planted_variants = ("high", "low")
     whole = "y"
     absent: ClassVar[Mapping[str, float]] = {"stop_low": -50.0, "stop_high": 50.0}
