@@ -26,7 +26,7 @@ PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95  # of loads
 MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
 
 
-class _Load(Effect):
+class StepLoad(Effect):
     """A load that begins at an instant."""
 
     name = "load-step"
@@ -49,7 +49,7 @@ class _Load(Effect):
         return {"onset": Value(onset, "s"), "size": self._size(fit)}
 
 
-class LoadStep(_Load, AdditiveEffect):
+class LoadStep(StepLoad, AdditiveEffect):
     """An unmeasured load step."""
 
     grows = True
@@ -116,7 +116,7 @@ class LoadStep(_Load, AdditiveEffect):
         return [Planted("size", {"onset": onset}, gains) for onset in PLANTED_ONSETS]
 
 
-class Leak(_Load, PlantEffect):
+class Leak(StepLoad, PlantEffect):
     """A leak: a load proportional to the state that starts at an instant."""
 
     variants = ("leak",)
@@ -156,7 +156,7 @@ class Leak(_Load, PlantEffect):
         return Value(float(np.expm1(fit.value("drift"))), "1")
 
 
-class InnerLoad(_Load, PlantEffect):
+class InnerLoad(StepLoad, PlantEffect):
     """A load step on a nonlinear state.
 
     `variant` "inside" may include a leak; "ahead" acts on the first of two states in series.
@@ -180,7 +180,7 @@ class InnerLoad(_Load, PlantEffect):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Onsets at which a load step reduces the residual most, of either sign."""
-        return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
+        return load_starts(context)
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Also reject impossible sizes."""
@@ -197,6 +197,11 @@ def explained_energy(columns: FloatArray, e: FloatArray) -> float:
     gram = columns.T @ columns + 1e-9 * np.eye(2)
     cross = columns.T @ e
     return float(cross @ np.linalg.lstsq(gram, cross, rcond=None)[0])
+
+
+def load_starts(context: Context) -> list[dict[str, float]]:
+    """Start values of a load within the dynamics: onsets that reduce the residual most, of either sign."""
+    return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
 
 
 def load_onsets(context: Context, count: int, grows_with: FloatArray | None = None) -> list[float]:

@@ -11,7 +11,7 @@ from labsid.gap.dynamics.inside import PARTS, InsidePort
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
-from labsid.gap.effects.disturbance import MIN_ONSET, load_onsets
+from labsid.gap.effects.disturbance import StepLoad, load_starts
 from labsid.gap.effects.motion import MIN_STOPPED
 from labsid.gap.effects.periodic import residual_cycles
 
@@ -51,8 +51,8 @@ class Inside(PlantEffect):
         return plant.modified(inside=(*plant.inside, *self.changes))
 
 
-def port_of(fit: Fitted) -> InsidePort:
-    """Where effects are put inside the simulation of a fit."""
+def port_of(fit: ParentFit | Fitted) -> InsidePort:
+    """Where effects are put inside the simulation of a fit, which opens."""
     port = fit.hypothesis.plant.simulation.port
     assert port is not None
     return port
@@ -139,8 +139,7 @@ class Gravity(Inside):
 
     def applies(self, context: Context) -> bool:
         """A joint that turns."""
-        port = context.parent.hypothesis.plant.simulation.port
-        return super().applies(context) and port is not None and not port.slides
+        return super().applies(context) and not port_of(context.parent).slides
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak and strong torques towards four angles."""
@@ -179,8 +178,7 @@ class EndStop(Inside):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Stops at the ends of the motion, and 5 and 20 % of its range within them."""
-        port = context.parent.hypothesis.plant.simulation.port
-        assert port is not None
+        port = port_of(context.parent)
         position = np.asarray(context.data.y_scale.back(context.data.y[context.data.rows])) if port.reads else None
         if position is None:
             return [{f"stop_{side}": sign * at for side, sign in self._sides()} for at in (0.9, 0.6, 0.3)]
@@ -236,14 +234,12 @@ class ForceLimit(Inside):
 
     def applies(self, context: Context) -> bool:
         """A servo: a bounded torque is a bounded command."""
-        port = context.parent.hypothesis.plant.simulation.port
-        return super().applies(context) and port is not None and port.kind != "torque"
+        return super().applies(context) and port_of(context.parent).kind != "torque"
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Limits that the force of the simulation exceeds seldom and often."""
-        port = context.parent.hypothesis.plant.simulation.port
-        assert port is not None
-        return [{"limit": float(np.quantile(port.forces, share))} for share in FORCE_QUANTILES]
+        forces = port_of(context.parent).forces
+        return [{"limit": float(np.quantile(forces, share))} for share in FORCE_QUANTILES]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`limit`, of the actuator."""
@@ -258,8 +254,7 @@ class Lag(Inside):
 
     def applies(self, context: Context) -> bool:
         """An actuator without dynamics: those of another one have a time constant that may be wrong."""
-        port = context.parent.hypothesis.plant.simulation.port
-        return super().applies(context) and port is not None and not port.has_state
+        return super().applies(context) and not port_of(context.parent).has_state
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Short to long lags, in samples."""
@@ -270,10 +265,9 @@ class Lag(Inside):
         return {"tau": Value(in_units(fit, "lag")[0], "s")}
 
 
-class Load(Inside):
+class Load(Inside, StepLoad):
     """A force on the joint that begins at an instant."""
 
-    name = "load-step"
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("load",)}
 
     def applies(self, context: Context) -> bool:
@@ -282,16 +276,7 @@ class Load(Inside):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Onsets at which a load step reduces the residual most, of either sign."""
-        return [{"load": size, "onset": at} for at in load_onsets(context, 3) for size in (0.2, -0.2)]
-
-    def is_plausible(self, fit: Fitted) -> bool:
-        """Reject onsets near either end of the record."""
-        edge = max(MIN_ONSET / fit.data.samples, 0.005)
-        return edge < fit.value("onset") < 1.0 - edge
-
-    def active_samples(self, fit: Fitted) -> np.ndarray:
-        """The samples after the onset."""
-        return np.asarray(np.arange(fit.data.samples) >= fit.value("onset") * fit.data.samples)
+        return load_starts(context)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `torque`."""
