@@ -16,7 +16,7 @@ from labsid.gap.reports.result import Diagnosis
 from labsid.gap.simulations.python_export import write_python_module
 from labsid.simulators.mjcf.one_joint import FREE, STANDING_SOLIMP, STANDING_SOLREF, OneJoint, changes_in
 from labsid.simulators.mjcf.opening import OpenedModel, import_mujoco, open_model
-from labsid.simulators.mjcf.playing import describe_joint, tip_of
+from labsid.simulators.mjcf.playing import describe_joint, moves_with, tip_of
 from labsid.simulators.mjcf.sources import parse_mjcf
 
 IN_MJCF = ("input-delay", "input-saturation")
@@ -111,7 +111,7 @@ def _change_mass(spec: Any, mujoco: Any, opened: OpenedModel, scale: float, at_t
     model = opened.model
     tip, place = tip_of(mujoco, model, opened.joint)
     for body in range(1, model.nbody):
-        if not _below(model, body, int(model.jnt_bodyid[opened.joint])):
+        if not moves_with(model, body, int(model.jnt_bodyid[opened.joint])):
             continue
         mass, centre = scale * float(model.body_mass[body]), np.array(model.body_ipos[body])
         turn = np.zeros(9)
@@ -132,14 +132,6 @@ def _change_mass(spec: Any, mujoco: Any, opened: OpenedModel, scale: float, at_t
 
 def _spread(arm: FloatArray) -> FloatArray:
     return np.asarray((arm @ arm) * np.eye(3) - np.outer(arm, arm))
-
-
-def _below(model: Any, body: int, moving: int) -> bool:
-    while body:
-        if body == moving:
-            return True
-        body = int(model.body_parentid[body])
-    return False
 
 
 def _change_gravity(spec: Any, mujoco: Any, opened: OpenedModel, wanted: tuple[float, float]) -> list[str]:

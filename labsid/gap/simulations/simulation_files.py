@@ -41,16 +41,15 @@ class Ports:
     output: str = ""
     trusted: bool = False
 
-    def of(self, model: MjcfSource) -> MjcfSource:
-        """The model with these signals."""
-        return MjcfSource(
-            model.path, self.actuator or model.actuator, self.output or model.output, self.trusted or model.trusted
-        )
-
-    def refuse(self, path: Path) -> None:
-        """Refuse another simulation than a model of MuJoCo."""
-        if self.actuator or self.output or self.trusted:
-            raise ValueError(f"--inputs, --outputs and --trust are for a model of MuJoCo (FILE.xml); got {path}.")
+    def of(self, source: str | Path) -> str:
+        """The source of a simulation, with these signals if it is a model of MuJoCo; others have none to choose."""
+        model = parse_mjcf(str(source))
+        if model is None:
+            if self != NO_PORTS:
+                raise ValueError(f"--inputs, --outputs and --trust are for a model of MuJoCo (FILE.xml); got {source}.")
+            return str(source)
+        chosen = (self.actuator or model.actuator, self.output or model.output, self.trusted or model.trusted)
+        return str(MjcfSource(model.path, *chosen))
 
 
 NO_PORTS = Ports()
@@ -87,13 +86,9 @@ def load_simulation(source: str | Path, record: Record, several: bool = False, p
     ValueError
         If the file is none of these, a simulated output does not cover the record, or there are `several` records.
     """
-    path = Path(source)
-    model = parse_mjcf(str(source))
-    if model is not None:
-        return open_in_process(str(ports.of(model)))
-    ports.refuse(path)
-    if is_source(str(source)):
-        return read_fmu_content(path) or open_in_process(str(source))
+    path, chosen = Path(source), ports.of(source)
+    if is_source(chosen):
+        return read_fmu_content(path) or open_in_process(chosen)
     if path.suffix.lower() == ".csv":
         if several:
             raise ValueError(
@@ -144,12 +139,9 @@ def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
         If the source is no simulation that can be run, or one with another sampling time.
     """
     measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
-    model = parse_mjcf(str(source))
-    if model is None:
-        ports.refuse(source)
-    content = read_fmu_content(source)
-    if content is None and is_source(str(source)):
-        y = _play(open_in_process(str(source if model is None else ports.of(model))), record)
+    chosen, content = ports.of(source), read_fmu_content(source)
+    if content is None and is_source(chosen):
+        y = _play(open_in_process(chosen), record)
     else:
         content = content or load_model(source)
         record = at_sampling_time(record, stated_sampling_time(content))

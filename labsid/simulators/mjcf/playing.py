@@ -172,7 +172,7 @@ def tip_of(mujoco: Any, model: Any, joint: int) -> tuple[int, FloatArray]:
     best, place, farthest = int(model.jnt_bodyid[joint]), None, -1.0
     for geom in range(model.ngeom):
         body = int(model.geom_bodyid[geom])
-        if not _moves(model, body, int(model.jnt_bodyid[joint])):
+        if not moves_with(model, body, int(model.jnt_bodyid[joint])):
             continue
         centre, long = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)[:, 2]
         half = float(model.geom_size[geom, 1]) if int(model.geom_type[geom]) in (3, 5) else 0.0  # capsule, cylinder
@@ -186,7 +186,8 @@ def tip_of(mujoco: Any, model: Any, joint: int) -> tuple[int, FloatArray]:
     return best, np.asarray(data.xmat[best].reshape(3, 3).T @ (place - data.xpos[best]))
 
 
-def _moves(model: Any, body: int, moving: int) -> bool:
+def moves_with(model: Any, body: int, moving: int) -> bool:
+    """Whether a body is the moving one or hangs on it."""
     while body:
         if body == moving:
             return True
