@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.reports.quantities import Quantity, number
 
 CLAUSES: dict[str, tuple[str, ...]] = {
@@ -62,7 +63,7 @@ SIGNED = ("low", "high", "angle", "onset")  # positions, which may be near zero
 
 def inside_clause(effect: dict[str, Any]) -> str:
     """What happens at the joint, without the full stop."""
-    if effect["name"] == "parameter-mismatch":
+    if effect["name"] == MISMATCH:
         return _numbers(effect["parameters"])
     known: dict[str, Any] = {"joint": effect["joint"], "actuator": effect["actuator"]}
     for name, entry in effect["parameters"].items():

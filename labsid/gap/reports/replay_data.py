@@ -10,6 +10,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.effects.base import AdditiveEffect, Effect, OutputEffect
+from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -19,7 +20,6 @@ from labsid.gap.reports.sliders import Slider, parameter_sliders
 from labsid.gap.reports.traces import packed
 from labsid.gap.search.forms import remove_named_effect
 from labsid.gap.verdict.answer import Answer
-from labsid.gap.verdict.decision import MISMATCH
 from labsid.records.record import Record
 
 MOST_COMBINATIONS = 8

@@ -9,7 +9,7 @@ from scipy.special import chdtrc
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
-from labsid.gap.effects.inside import place_inside, with_nominal
+from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
@@ -24,7 +24,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
-from labsid.gap.verdict.decision import MISMATCH, Decision
+from labsid.gap.verdict.decision import Decision
 from labsid.gap.verdict.scores import closed_share
 from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 from labsid.gap.search.beam_search import is_improvement
@@ -19,7 +20,6 @@ MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
 MAX_RIVALS = 3
 MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
-MISMATCH = "parameter-mismatch"
 RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
 STOP_EFFECTS = ("output-saturation", "overflow", "end-stop")  # the output rests at its extreme
 SEEN_STOP = 0.8  # probability of one of them, if it pays and the record shows the limit
@@ -167,7 +167,7 @@ def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = Fal
         return unknown
     if at_stop:
         probability |= {name: max(p, SEEN_STOP) for name, p in probability.items() if name in STOP_EFFECTS}
-    rivals = [name for step in search.steps for name, one in step.rivals if one.factor < RIVAL_FACTOR]
+    rivals = [name for step in search.steps for name, ratio in step.rivals if ratio < RIVAL_FACTOR]
     return replace(
         unknown,
         verdict="partial",
@@ -212,8 +212,8 @@ class PartialEvidence(NamedTuple):
     missed: float = 0.0
 
 
-PARTIAL_PRIOR = -3.8
-PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=0.0, together=1.9, missed=1.9)
+PARTIAL_PRIOR = -3.5
+PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=-0.1, together=1.9, missed=1.9)
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
@@ -225,7 +225,7 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
         found[MISMATCH] = PartialEvidence(gain, 0.0, 0.0, agreement=1.0, others=float(len(steps)), missed=gain)
     others = len(steps) - 1.0 + len(found)
     for step in steps:
-        margin = min((float(np.log(one.factor)) for _, one in step.rivals), default=MAX_MARGIN)
+        margin = min((float(np.log(ratio)) for _, ratio in step.rivals), default=MAX_MARGIN)
         lead = float(np.clip(np.log(max(step.lead, 1e-6)), -MAX_MARGIN, MAX_MARGIN))
         alone = 0.0 if step.alone is None else _gain(step.alone)
         if step.together is not None:

@@ -76,8 +76,8 @@ class Step:
         Rms error of the best other effect alone over that of this effect alone; 1 if it was not tried alone.
     agreement : int
         1 if the beam search, which ranks by BIC, found this effect, too; -1 if it found others, 0 if it found none.
-    rivals : tuple of (str, Reduction)
-        Other effects in its place, best first: the factor is their error over that of this one.
+    rivals : tuple of (str, float)
+        Other effects in its place, best first, with their rms error over that of this one.
     mates : frozenset of str
         The other effects of the explanation that belong to a set with it, and are tried together with it.
     together : Reduction or None
@@ -92,7 +92,7 @@ class Step:
     alone: Reduction | None
     lead: float
     agreement: int
-    rivals: tuple[tuple[str, Reduction], ...] = ()
+    rivals: tuple[tuple[str, float], ...] = ()
     mates: frozenset[str] = frozenset()
     together: Reduction | None = None
     missed: float = 1.0
@@ -128,8 +128,9 @@ class _Pool:
 
     def __init__(self, held_out: HeldOut, start: Fit, before: FloatArray, progress: Progress | None) -> None:
         self.held_out, self.progress = held_out, progress
-        self.before, self.own = float(np.mean(before)), held_out.expected(start)
-        self.start = Candidate(start, before, 1.0)
+        mean, self.own = float(np.mean(before)), held_out.expected(start)
+        self.before = max(mean, 1e-300) if np.isfinite(mean) else 1.0  # of a simulation that diverges elsewhere
+        self.start = Candidate(start, before, 1.0 if np.isfinite(mean) else np.inf)
         self.best: dict[frozenset[str], Candidate] = {self.start.names: self.start}
         self.data = replace(held_out.data, by_free_run=True)
         self.highpass = fit_highpass(self.data, start)
@@ -153,7 +154,7 @@ class _Pool:
 
     def _scored(self, fit: Fit) -> Candidate:
         errors = self.held_out.errors(fit)
-        shares = [float(np.mean(errors)) / max(self.before, 1e-300)]
+        shares = [float(np.mean(errors)) / self.before]
         if self.own is not None:
             shares.append((self.held_out.expected(fit) or 0.0) / max(self.own, 1e-300))
         return Candidate(fit, errors, float(np.mean(shares)))
@@ -167,7 +168,7 @@ class _Pool:
         found = compare_errors(fewer.errors, fuller.errors)
         if self.blocks is None:
             return found
-        factor = float(np.sqrt(fuller.total / max(fewer.total, 1e-300)))
+        factor = _rms_ratio(fuller, fewer)
         if found.pays:
             return replace(found, factor=factor)
         if found.factor > NOT_WORSE:
@@ -322,26 +323,31 @@ def _steps(pool: _Pool, best: Candidate, searched: tuple[str, ...]) -> tuple[Ste
         together = None if known is None else pool.reduction(pool.start, known)
         mates = whole_set - {name} if together else frozenset[str]()
         lead = _lead(pool, name)
-        missed = pool.reduction(pool.without(whole, name), whole).factor
+        missed = _rms_ratio(whole, pool.without(whole, name))
         steps.append(Step(name, best.fit, best.errors, alone, lead, agreement, rivals, mates, together, missed))
         best = fewer
     return tuple(reversed(steps))
 
 
+def _rms_ratio(one: Candidate, other: Candidate) -> float:
+    return float(np.sqrt(one.total / max(other.total, 1e-300)))
+
+
 def _lead(pool: _Pool, name: str) -> float:
     """Rms error of the best other effect alone over that of one alone; 1 if it was not tried alone."""
-    single = {one: candidate.total for names, candidate in pool.best.items() if len(names) == 1 for one in names}
-    others = [total for one, total in single.items() if one != name]
-    return float(np.sqrt(min(others) / max(single[name], 1e-300))) if others and name in single else 1.0
+    single = {one: candidate for names, candidate in pool.best.items() if len(names) == 1 for one in names}
+    others = [candidate for one, candidate in single.items() if one != name]
+    if not others or name not in single:
+        return 1.0
+    return _rms_ratio(min(others, key=lambda candidate: candidate.total), single[name])
 
 
-def _rivals(pool: _Pool, best: Candidate, name: str) -> tuple[tuple[str, Reduction], ...]:
+def _rivals(pool: _Pool, best: Candidate, name: str) -> tuple[tuple[str, float], ...]:
     """Other effects in the place of one, beside the same others, best first."""
     rest = best.names - {name}
     found = []
     for names, one in pool.best.items():
         if len(names) == len(best.names) and rest < names and name not in names:
             (rival,) = names - rest
-            back = pool.reduction(one, best)
-            found.append((rival, Reduction(1.0 / max(back.factor, 1e-12), back.t)))
-    return tuple(sorted(found, key=lambda item: item[1].factor))
+            found.append((rival, _rms_ratio(one, best)))
+    return tuple(sorted(found, key=lambda item: item[1]))

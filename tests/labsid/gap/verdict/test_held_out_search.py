@@ -52,11 +52,11 @@ def test_rivals_are_single_effects_in_its_place_best_first(found: tuple[HeldOutS
     search = found[0]
     rivals = search.steps[0].rivals
     assert {name for name, _ in rivals} == {names[0] for names in search.tried if len(names) == 1} - {"input-dead-zone"}
-    factors = [one.factor for _, one in rivals]
-    assert factors == sorted(factors)
+    ratios = [ratio for _, ratio in rivals]
+    assert ratios == sorted(ratios)
     own = search.tried["input-dead-zone",]
-    for name, one in rivals:
-        assert one.factor == pytest.approx(np.sqrt(search.tried[name,] / own))
+    for name, ratio in rivals:
+        assert ratio == pytest.approx(np.sqrt(search.tried[name,] / own))
 
 
 def test_noise_alone_keeps_nothing(plain: Explanation) -> None:
