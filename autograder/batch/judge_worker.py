@@ -11,6 +11,7 @@ import pickle
 import signal
 import socket
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from autograder.batch.judge_messages import (
@@ -41,21 +42,27 @@ _MACHINE_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE, errno
 
 
 class RemoteLauncher:
-    """Starts student processes through the grader."""
+    """Starts student processes through the grader; its threads take turns, each from its request to the reply."""
 
     def __init__(self, control: socket.socket, level: str, limits: Limits) -> None:
         self._control = control
+        self._turn = Lock()
         self.level = level
         self.limits = limits
 
     def start(self, folder: Path) -> StudentProcess:
         """Start a process with a copy of the files in `folder` in its work folder."""
-        key = self._ask(Start(folder))
-        _, descriptors, _, _ = socket.recv_fds(self._control, 1, 1)
-        return StudentProcess(socket.socket(fileno=descriptors[0]), self.limits, lambda: self._ask(End(key)))
+        with self._turn:
+            key = self._ask(Start(folder))
+            _, descriptors, _, _ = socket.recv_fds(self._control, 1, 1)
+        return StudentProcess(socket.socket(fileno=descriptors[0]), self.limits, lambda: self._end(key))
 
     def close(self) -> None:
         """Do nothing: the grader owns the processes."""
+
+    def _end(self, key: int) -> Any:
+        with self._turn:
+            return self._ask(End(key))
 
     def _ask(self, request: object) -> Any:
         send_message(self._control, request)

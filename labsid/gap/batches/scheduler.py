@@ -51,6 +51,8 @@ def run_on_scheduler(
         If the scheduler cannot be reached or is lost, it has no worker, or a worker has another labsid.
     """
     address = check_address(address)
+    if not tasks:
+        return
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", module="distributed")
         client = connect(address, CONNECT_SECONDS)

@@ -136,6 +136,8 @@ class Context:
     @property
     def follows(self) -> bool:
         """Whether the output may be the quantity that the input commands, in its unit, as in a position loop."""
+        if self.parent.hypothesis.plant.kind == "given":  # a simulated output answers no other input
+            return False
         gain = self.gain * self.data.y_scale.unit / self.data.u_scale.unit
         return LOOP_GAINS[0] < gain < LOOP_GAINS[1]
 

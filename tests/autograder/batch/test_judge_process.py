@@ -1,17 +1,21 @@
+import contextlib
 import os
 import socket
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from itertools import count
 from operator import methodcaller
 from pathlib import Path
 
 import pytest
 
 from autograder.batch import judge_process
+from autograder.batch.judge_messages import receive_message
 from autograder.batch.judge_process import JudgeError, JudgePool, JudgeProcess
+from autograder.batch.judge_worker import RemoteLauncher
 from autograder.sandbox.isolation import Limits, MachineError, ProcessLauncher, StudentProcess
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="this system judges in the grader's process")
@@ -93,6 +97,43 @@ def test_student_processes_end_with_the_call_that_started_them(
         judge.call(methodcaller("start", tmp_path), launcher=recording)
     assert len(recording.started) == 1
     assert recording.started[0]._ended is not None
+
+
+class Silent:
+    """A launcher of processes that do nothing; the exit status of each is its number."""
+
+    level, limits = "none", Limits()
+
+    def __init__(self) -> None:
+        self.numbers = count()
+
+    def start(self, folder: Path) -> StudentProcess:
+        number = next(self.numbers)
+        return StudentProcess(socket.socket(socket.AF_UNIX), self.limits, lambda: (number, ""))
+
+    def close(self) -> None: ...
+
+
+def test_threads_of_the_judge_start_and_end_processes_in_turn(tmp_path: Path) -> None:
+    """The second record waits in a thread while the first run goes on: no reply may reach the other's request."""
+    judge, silent, (ours, theirs) = JudgeProcess(), Silent(), socket.socketpair()
+
+    def serve() -> None:
+        with ours, contextlib.suppress(Exception):  # it ends with the connection, or with what is not a message
+            while True:
+                judge._serve(ours, receive_message(ours), silent)
+
+    def start_and_end(_: int) -> int:
+        return launcher.start(tmp_path).close()[0]
+
+    grader = threading.Thread(target=serve)
+    grader.start()
+    launcher = RemoteLauncher(theirs, silent.level, silent.limits)
+    with ThreadPoolExecutor(4) as threads:
+        ended = list(threads.map(start_and_end, range(400)))
+    theirs.close()
+    grader.join()
+    assert sorted(ended) == list(range(400))
 
 
 def test_a_process_that_cannot_start_is_a_failure_of_the_machine(judge: JudgeProcess, tmp_path: Path) -> None:

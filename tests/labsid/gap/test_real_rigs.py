@@ -18,7 +18,9 @@ def test_the_overflow_of_the_cascaded_tanks_is_named_and_the_held_back_record_fo
     report = diagnose(est, holdout=val).report
     assert report["verdict"] == "partial"
     likely = [effect for effect in report["effects"] if effect["probability"] > 0.5]
-    assert [effect["name"] for effect in likely] == ["overflow"]
+    assert likely[0]["name"] == "overflow"
+    assert likely[0]["probability"] > 0.9
+    assert {effect["name"] for effect in likely[1:]} <= {"sqrt-outflow"}  # both tanks have a free outlet
     assert 9.9 < likely[0]["parameters"]["level"]["value"] < 10.2  # the record stands at 10 V
     assert report["gap"]["after"] < 0.19  # volts
 
