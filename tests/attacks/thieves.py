@@ -172,10 +172,22 @@ def keep():
     except Exception:
         pass
 
+def untraced(values):
+    """What a walk through objects yields; nobody else is at work meanwhile, and each of its calls would be traced."""
+    found, traced = [], sys.getprofile()
+    sys.setprofile(None)
+    try:
+        found.extend(values)
+    except Exception:
+        pass
+    finally:
+        sys.setprofile(traced)
+    return found
+
 def find(name, wanted, ways=WAYS):
     for way in ways:
         try:
-            for value in found_by(way, name):
+            for value in found_by(way, name) if way == "asked" else untraced(found_by(way, name)):
                 if id(value) not in shop.own and value is not None and wanted(value):
                     yield value
         except Exception:
