@@ -10,7 +10,9 @@ from autograder.batch.grade import grade_batch
 from autograder.batch.selection import Batch, find_batch
 from autograder.course.build import build_course
 from autograder.course.layout import Course, find_course
+from autograder.course.settings import read_settings
 from autograder.export.grades_csv import export_csv
+from autograder.feedback_texts import make_feedback_texts
 from autograder.results.feedback import write_feedback
 from autograder.results.report import write_report
 from autograder.results.summary import class_table
@@ -53,9 +55,10 @@ def run_demo(out: Path, progress: Progress) -> None:
     print()
     for student, description in students.items():
         print(f"   {student}: {description}")
-    pages = list(progress(write_feedback(graded), None, "feedback"))
+    texts = make_feedback_texts(course, read_settings(course), graded)
+    pages = list(progress(write_feedback(graded, texts), None, "feedback"))
     export_csv(graded)
-    report = write_report(graded)
+    report = write_report(graded, texts)
     print(f"\n3. Wrote {len(pages)} feedback pages, the class report and the exports.")
     print("4. Identified the lab's record:\n")
     print(_identify(course, out))

@@ -573,6 +573,7 @@ def test_the_demonstration(
     for student in samples:
         assert f"   {student}: " in captured.out
         assert Path("demo", "graded", "feedback", student, f"{LAB}.html").is_file()
+    assert "The question" in Path("demo", "graded", "feedback", "ben", f"{LAB}.html").read_text(encoding="utf-8")
     grades = Path("demo", "graded", "grades.csv").read_text(encoding="utf-8")
     for status in ("graded", "manual", "crashed", "quarantined"):
         assert f",{status}," in grades

@@ -44,10 +44,14 @@ class NotebookPage:
         expect(self.page.locator("#jp-main-statusbar")).to_contain_text("Python 3 (ipykernel) | Idle")
 
     def hide_files(self) -> None:
-        """Close the list of files, which would leave no room for the notebook on a narrow screen."""
+        """Close the list of files, which would leave no room for the notebook on a narrow screen.
+
+        It is closed already where an earlier test of this server has closed it.
+        """
         files = self.page.locator("#filebrowser")
-        files.wait_for()
-        self.page.keyboard.press("ControlOrMeta+b")
+        self.page.locator("#filebrowser:not(.jp-mod-restoring)").wait_for(state="attached")
+        if files.is_visible():
+            self.page.keyboard.press("ControlOrMeta+b")
         files.wait_for(state="hidden")
 
     def run(self, cell: Locator) -> None:

@@ -1,12 +1,14 @@
 """Cases of the `dev` suite, each of which takes up to a second to draw."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
 
 import pytest
 
 from labsid.blind import suite
 from labsid.blind.experiment import Case
+from labsid.records.record import Record
 
 _made = cache(suite._made)
 
@@ -29,3 +31,14 @@ def drawn_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(suite, "_made", _made)
         yield
+
+
+@pytest.fixture
+def short_cases(dev_cases: Callable[[str, int], list[Case]]) -> list[Case]:
+    """Two cases without an effect, cut to what is diagnosed in a second."""
+    return [replace(case, record=_cut(case.record, 300)) for case in dev_cases("none", 2)]
+
+
+def _cut(record: Record, samples: int) -> Record:
+    part = slice(samples)
+    return Record(record.t[part], record.u[part], record.y[part], record.Ts, name=record.name)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from labsid.blind import frozen
+from labsid.blind.experiment import Case
 from labsid.blind.frozen import MEASURED, RECORDS, Answers, answer_of, compare_answers, main, simulated_answers
 from labsid.blind.rows import ROWS
 
@@ -78,7 +80,10 @@ def test_an_error_is_kept_as_one() -> None:
     assert answer_of({"schema": "labsid.gap/2", "verdict": "error", "message": "x"})["verdict"] == "error"
 
 
-def test_answers_are_kept_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_answers_are_kept_and_found_again(
+    short_cases: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(frozen, "make_cases", lambda seeds, per_row, rows, jobs: short_cases[:per_row])
     file = tmp_path / "answers.json"
     only = ["--row", "none", "--jobs", "1"]
     assert main(["keep", str(file), "--per-row", "1", *only]) == 0

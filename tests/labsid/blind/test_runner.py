@@ -128,11 +128,11 @@ def test_results_of_the_batch_are_json(some: list[Case], monkeypatch) -> None:
     assert json.loads(json.dumps(results)) == results
 
 
-def test_results_that_are_kept_are_not_made_again(some: list[Case], tmp_path: Path, monkeypatch) -> None:
-    first, _ = run_batch(some[:1], jobs=1, keep=tmp_path)
+def test_results_that_are_kept_are_not_made_again(short_cases: list[Case], tmp_path: Path) -> None:
+    first, _ = run_batch(short_cases[:1], jobs=1, keep=tmp_path)
     (kept,) = tmp_path.glob("*.json")
     made = kept.stat().st_mtime_ns
-    both, _ = run_batch(some[:2], jobs=1, keep=tmp_path)
+    both, _ = run_batch(short_cases, jobs=1, keep=tmp_path)
     assert kept.stat().st_mtime_ns == made
-    assert set(both) == {some[0].name, some[1].name}
-    assert both[some[0].name] == first[some[0].name]
+    assert set(both) == {short_cases[0].name, short_cases[1].name}
+    assert both[short_cases[0].name] == first[short_cases[0].name]

@@ -88,6 +88,8 @@ def test_the_answer_is_right_and_names_nothing_else(found: Found, found_data: Pa
     assert not wrong_names(case, 0.5), said
     assert is_accepted(case), (case.result["verdict"], said)
     assert has_right_numbers(case), case.result["simulation"]["numbers"]
+    if found.name == "coarse-command":
+        assert any("logged in steps of 0.02" in text for text in case.result["screen"])
 
 
 def test_every_record_of_the_folder_has_an_answer_here(found_data: Path) -> None:

@@ -9,7 +9,7 @@ from labsid.gap.diagnosis import diagnose
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.record.data import scaled
-from labsid.records.record import Record, load_record
+from labsid.records.record import Record
 
 LEVELS = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 100), 20)
 FEW = ("input-delay", "input-nonlinearity", "input-quantization", "load-step", "output-drift", "parameter-drift")
@@ -40,10 +40,4 @@ def test_a_fine_log_and_a_staircase_leave_nothing():
 def test_it_is_no_gap_and_is_said():
     report = diagnose(recorded(0.02)).report
     assert (report["verdict"], report["effects"]) == ("none", [])
-    assert any("logged in steps of 0.02" in text for text in report["screen"])
-
-
-def test_the_coarse_log_of_the_records_found_is_no_gap(shared_data):
-    report = diagnose(load_record(shared_data / "found" / "coarse-command.csv")).report
-    assert report["verdict"] == "none"
     assert any("logged in steps of 0.02" in text for text in report["screen"])
