@@ -452,9 +452,9 @@ REMAINING_ERRORS: dict[str, RemainingErrorText] = {
         "Compare the beginning with the end of the record: temperature, supply, wear, a second operator.",
     ),
     "disturbance": RemainingErrorText(
-        "not predicted by past inputs",
-        "is not predicted by past inputs",
-        "Apply the same input again: what does not repeat is a disturbance. Look for loads, other inputs and sensor "
-        "noise.",
+        "not predicted by the models tried",
+        "is predicted by none of the models of past inputs that were tried",
+        "Apply the same input again. What does not repeat is a disturbance: look for loads, other inputs and sensor "
+        "noise. What repeats is an effect that these models lack.",
     ),
 }

@@ -107,9 +107,12 @@ def counted(count: int, one: str, more: str) -> str:
 
 
 def closed_percent(closed: float, ci95: list[float] | None = None) -> str:
-    """Format the closed share of the gap with its 95 % interval: ``97 % [94, 100]``."""
+    """Format the closed share of the gap with its 95 % interval: ``97 % [94, 100]``, which begins at zero or above."""
     text = f"{_whole_percent(closed)} %"
-    return text if ci95 is None else f"{text} [{_whole_percent(ci95[0])}, {_whole_percent(ci95[1])}]"
+    if ci95 is None:
+        return text
+    low = ci95[0] if closed < 0.0 else max(ci95[0], 0.0)
+    return f"{text} [{_whole_percent(low)}, {_whole_percent(ci95[1])}]"
 
 
 def _whole_percent(share: float) -> str:

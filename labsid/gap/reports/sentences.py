@@ -70,8 +70,12 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     if closed <= 0.0:
         return f"{causes}: {subject} improve{s} the fit, but close{s} none of the gap on held-out samples ({share})."
     only = "only " if closed < HALF else ""
-    doubt = ", possibly none of it" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
-    return f"{causes}: {subject} explain{s} {only}{share} of the gap{doubt}."
+    return f"{causes}: {subject} explain{s} {only}{share} of the gap{_doubt(gap)}."
+
+
+def _doubt(gap: dict[str, Any]) -> str:
+    """Said where the interval of the closed share begins at zero or below."""
+    return ", possibly none of it" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
 
 
 def _partial_sentence(report: dict[str, Any]) -> str:
@@ -83,15 +87,13 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     causes = [effect for effect in effects if is_probable(effect)]
     others = [effect for effect in effects if not is_probable(effect)]
     gain = (
-        f"explain* {closed_percent(gap['closed'], gap['ci95'])} of the gap"
+        f"explain* {closed_percent(gap['closed'], gap['ci95'])} of the gap{_doubt(gap)}"
         if gap["closed"] is not None
         else f"reduce* the rms simulation error from {number(gap['before'])} to {number(gap['after'])}"
     )
     one, several = gain.replace("*", "s"), gain.replace("*", "")
     if not causes:
-        listed = joined([_with_chance(effect) for effect in others])
-        subject = f"{listed} together {several}" if len(others) > 1 else f"{listed} {one}"
-        return f"The cause of the gap is not known: {subject}, but may only imitate it."
+        return f"The cause of the gap is not known: what was added to the simulation {one}, but may only imitate it."
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
     clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
@@ -140,11 +142,14 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     if report["verdict"] not in ("partial", "unknown"):
         return None
     kind, partial = main_kind(report), report["verdict"] == "partial"
+    imitated = ""
+    if partial and not any(is_probable(effect) for effect in report["effects"]):
+        imitated = f" The gap is imitated by {joined([_with_chance(effect) for effect in report['effects']])}."
     if kind is None:
-        return "Something else remains." if partial else None
+        return f"Something else remains.{imitated}" if partial else None
     share = percent(report["unexplained"]["kinds"][kind])
     start = f"Something else remains: {share} of it" if partial else f"Of the error beyond white noise, {share}"
-    return f"{start} {REMAINING_ERRORS[kind].what}."
+    return f"{start} {REMAINING_ERRORS[kind].what}.{imitated}"
 
 
 def main_kind(report: dict[str, Any]) -> str | None:
@@ -436,12 +441,12 @@ def records_sentence(report: dict[str, Any]) -> str | None:
 
 
 def place_sentence(report: dict[str, Any]) -> str | None:
-    """Where in the control loop the causes are."""
-    effects = report["effects"]
+    """Where in the control loop the causes are; None without an effect that is more probable than not."""
+    effects = [effect for effect in report["effects"] if is_probable(effect)]
     if not effects:
         return None
     places = [PLACES.get(effect["path"], effect["path"]) for effect in effects]
-    if len(set(places)) == 1:
+    if len(set(places)) == 1 and len(effects) == len(report["effects"]):
         return f"The cause{'s are' if len(effects) > 1 else ' is'} {places[0]}."
     listed = (f"{noun(effect['name'])}: {place}" for effect, place in zip(effects, places, strict=True))
     return f"{capitalised('; '.join(listed))}."

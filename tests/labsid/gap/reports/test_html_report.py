@@ -222,7 +222,7 @@ def test_the_rest_is_shown_as_bars_and_on_the_loop(kind, pages):
         "A curve at the output",
         "Nonlinear dynamics",
         "A change with time",
-        "Not predicted by past inputs",
+        "Not predicted by the models tried",
     ]
     assert sum(float(bar["width"] or 0.0) for bar in content["kinds"]) == pytest.approx(100.0, abs=0.2)
     what = "main part of the rest" if kind == "partial" else "main part of the error"

@@ -74,7 +74,7 @@ def test_a_pair_is_said_together_and_the_unsure_half_of_it_hedged():
     assert "(a dead zone), and possibly an unmeasured load starts" in sentences.verdict_sentence(base)
     base["effects"][0]["probability"] = 0.7
     assert sentences.verdict_sentence(base).startswith("Probably the actuator does not move")
-    assert "A dead zone: between the command and the process;" in _one_line(format_report(base))
+    assert "where A dead zone: between the command and the process. " in _one_line(format_report(base))
 
 
 def test_three_effects_are_listed():
@@ -87,7 +87,7 @@ def test_three_effects_are_listed():
     ("closed", "ci95", "end"),
     [
         (0.3, [0.1, 0.5], "a transport delay explains only 30 % [10, 50] of the gap."),
-        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [-20, 80] of the gap, possibly none of it."),
+        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [0, 80] of the gap, possibly none of it."),
         (-0.2, [-1.3, 0.4], "but closes none of the gap on held-out samples (-20 % [-130, 40])."),
         (None, None, "but held-out samples show no gap."),
     ],
@@ -180,14 +180,15 @@ def test_several_effects_explain_a_part_together():
 def test_effects_that_are_less_probable_than_not_are_not_said_to_act():
     base = report("input-delay", verdict="partial", probability=0.3)
     assert sentences.headline(base) == (
-        "The cause of the gap is not known: a transport delay (30 %) explains 97 % [94, 100] of the gap, but may only "
-        "imitate it."
+        "The cause of the gap is not known: what was added to the simulation explains 97 % [94, 100] of the gap, but "
+        "may only imitate it."
     )
+    assert sentences.verdict_sentence(base).endswith("The gap is imitated by a transport delay (30 %).")
+    assert sentences.place_sentence(base) is None
     assert "possible   a transport delay (input-delay), probability 30 %" in format_report(base)
     base = report("input-delay", "resonance", verdict="partial", probability=0.3)
-    assert sentences.headline(base).startswith(
-        "The cause of the gap is not known: a transport delay (30 %) and a lightly damped mode (30 %) together explain "
-        "97 %"
+    assert sentences.verdict_sentence(base).endswith(
+        "imitated by a transport delay (30 %) and a lightly damped mode (30 %)."
     )
 
 
