@@ -1,18 +1,21 @@
 """Formats that libraries read, written here by the formats' own writers, and damaged files of each."""
 
+import base64
 import importlib.util
 import json
 import subprocess
 import sys
 import warnings
+import zlib
 from pathlib import Path
 
+import log_samples
 import numpy as np
 import pytest
 
 from labsid.records import apart
 from labsid.records.formats import describe_columns
-from labsid.records.library_formats import FORMATS, library_format
+from labsid.records.library_formats import FORMATS, MAT4, library_format, open_library_log
 from labsid.records.record import load_record
 
 N = 80
@@ -20,6 +23,7 @@ T = np.arange(N) * 0.1
 U = np.repeat([0.0, 1.0, 2.5, 1.0], N // 4)
 Y = np.sin(np.arange(N) / 9)
 NS = 1_764_000_000_000_000_000 + np.round(T * 1e9).astype(np.int64)
+SIGNALS = list(zip(T.tolist(), U.tolist(), Y.tolist(), strict=True))
 JOINT = "/cmd.data[0],/joint_states.position[elbow]"
 
 
@@ -39,7 +43,7 @@ def assert_read(record, rows=slice(None), t=True):
 # Tables -------------------------------------------------------------------------------------------------------
 
 
-@needs("openpyxl")
+@needs("python_calamine")
 def test_excel(tmp_path):
     import openpyxl
 
@@ -57,6 +61,27 @@ def test_excel(tmp_path):
     assert np.flatnonzero(record.missing).tolist() == [5]
     assert record.units == ("V", "cm")
     assert record.notes == ("sheet log read", "the row under the header read as units: s, V, cm")
+
+
+@needs("python_calamine")
+def test_an_older_workbook_and_a_log_that_has_only_its_suffix(tmp_path):
+    path = tmp_path / "a.xls"
+    path.write_bytes(zlib.decompress(base64.b85decode(log_samples.XLS)))
+    record = load_record(path)
+    assert (record.Ts, record.y.tolist()) == (0.1, [0.0, 0.111, 0.22, 0.327])
+    for encoding in ("utf-8", "utf-16"):  # as LabVIEW and others write them
+        path.write_text("t\tu\ty\n" + "".join(f"{t}\t{u}\t{y}\n" for t, u, y in SIGNALS), encoding=encoding)
+        assert_read(load_record(path))
+
+
+@needs("python_calamine")
+def test_a_workbook_of_libreoffice_with_times_of_day(tmp_path):
+    log_samples.write_ods(tmp_path / "a.ods")
+    log = open_library_log(tmp_path / "a.ods", library_format(tmp_path / "a.ods").module)
+    time, u, y = log.read([0, 1, 2])
+    assert (time.unit, time.values[:2].tolist()) == ("h:m:s", [43200.0, 43201.0])
+    np.testing.assert_array_equal(u.values, log_samples.U)
+    np.testing.assert_array_equal(y.values, log_samples.Y)
 
 
 @needs("pyarrow")
@@ -175,6 +200,38 @@ def test_mcap_with_json(tmp_path):
         load_record(tmp_path / "a.mcap", columns="/cmd.speed,/joint_states.position[elbow]")
 
 
+@needs("mcap")
+def test_mcap_with_json_whose_fields_are_not_in_each_message(tmp_path):
+    from mcap.writer import Writer
+
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("/rig", "json", 0)
+        for k in range(N):
+            stamp = {"sec": int(NS[k] // 10**9), "nsec": int(NS[k] % 10**9)}
+            part = {"u": U[k]} if k % 2 else {"u": U[k], "y": Y[k] if k else None, "more": {"a": 1}}
+            writer.add_message(channel, 7 + k, json.dumps({"timestamp": stamp, **part}).encode(), 7 + k)
+        writer.finish()
+    log = open_library_log(tmp_path / "a.mcap", "mcap_file")
+    assert log.names == ("/rig.u", "/rig.y", "/rig.more.a")
+    (y,) = log.read([1])
+    np.testing.assert_array_equal(np.isnan(y.values), (np.arange(N) % 2 > 0) | (np.arange(N) == 0))
+    np.testing.assert_array_equal(y.stamps, NS)
+
+
+@needs("mcap_protobuf")
+def test_mcap_with_protobuf(tmp_path):
+    log_samples.write_protobuf(tmp_path / "a.mcap")
+    record = load_record(tmp_path / "a.mcap", columns="/state.u,/state.y[1]")
+    np.testing.assert_array_equal(record.u, log_samples.U)
+    np.testing.assert_array_equal(record.y, log_samples.Y)
+    assert record.Ts == pytest.approx(0.1, rel=1e-9)  # the stamps of the messages: they are logged unevenly
+    log = open_library_log(tmp_path / "a.mcap", "mcap_file")
+    assert log.names == ("/state.u", "/state.y[0]", "/state.y[1]", "/state.at", "/state.at.x")
+    assert np.flatnonzero(np.isnan(log.read([4])[0].values)).tolist() == [0]
+
+
 def messages(store, is_first):
     """A command and the state of the joints at each sample, as messages of ROS."""
     types = store.types
@@ -252,7 +309,16 @@ def test_lerobot_data_sets(tmp_path, version):
     assert_read(load_record(tmp_path, columns=columns, select=2), slice(half, N))
 
 
-# Objects of MATLAB --------------------------------------------------------------------------------------------
+# MATLAB 4, and objects of MATLAB -------------------------------------------------------------------------------
+
+
+def test_matlab_4(tmp_path):
+    from scipy.io import savemat
+
+    names = {"time": T, "input": U, "output": Y, "by": "Ann", "gain": 2.0}
+    savemat(tmp_path / "a.mat", names, format="4")
+    assert library_format(tmp_path / "a.mat") is MAT4
+    assert_read(load_record(tmp_path / "a.mat"))
 
 
 @needs("matio")
@@ -313,12 +379,12 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, one):
 def test_a_missing_package_is_named_with_how_to_install_it(tmp_path, monkeypatch):
     blocked = tmp_path / "site"
     blocked.mkdir()
-    (blocked / "openpyxl.py").write_text("raise ModuleNotFoundError('no', name='openpyxl')\n")
+    (blocked / "python_calamine.py").write_text("raise ModuleNotFoundError('no', name='python_calamine')\n")
     monkeypatch.setenv("PYTHONPATH", str(blocked))
     path = tmp_path / "a.xlsx"
     path.write_bytes(b"PK\x03\x04")
     with pytest.raises(
-        ValueError, match=r'reading it needs the package openpyxl. Install it: pip install "labsid\[logs'
+        ValueError, match=r'reading it needs the package python_calamine. Install it: pip install "labsid\[logs'
     ):
         load_record(path)
 
@@ -382,5 +448,17 @@ def test_text_needs_no_library():
         "print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True)
-    heavy = {"h5py", "pyarrow", "asammdf", "nptdms", "mcap", "rosbags", "openpyxl", "matio", "pandas", "scipy"}
+    heavy = {
+        "h5py",
+        "pyarrow",
+        "asammdf",
+        "nptdms",
+        "mcap",
+        "rosbags",
+        "python_calamine",
+        "google",
+        "matio",
+        "pandas",
+        "scipy",
+    }
     assert heavy & set(done.stdout.split()) == set()

@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from labsid.lab.identification import identify
 from labsid.records.record import load_record, reading_notes
@@ -158,9 +159,20 @@ def test_offsets_come_from_outputs_that_are_there(tmp_path):
     assert found.record.notes[-1] == "y is missing in the first 80 and the last 20 samples; these are left out"
 
 
-def test_an_unsigned_counter_does_not_say_its_unit_either(tmp_path):
+@pytest.mark.parametrize("kind", ["npz", "mat", "v73"])
+def test_an_unsigned_counter_does_not_say_its_unit_either(tmp_path, kind):
     k = np.arange(60)
-    np.savez(tmp_path / "log.npz", time=(100 * k).astype(np.uint32), u=k % 7, y=0.5 * k)
+    log = {"time": (100 * k).astype(np.uint32), "u": k % 7, "y": 0.5 * k}
+    path = tmp_path / f"log.{'npz' if kind == 'npz' else 'mat'}"
+    if kind == "npz":
+        np.savez(path, **log)
+    elif kind == "mat":
+        savemat(path, log)
+    else:
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(path, "w") as file:
+            for name, x in log.items():
+                file[name] = x[None]
     with pytest.raises(ValueError, match="time counts in whole numbers, 100 apart, and does not say its unit"):
-        load_record(tmp_path / "log.npz")
-    assert load_record(tmp_path / "log.npz", time_unit="ms").Ts == 0.1
+        load_record(path)
+    assert load_record(path, time_unit="ms").Ts == 0.1
