@@ -1,9 +1,11 @@
 """What a field of a text file means: numbers as others write them, switches, dates and times of day."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import date as day_of
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,9 +16,21 @@ SWITCHES = {
 }  # fmt: skip
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+|[+-]\d{2,3})?|[+-]?inf(inity)?", re.IGNORECASE)
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d{2,3})$")  # of Fortran: 1.0-114
-_GROUPED = re.compile(r"[+-]?\d{1,3}([.,' ])\d{3}(\1\d{3})*([.,]\d+)?")
-_ISO = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?\s*(Z|[+-]\d\d:?\d\d)?)?", re.IGNORECASE)
-_CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?")
+_GAPS = "'’ \u00a0\u202f"  # marks of thousands that are no decimal mark: of Switzerland, of France
+_GROUPED = re.compile(rf"[+-]?\d{{1,3}}([.,{_GAPS}])\d{{3}}(\1\d{{3}})*([.,]\d+)?")
+_SECONDS = r":(\d\d)(?:[.,](\d+)|:(\d{3}))?"
+_HALF = r"(?:\s*([ap])\.?m\.?)?"
+_CLOCK = re.compile(rf"(\d{{1,2}}):(\d\d){_SECONDS}{_HALF}", re.IGNORECASE)
+_DATE = re.compile(
+    r"(?:(\d{4})([-/.])(\d{1,2})\2(\d{1,2})"
+    r"|(\d{1,2})([-/. ])(\d{1,2}|[a-z]{3})\6(\d{4}|(?<=[/.])\d\d))"
+    rf"(?:[T ,]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
+    re.IGNORECASE,
+)
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_SECOND, _DAY = 10**9, 86400 * 10**9  # in nanoseconds
+_EPOCH = day_of(1970, 1, 1).toordinal()
+_YEARS = range(1700, 2262)  # that nanoseconds since 1970 reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +67,10 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
         Whether commas separate the columns, so that an unquoted one is in no number.
     """
     commas = points = False
+    gap = ""
     for field in fields:
+        if any(mark in field for mark in _GAPS) and (grouped := _GROUPED.fullmatch(field)):
+            gap = grouped[1]
         if "," in field and "." in field and _GROUPED.fullmatch(field):
             decimal = "," if field.rfind(",") > field.rfind(".") else "."
             return Style(decimal, "." if decimal == "," else ",")
@@ -62,7 +79,7 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
         if field.count(",") > 1 and _GROUPED.fullmatch(field):
             return Style(".", ",")
         commas, points = commas or "," in field, points or "." in field
-    return Style("," if commas and not points and not commas_separate else ".")
+    return Style("," if commas and not points and not commas_separate else ".", gap)
 
 
 def kind_of(field: str) -> str:
@@ -74,7 +91,7 @@ def kind_of(field: str) -> str:
         return "number"
     if word in SWITCHES:
         return "switch"
-    if _ISO.fullmatch(word):
+    if _DATE.fullmatch(word):
         return "date"
     return "clock" if _CLOCK.fullmatch(word) else "text"
 
@@ -113,6 +130,35 @@ def number(field: str, style: Style) -> float:
         return float(_BARE_EXPONENT.sub(r"e\1", text.lower().replace("d", "e")))
 
 
+class Reader(NamedTuple):
+    """How the fields of a column are read: a function, the type of its values, and what a field is called."""
+
+    read: Callable[[str], object]
+    dtype: str = "float64"
+    what: str = "number"
+
+
+def reader_of(kind: str, style: Style, sample: Sequence[str]) -> Reader:
+    """How a column of this kind is read."""
+    if kind == "date":
+        return Reader(partial(date, day_first=days_come_first(sample) is not False), "datetime64[ns]", "date")
+    if kind == "counter":
+        return Reader(counter, "int64")
+    if kind == "clock":
+        return Reader(time_of_day, what="time")
+    return Reader(switch, what="switch") if kind == "switch" else Reader(partial(number, style=style))
+
+
+def kind_note(name: str, kind: str, sample: Sequence[str]) -> tuple[str, ...]:
+    """What is to be said of a column of this kind."""
+    if kind == "switch":
+        return (f"{name}: on read as 1, off as 0",)
+    day_first = days_come_first(sample) if kind == "date" else None
+    if day_first is None:
+        return ()
+    return (f"{name}: dates read as {'day before month' if day_first else 'month before day'}",)
+
+
 def counter(field: str) -> int:
     """A whole number of up to 18 digits more than a float holds."""
     value = int(field.strip().strip("\"'"))
@@ -127,19 +173,58 @@ def switch(field: str) -> float:
     return np.nan if word in MISSING else SWITCHES[word] if word in SWITCHES else float(word)
 
 
-def date(field: str) -> np.datetime64:
-    """An ISO date and time, in UTC if it has a zone; not-a-time if the field is empty."""
+def days_come_first(fields: Sequence[str]) -> bool | None:
+    """Whether dates such as 3/1/2026 are day/month/year; None if there are none, or their order is certain."""
+    found = [one for one in map(_DATE.fullmatch, fields) if one and one[5] and one[6] in "/-" and one[7].isdigit()]
+    if not found:
+        return None
+    firsts, seconds = {int(one[5]) for one in found}, {int(one[7]) for one in found}
+    if max(firsts) > 12 or max(seconds) > 12:
+        return max(firsts) > 12
+    if len(firsts) != len(seconds):  # midnight is passed: the day changes more often than the month
+        return len(firsts) > len(seconds)
+    return found[0][6] == "-" and not found[0][14]
+
+
+def date(field: str, day_first: bool = True) -> np.datetime64:
+    """A date with its time, in UTC if it has a zone; not-a-time if the field is empty.
+
+    Parameters
+    ----------
+    field : str
+        As 2026-03-01T09:00:00.1+01:00, 01.03.2026 09:00:00,1 or 01-Mar-2026 9:00:00 AM.
+    day_first : bool
+        Whether the day stands before the month where strokes or hyphens separate two numbers and a year.
+
+    Raises
+    ------
+    ValueError
+        If it is no date.
+    """
     text = field.strip().strip("\"'").strip()
     if text.lower() in MISSING:
         return np.datetime64("NaT", "ns")
-    text = text.replace(",", ".").replace(" ", "T", 1).replace(" ", "")
-    main, dot, rest = text.partition(".")
-    digits = re.match(r"\d*", rest)
-    fraction = digits[0] if digits else ""
-    when = datetime.fromisoformat(main + rest[len(fraction) :] if dot else main)
-    if when.tzinfo is not None:
-        when = when.astimezone(UTC).replace(tzinfo=None)
-    return np.datetime64(when, "ns") + np.timedelta64(int(fraction.ljust(9, "0")[:9] or 0), "ns")
+    found = _DATE.fullmatch(text)
+    if found is None:
+        raise ValueError(field)
+    if found[1]:
+        year, month, day = int(found[1]), int(found[3]), int(found[4])
+    else:
+        year = int(found[8]) + (2000 if len(found[8]) == 2 else 0)
+        word = found[7].lower()
+        day, month = int(found[5]), int(word) if word.isdigit() else _MONTHS.index(word) + 1
+        if word.isdigit() and found[6] in "/-" and not day_first:
+            day, month = month, day
+    if year not in _YEARS:
+        raise ValueError(field)
+    since = (day_of(year, month, day).toordinal() - _EPOCH) * _DAY
+    if found[9]:
+        since += _nanoseconds(*found.group(9, 10, 11, 12, 13, 14))
+    zone = found[15]
+    if zone and zone[0] in "+-":
+        ahead = int(zone[1:3]) * 3600 + int(zone[3:].lstrip(":") or 0) * 60
+        since -= (ahead if zone[0] == "+" else -ahead) * _SECOND
+    return np.datetime64(since, "ns")
 
 
 def time_of_day(field: str) -> float:
@@ -147,5 +232,20 @@ def time_of_day(field: str) -> float:
     text = field.strip().strip("\"'").strip()
     if text.lower() in MISSING:
         return np.nan
-    hours, minutes, seconds = text.replace(",", ".").split(":")
-    return 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds)
+    found = _CLOCK.fullmatch(text)
+    if found is None:
+        raise ValueError(field)
+    return _nanoseconds(*found.groups()) / _SECOND
+
+
+def _nanoseconds(
+    hours: str, minutes: str, seconds: str | None, fraction: str | None, thousandths: str | None, half: str | None
+) -> int:
+    """A time of day; `half` is a or p on a clock of twelve hours."""
+    hour, minute, second = int(hours), int(minutes), int(seconds or 0)
+    if hour > (12 if half else 24) or minute > 59 or second > 60:
+        raise ValueError(f"{hours}:{minutes}")
+    if half:
+        hour = hour % 12 + (12 if half in "pP" else 0)
+    digits = fraction or thousandths or "0"
+    return (3600 * hour + 60 * minute + second) * _SECOND + int(digits.ljust(9, "0")[:9])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid.records.column import Column, Log, log_of
-from labsid.records.fields import kind_of, switch
+from labsid.records.fields import Reader, kind_note, kind_of_column, number_style, reader_of, switch
 from labsid.records.units import is_unit, split_unit
 
 MAX_ROWS = 1_048_576  # of a sheet of Excel
@@ -59,8 +59,14 @@ def _column(name: str, unit: str, cells: list[Any]) -> Column | None:
         return Column(name, np.array([_date(cell) for cell in cells], "datetime64[ns]"), unit)
     if kinds and sum(issubclass(kind, time | timedelta) for kind in kinds) * 2 > len(kinds):
         return Column(name, np.array([_time_of_day(cell) for cell in cells]), "h:m:s")
-    if sum(isinstance(cell, str) and kind_of(cell) == "text" for cell in cells) * 2 > max(len(kinds), 1):
-        return None
+    texts = [cell for cell in cells if isinstance(cell, str)]
+    kind = kind_of_column(texts)
+    if sum(map(bool, texts)) * 2 > len(kinds) and kind != "missing":
+        if kind == "text":
+            return None
+        read = reader_of(kind, number_style(texts, False), texts)
+        values = np.array([_read(name, k, str(cell), read) for k, cell in enumerate(cells)], read.dtype)
+        return Column(name, values, "h:m:s" if kind == "clock" else unit, notes=kind_note(name, kind, texts))
     numbers = np.array([_number(name, k, cell) for k, cell in enumerate(cells)])
     is_whole = float not in kinds or all(cell.is_integer() for cell in cells if isinstance(cell, float))
     if is_whole and kinds and bool not in kinds and np.isfinite(numbers).all() and np.abs(numbers).max() < 2.0**53:
@@ -69,12 +75,14 @@ def _column(name: str, unit: str, cells: list[Any]) -> Column | None:
 
 
 def _number(name: str, k: int, cell: Any) -> float:
-    if isinstance(cell, int | float):
-        return float(cell)
+    return float(cell) if isinstance(cell, int | float) else float(_read(name, k, str(cell), Reader(switch)))  # type: ignore[arg-type]
+
+
+def _read(name: str, k: int, field: str, reader: Reader) -> object:
     try:
-        return switch(str(cell))
-    except ValueError:
-        raise ValueError(f"column {name}, row {k + 1} of the data: {str(cell)[:40]!r} is not a number.") from None
+        return reader.read(field)
+    except (ValueError, OverflowError):
+        raise ValueError(f"column {name}, row {k + 1} of the data: {field[:40]!r} is not a {reader.what}.") from None
 
 
 def _date(cell: Any) -> np.datetime64:

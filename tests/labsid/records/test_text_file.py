@@ -79,6 +79,15 @@ def test_decimal_commas_and_marks_of_thousands(write_text):
     assert record.notes == ("decimal commas read as decimal points", "'.' read as a mark of thousands")
     english = load_record(write_text(table("t;u;y", u=[f"{1000 * x + 1000:,.1f}" for x in U], delimiter=";")))
     assert_read(english, u=1000 * U + 1000)
+    for mark in ("'", "’", "\N{NO-BREAK SPACE}"):  # of Switzerland, and of France with decimal commas
+        u = [f"{1000 * x + 1000:,.1f}".replace(",", mark) for x in U]
+        assert_read(load_record(write_text(table("t;u;y", u=u, delimiter=";"))), u=1000 * U + 1000)
+        decimal = [x.replace(".", ",") for x in u]
+        record = load_record(write_text(table("t;u;y", t, decimal, commas(Y, "{:.4f}"), ";")))
+        assert_read(record, u=1000 * U + 1000)
+        assert record.notes[-1] == f"{mark!r} read as a mark of thousands"
+    counted = table("t;u;y", [f"{1000 * k:,}".replace(",", "'") for k in range(N)], delimiter=";").replace("t;", "ms;")
+    assert load_record(write_text(counted)).Ts == 1.0
     blanks = load_record(write_text(table("t u y", t, commas(U, "{:.1f}"), y, " ")))
     assert_read(blanks)
 
@@ -144,6 +153,42 @@ def test_dates(write_text, stamps):
     record = load_record(write_text(table("timestamp,u,y", stamps)))
     assert_read(record)
     assert record.notes[0].startswith("times count from 2026-03-0")
+
+
+def written(form):
+    """Stamps every 0.1 s from 3 s before midnight on 2 March 2026."""
+    start = datetime(2026, 3, 2, 23, 59, 57)
+    return [(start + timedelta(seconds=0.1 * k)).strftime(form)[:-3] for k in range(N)]
+
+
+@pytest.mark.parametrize(
+    ("stamps", "says"),
+    [
+        (written("%d.%m.%Y %H:%M:%S,%f"), ""),
+        (written("%d.%m.%y %H:%M:%S.%f"), ""),
+        (written("%Y/%m/%d %H:%M:%S.%f"), ""),
+        (written("%d-%b-%Y %H:%M:%S.%f"), ""),
+        (written("%m/%d/%Y %H:%M:%S.%f"), "month before day"),
+        (written("%d/%m/%Y %H:%M:%S.%f"), "day before month"),
+        ([f"{one} {'PM' if k < 30 else 'AM'}" for k, one in enumerate(written("%m/%d/%Y %I:%M:%S.%f"))], "month"),
+        (written("%d/%m/%Y %H:%M:%S:%f"), "day before month"),
+    ],
+)
+def test_dates_that_are_not_iso(write_text, stamps, says):
+    record = load_record(write_text(table("timestamp;u;y", stamps, delimiter=";")))
+    assert_read(record)
+    assert says in record.notes[0]
+    assert record.notes[-1] == "times count from 2026-03-02 23:59:57, the first stamp"
+
+
+def test_clocks_of_twelve_hours(write_text):
+    stamps = [f"{one} {'PM' if k < 30 else 'a.m.'}" for k, one in enumerate(written("%I:%M:%S.%f"))]
+    record = load_record(write_text(table("time,u,y", stamps)))
+    assert_read(record, t=86397 + T)
+    assert record.notes == ("times of day pass midnight once; a day added there",)
+    for wrong in ("13:00:00 PM", "10:61:00", "32.01.2026", "13/13/2026", "01-Foo-2026 10:00:00", "2026-03-01 25:00:00"):
+        with pytest.raises(ValueError, match=f"line 62, column 1: '{wrong}' is not a (time|date)"):
+            load_record(write_text(table("time,u,y", stamps if ":" in wrong[:3] else iso()) + f"{wrong},1,1\n"))
 
 
 def test_times_of_day_pass_midnight(write_text):
@@ -230,6 +275,7 @@ def test_numbers_with_a_large_offset_keep_their_digits(write_text):
         ("1.5", "number"), ("-1,5", "number"), ("1.234,5", "number"), ("1D+3", "number"), ("2.0-101", "number"),
         ("inf", "number"), ("", "missing"), ("n/a", "missing"), ("ON", "switch"), ("2026-03-01", "date"),
         ("2026-03-01 09:00:00,5", "date"), ("9:00:00", "clock"), ("V", "text"), ("1_000", "text"), ("0x1F", "text"),
+        ("9:00:00 AM", "clock"), ("1'234.5", "number"), ("1/3/26 9:00", "date"),
     ],
 )  # fmt: skip
 def test_what_a_field_is(field, kind):
