@@ -91,6 +91,12 @@ def matrix_columns(name: str, values: np.ndarray, unit: str = "") -> list[Column
     return [Column(f"{prefix}{k + 1}", _as_numbers(array[:, k]), unit) for k in range(array.shape[1])]
 
 
+def listed(names: Sequence[str]) -> str:
+    """The names in a message, of which the first 40 are given and long ones cut."""
+    more = [f"{len(names) - 40} more"] if len(names) > 40 else []
+    return ", ".join([*(name if len(name) <= 60 else f"{name[:60]}..." for name in names[:40]), *more])
+
+
 def stamps_column(stamps: np.ndarray) -> Column:
     """The stamps that a format keeps with its signals, as a column of times."""
     if stamps.dtype.kind == "i" and stamps.size and stamps.max() > _RECENT:

@@ -12,6 +12,7 @@ from labsid.records.units import is_time_name
 
 MAX_COLUMNS = 200  # that are described
 MAX_VALUES = 2**24  # of the columns that are described
+_TOGETHER = 8  # columns that are read at once
 _INPUT_WORDS = (
     "u",
     "input",
@@ -78,17 +79,24 @@ def summarize(log: Log) -> list[ColumnSummary]:
     """Describe the columns of a log, the first `MAX_COLUMNS` of them."""
     summaries: list[ColumnSummary] = []
     total = 0
-    for place in range(min(len(log.names), MAX_COLUMNS)):
-        try:
-            (column,) = log.read([place])
-        except ValueError as error:
-            summaries.append(ColumnSummary(log.names[place], "", 0, None, None, None, 0.0, "text", str(error)))
-            continue
-        summaries.append(_summary(column))
-        total += column.values.size
+    places = range(min(len(log.names), MAX_COLUMNS))
+    for first in range(0, len(places), _TOGETHER):
+        for column in _read(log, places[first : first + _TOGETHER]):
+            summaries.append(column if isinstance(column, ColumnSummary) else _summary(column))
+            total += 0 if isinstance(column, ColumnSummary) else column.values.size
         if total > MAX_VALUES:
             break
     return summaries
+
+
+def _read(log: Log, places: Sequence[int]) -> list[Column | ColumnSummary]:
+    """Columns, or the summary of one that cannot be read."""
+    try:
+        return [*log.read(places)]
+    except ValueError as error:
+        if len(places) == 1:
+            return [ColumnSummary(log.names[places[0]], "", 0, None, None, None, 0.0, "text", str(error))]
+        return [column for place in places for column in _read(log, [place])]
 
 
 def suggested_columns(summaries: Sequence[ColumnSummary]) -> str:

@@ -15,6 +15,7 @@ SWITCHES = {
     "ein": 1.0, "aus": 0.0, "open": 1.0, "closed": 0.0,
 }  # fmt: skip
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+|[+-]\d{2,3})?|[+-]?inf(inity)?", re.IGNORECASE)
+_LONGEST = 100  # characters of a field that is no text
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d{2,3})$")  # of Fortran: 1.0-114
 _GAPS = "'’ \u00a0\u202f"  # marks of thousands that are no decimal mark: of Switzerland, of France
 _GROUPED = re.compile(rf"[+-]?\d{{1,3}}([.,{_GAPS}])\d{{3}}(\1\d{{3}})*([.,]\d+)?")
@@ -87,6 +88,8 @@ def kind_of(field: str) -> str:
     word = field.strip().lower()
     if word in MISSING:
         return "missing"
+    if len(word) > _LONGEST:
+        return "text"
     if _NUMBER.fullmatch(word) or _NUMBER.fullmatch(word.replace(",", ".", 1)) or _GROUPED.fullmatch(word):
         return "number"
     if word in SWITCHES:

@@ -9,7 +9,8 @@ from labsid.records.column import Column, Log
 from labsid.records.fields import Reader, Style, kind_note, kind_of_column, number_style, reader_of
 from labsid.records.text_layout import Layout, find_layout, is_row, lines_of, text_stream, without_prefix
 
-SAMPLE = 1000  # rows from which the kind of a column is taken
+SAMPLE = 1000  # rows from which the kind of a column is taken; of wide tables fewer
+_SAMPLED = 500_000  # fields in these rows
 _BLOCK = 50_000  # rows that are held as text at a time
 
 
@@ -32,7 +33,7 @@ def open_text(content: bytes) -> Log:
     """
     layout = find_layout(content)
     names = layout.header + tuple(str(k + 1) for k in range(len(layout.header), layout.width))
-    sample = [layout.split(line) for _, line in islice(_rows(content, layout), SAMPLE)]
+    sample = [layout.split(line) for _, line in islice(_rows(content, layout), min(SAMPLE, _SAMPLED // layout.width))]
     columns = [[row[k] for row in sample if k < len(row)] for k in range(layout.width)]
     kinds = [_with_counters(kind_of_column(column), column) for column in columns]
     numbers = [field for column, kind in zip(columns, kinds, strict=True) if kind == "number" for field in column]

@@ -1,16 +1,21 @@
 """The layout of a text file: encoding, delimiter, lines before the table, header, row of units."""
 
 import codecs
+import csv
 import io
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 
+from labsid.records.column import listed
 from labsid.records.fields import kind_of
 from labsid.records.units import is_unit, split_unit
 
 HEAD = 300  # lines from which the layout is taken
+MAX_LINE = 2**17 - 1  # characters; the module csv takes no longer fields
+MAX_COLUMNS = 10_000
 _PREFIX = re.compile(r"^\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?) ->\s*")  # of the serial monitor of the Arduino IDE
 _DATA = ("number", "switch", "date", "clock")
 
@@ -75,8 +80,23 @@ def encoding_of(content: bytes) -> str:
 
 
 def lines_of(content: bytes, encoding: str) -> Iterator[str]:
-    """The lines of a text, whatever ends them, without holding all of them."""
-    return (line.rstrip("\n") for line in text_stream(content, encoding))
+    """The lines of a text, whatever ends them, without holding all of them.
+
+    Raises
+    ------
+    ValueError
+        If a line is too long for a sample.
+    """
+    stream = text_stream(content, encoding)
+    for k in count():
+        line = stream.readline(MAX_LINE + 1)
+        if len(line) > MAX_LINE:
+            raise ValueError(
+                f"line {k + 1} has over {MAX_LINE} characters: {line[:40]!r}. Write each sample on a line of its own."
+            )
+        if not line:
+            return
+        yield line.rstrip("\n")
 
 
 def text_stream(content: bytes, encoding: str) -> io.TextIOWrapper:
@@ -92,10 +112,12 @@ def is_row(line: str) -> bool:
 def split_line(line: str, delimiter: str | None) -> list[str]:
     """The fields of a line; a delimiter within quotes separates nothing."""
     if delimiter is None:
-        return re.sub(r"(?<=\w) +(?=[\[(][^\])]*[\])])", "", line).split()
+        return re.sub(r"(?<=\w) +(?=[\[(][^\])]{0,32}[\])])", "", line).split()
     if '"' in line:
-        parts = re.split(rf'{re.escape(delimiter)}(?=(?:[^"]*"[^"]*")*[^"]*$)', line)
-        return [part.strip().strip('"').strip() for part in parts]
+        return [
+            part.strip().strip('"').strip()
+            for part in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+        ]
     return [field.strip().strip("'").strip() for field in line.split(delimiter)]
 
 
@@ -119,10 +141,16 @@ def find_layout(content: bytes) -> Layout:
         plain = [without_prefix(line, delimiter or " ") for line in head]
     split = {k: split_line(plain[k], delimiter) for k in rows}
     fields = {k: _stripped(list(split[k])) for k in rows}
+    widest = max(rows, key=lambda k: len(fields[k]))
+    if len(fields[widest]) > MAX_COLUMNS:
+        raise ValueError(
+            f"line {widest + 1} has {len(fields[widest])} fields; at most {MAX_COLUMNS} columns are read. Write each "
+            "sample on a line of its own, or only the signals that are needed."
+        )
     width = Counter(len(fields[k]) for k in rows[len(rows) // 2 :]).most_common(1)[0][0]
     first = next((k for k in rows if len(split[k]) >= width and _is_data(fields[k])), None)
     if first is None:
-        raise ValueError(f"there is a header ({', '.join(fields[rows[0]])}) and no data under it.")
+        raise ValueError(f"there is a header ({listed(fields[rows[0]])}) and no data under it.")
     above = [k for k in rows if k < first and len(fields[k]) >= width]
     header: list[str] = []
     units: list[str] = []

@@ -248,6 +248,19 @@ def test_the_times_of_the_format_t_u_y_are_seconds(write_text, step):
     assert load_record(write_text(table(t=[str(step * k) for k in range(N)]))).Ts == step
 
 
+@pytest.mark.parametrize("part", ['"a",', "a [ ", "1.5,", "1'", "x"])
+def test_a_line_that_is_too_long_is_refused_at_once(write_text, part):
+    rows = table()
+    for text, line in ((part * (10**6 // len(part)) + "\n" + rows, 1), (rows + part * (10**6 // len(part)), N + 2)):
+        with pytest.raises(ValueError, match=f"line {line} has over 131071 characters: .*on a line of its own"):
+            load_record(write_text(text))
+    with pytest.raises(
+        ValueError, match="fields|no data"
+    ) as caught:  # a tenth of a second; what is quadratic takes minutes
+        load_record(write_text((part * (130_000 // len(part)) + "\n") * 3))
+    assert len(str(caught.value)) < 4000
+
+
 def test_names_that_differ_in_case_only_are_told_apart(write_text):
     text = table("t,heater,T")
     assert_read(load_record(write_text(text), columns="t,heater,T"))
