@@ -44,6 +44,9 @@ def text_samples() -> dict[str, bytes]:
         "switches": plain.replace(",1.0,", ",ON,").replace(",0.0,", ",OFF,").encode(),
         "fortran": "".join(f"{t:.1f}D+00  {u}D+00  {y}\n" for t, u, y in rows).encode(),
         "monitor": "".join(f"21:00:0{t:.3f} -> {u},{y}\n" for t, u, y in rows).encode(),
+        "labels": "".join(f"t:{t:.1f},u:{u},y:{y}\n" for t, u, y in rows).encode(),
+        "units": ("t;u;y\n" + "".join(f"{t:.1f} s;{u} V;{y} cm\n" for t, u, y in rows)).encode(),
+        "clock": "".join(f"03/01/2026 9:00:{t:06.3f} AM\t{1000 * u:,.1f}\t{y}\n" for t, u, y in rows).encode(),
         "lines before": ("Device: 1\nDate: 2026-01-01\n\n" + plain.replace("t,u,y", "t,u,y\ns,V,cm")).encode(),
         "milliseconds": plain.replace("t,u,y", "time_ms,u,y").replace(".1,", "1,").encode(),
     }
@@ -62,7 +65,8 @@ def library_samples() -> dict[str, bytes]:
     """The same record in the formats that libraries read; a format without its library is left out."""
     writers: dict[str, Callable[[Path], object]] = {
         "a.xlsx": _excel, "a.parquet": _parquet, "a.h5": _hdf5, "a.mf4": _mdf, "a.tdms": _tdms, "a.mcap": _mcap,
-        "a.bag": _bag, "b.mcap": write_protobuf, "a.ods": write_ods, "a.mat": _mat4,
+        "a.bag": _bag, "b.mcap": write_protobuf, "a.ods": write_ods, "a.mat": _mat4, "a.json": _json,
+        "b.json": _json_lines,
         "a.xls": lambda path: path.write_bytes(zlib.decompress(base64.b85decode(XLS))),
     }  # fmt: skip
     samples = {}
@@ -147,6 +151,14 @@ def _mat4(path: Path) -> None:
     from scipy.io import savemat
 
     savemat(path, SIGNALS, format="4")
+
+
+def _json(path: Path) -> None:
+    path.write_text(json.dumps({name: x.tolist() for name, x in SIGNALS.items()}))
+
+
+def _json_lines(path: Path) -> None:
+    path.write_text("".join(json.dumps({"t": t, "rig": {"u": 1.0, "y": [t]}}) + "\n" for t in T.tolist()))
 
 
 def write_ods(path: Path) -> None:

@@ -9,7 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-MISSING = frozenset({"", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--", "---", "?", "missing"})
+from labsid.records.units import is_unit
+
+MISSING = frozenset({
+    "", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--", "---", "?", "missing", "-nan", "nan(ind)",
+    "-nan(ind)", "1.#qnan", "-1.#ind", "ovf", "ol", "error", "#num!", "#value!", "#div/0!", "#ref!",
+})  # fmt: skip
 SWITCHES = {
     "on": 1.0, "off": 0.0, "true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0, "high": 1.0, "low": 0.0,
     "ein": 1.0, "aus": 0.0, "open": 1.0, "closed": 0.0,
@@ -28,6 +33,8 @@ _DATE = re.compile(
     rf"(?:[T ,]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
     re.IGNORECASE,
 )
+_MINUTES = re.compile(r"(\d{1,3}):(\d\d)[.,](\d+)")  # and seconds, as spreadsheets show short times
+_WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D\S{0,7})")
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _SECOND, _DAY = 10**9, 86400 * 10**9  # in nanoseconds
 _EPOCH = day_of(1970, 1, 1).toordinal()
@@ -65,10 +72,11 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
     fields : sequence of str
         Fields that are numbers.
     commas_separate : bool
-        Whether commas separate the columns, so that an unquoted one is in no number.
+        Whether commas separate the columns, so that numbers with a comma are quoted: those of three digits behind it
+        are thousands.
     """
     commas = points = False
-    gap = ""
+    gap, in_thousands = "", commas_separate
     for field in fields:
         if any(mark in field for mark in _GAPS) and (grouped := _GROUPED.fullmatch(field)):
             gap = grouped[1]
@@ -80,12 +88,15 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
         if field.count(",") > 1 and _GROUPED.fullmatch(field):
             return Style(".", ",")
         commas, points = commas or "," in field, points or "." in field
-    return Style("," if commas and not points and not commas_separate else ".", gap)
+        in_thousands &= "," not in field or (field.lstrip("+-")[0] != "0" and bool(_GROUPED.fullmatch(field)))
+    if commas and not points:
+        return Style(".", ",") if in_thousands else Style(",", gap)
+    return Style(".", gap)
 
 
 def kind_of(field: str) -> str:
     """What a field is: "number", "missing", "switch", "date", "clock" or "text"."""
-    word = field.strip().lower()
+    word = field.strip().lower().replace("−", "-")
     if word in MISSING:
         return "missing"
     if len(word) > _LONGEST:
@@ -96,7 +107,15 @@ def kind_of(field: str) -> str:
         return "switch"
     if _DATE.fullmatch(word):
         return "date"
-    return "clock" if _CLOCK.fullmatch(word) else "text"
+    if _CLOCK.fullmatch(word) or _MINUTES.fullmatch(word):
+        return "clock"
+    return "number" if unit_of(field) else "text"
+
+
+def unit_of(field: str) -> str:
+    """The unit behind a number, as in 12.5 V; empty if there is none."""
+    found = _WITH_UNIT.fullmatch(field.strip())
+    return found[2] if found and is_unit(found[2]) else ""
 
 
 def kind_of_column(fields: Sequence[str]) -> str:
@@ -105,15 +124,15 @@ def kind_of_column(fields: Sequence[str]) -> str:
     return max(set(kinds), key=lambda kind: (kinds.count(kind), kind)) if kinds else "missing"
 
 
-def number(field: str, style: Style) -> float:
-    """The number in a field; NaN if there is none.
+def number(field: str, style: Style, unit: str = "") -> float:
+    """The number in a field, of which a unit may follow; NaN if there is none.
 
     Raises
     ------
     ValueError
         If it is no number.
     """
-    text = field.strip().strip("\"'").strip()
+    text = field.strip().strip("\"'").strip().replace("−", "-").removesuffix(unit).rstrip()
     if style.thousands:
         if not style.thousands.strip() or style.thousands not in text or _GROUPED.fullmatch(text):
             text = text.replace(style.thousands, "")
@@ -149,7 +168,14 @@ def reader_of(kind: str, style: Style, sample: Sequence[str]) -> Reader:
         return Reader(counter, "int64")
     if kind == "clock":
         return Reader(time_of_day, what="time")
-    return Reader(switch, what="switch") if kind == "switch" else Reader(partial(number, style=style))
+    if kind == "switch":
+        return Reader(switch, what="switch")
+    return Reader(partial(number, style=style, unit=common_unit(sample)))
+
+
+def common_unit(sample: Sequence[str]) -> str:
+    """The unit behind the numbers of a column; empty if the first of them has none."""
+    return next((unit_of(field) for field in sample if kind_of(field) == "number"), "")
 
 
 def kind_note(name: str, kind: str, sample: Sequence[str]) -> tuple[str, ...]:
@@ -237,7 +263,10 @@ def time_of_day(field: str) -> float:
         return np.nan
     found = _CLOCK.fullmatch(text)
     if found is None:
-        raise ValueError(field)
+        minutes = _MINUTES.fullmatch(text)
+        if minutes is None:
+            raise ValueError(field)
+        return 60.0 * int(minutes[1]) + float(f"{minutes[2]}.{minutes[3]}")
     return _nanoseconds(*found.groups()) / _SECOND
 
 

@@ -1,5 +1,6 @@
 """Formats that are read by libraries of their own: how each is known, and which module reads it."""
 
+import re
 import struct
 from dataclasses import dataclass
 from importlib import import_module
@@ -49,6 +50,8 @@ _ROS, _LEROBOT = FORMATS[-2], FORMATS[-1]
 OBJECTS = LibraryFormat("MATLAB file with objects", "mat_objects", "mat-io", ())
 _MAT4_KINDS = {1000 * m + 10 * p + t for m in (0, 1) for p in range(6) for t in range(3)}
 MAT4 = LibraryFormat("MATLAB 4", "mat4_file", "scipy", ())
+JSON = LibraryFormat("JSON", "json_file", "", ())  # of no library, but one file may take a gigabyte
+_JSON = re.compile(rb'(\xef\xbb\xbf)?\s*(\{\s*["}]|\[\s*([\[{"]|[-\d.eE]+\s*,))')
 
 
 def library_format(path: Path) -> LibraryFormat | None:
@@ -71,6 +74,8 @@ def library_format(path: Path) -> LibraryFormat | None:
             return one
     if start[512:].startswith(HDF5_MAGIC):
         return FORMATS[2]
+    if _JSON.match(start):
+        return JSON
     suffix = path.suffix.lower()
     if suffix == ".mat" and _is_mat4(start):
         return MAT4

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid.records.column import Column, Log, log_of
-from labsid.records.fields import Reader, kind_note, kind_of_column, number_style, reader_of, switch
+from labsid.records.fields import Reader, common_unit, kind_note, kind_of_column, number_style, reader_of, switch
 from labsid.records.units import is_unit, split_unit
 
 MAX_ROWS = 1_048_576  # of a sheet of Excel
@@ -66,7 +66,9 @@ def _column(name: str, unit: str, cells: list[Any]) -> Column | None:
             return None
         read = reader_of(kind, number_style(texts, False), texts)
         values = np.array([_read(name, k, str(cell), read) for k, cell in enumerate(cells)], read.dtype)
-        return Column(name, values, "h:m:s" if kind == "clock" else unit, notes=kind_note(name, kind, texts))
+        return Column(
+            name, values, "h:m:s" if kind == "clock" else unit or common_unit(texts), notes=kind_note(name, kind, texts)
+        )
     numbers = np.array([_number(name, k, cell) for k, cell in enumerate(cells)])
     is_whole = float not in kinds or all(cell.is_integer() for cell in cells if isinstance(cell, float))
     if is_whole and kinds and bool not in kinds and np.isfinite(numbers).all() and np.abs(numbers).max() < 2.0**53:

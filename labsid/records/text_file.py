@@ -6,11 +6,22 @@ from itertools import islice
 import numpy as np
 
 from labsid.records.column import Column, Log
-from labsid.records.fields import Reader, Style, kind_note, kind_of_column, number_style, reader_of
-from labsid.records.text_layout import Layout, find_layout, is_row, lines_of, text_stream, without_prefix
+from labsid.records.fields import (
+    Reader,
+    Style,
+    common_unit,
+    kind_note,
+    kind_of,
+    kind_of_column,
+    number_style,
+    reader_of,
+)
+from labsid.records.text_layout import Layout, find_layout, is_cut, is_row, lines_of, text_stream, without_prefix
 
 SAMPLE = 1000  # rows from which the kind of a column is taken; of wide tables fewer
 _SAMPLED = 500_000  # fields in these rows
+_LAST = 10  # rows that may be words after the table
+_Row = tuple[int, list[str], str]  # number of the line from 0, fields, line
 _BLOCK = 50_000  # rows that are held as text at a time
 
 
@@ -33,7 +44,12 @@ def open_text(content: bytes) -> Log:
     """
     layout = find_layout(content)
     names = layout.header + tuple(str(k + 1) for k in range(len(layout.header), layout.width))
-    sample = [layout.split(line) for _, line in islice(_rows(content, layout), min(SAMPLE, _SAMPLED // layout.width))]
+    rows = [
+        (k, layout.split(line), line)
+        for k, line in islice(_rows(content, layout), min(SAMPLE, _SAMPLED // layout.width))
+        if line != layout.header_line
+    ]
+    sample = [fields for _, fields, _ in rows[: len(rows) - _after_the_table(rows, layout.width, is_cut(content))]]
     columns = [[row[k] for row in sample if k < len(row)] for k in range(layout.width)]
     kinds = [_with_counters(kind_of_column(column), column) for column in columns]
     numbers = [field for column, kind in zip(columns, kinds, strict=True) if kind == "number" for field in column]
@@ -44,13 +60,13 @@ def open_text(content: bytes) -> Log:
         if style == Style() and all(kinds[k] == "number" for k in places):
             table = _read_numbers(content, layout, places)
         readers = [reader_of(kinds[k], style, columns[k]) for k in places]
-        arrays = list(table.T) if table is not None else _read_fields(content, layout, places, readers)
+        arrays, notes = (list(table.T), []) if table is not None else _read_fields(content, layout, places, readers)
         return [
             Column(
                 names[k],
                 _whole(array, columns[k], style) if kinds[k] == "number" else array,
-                "h:m:s" if kinds[k] == "clock" else layout.units[k],
-                notes=kind_note(names[k], kinds[k], columns[k]),
+                "h:m:s" if kinds[k] == "clock" else layout.units[k] or common_unit(columns[k]),
+                notes=(*kind_note(names[k], kinds[k], columns[k]), *(notes if k == places[0] else ())),
             )
             for k, array in zip(places, arrays, strict=True)
         ]
@@ -82,21 +98,44 @@ def _read_numbers(content: bytes, layout: Layout, places: Sequence[int]) -> np.n
         return None
 
 
-def _read_fields(content: bytes, layout: Layout, places: Sequence[int], readers: Sequence[Reader]) -> list[np.ndarray]:
-    """The chosen columns, field by field; errors name the line."""
-    rows, blocks = _rows(content, layout), []
+def _read_fields(
+    content: bytes, layout: Layout, places: Sequence[int], readers: Sequence[Reader]
+) -> tuple[list[np.ndarray], list[str]]:
+    """The chosen columns, field by field, and what was left out; errors name the line."""
+    rows, blocks, notes, again = _rows(content, layout), [], [], 0
     while block := list(islice(rows, _BLOCK)):
-        split = [(k, layout.split(line), line) for k, line in block]
+        kept = [row for row in block if row[1] != layout.header_line]
+        again += len(block) - len(kept)
+        split = [(k, layout.split(line), line) for k, line in kept]
+        if len(block) < _BLOCK:
+            over = _after_the_table(split, max(places) + 1, is_cut(content))
+            if over:
+                notes.append(
+                    f"the last {'line is no sample' if over == 1 else f'{over} lines are no samples'}; left out"
+                )
+                split = split[:-over]
         blocks.append(
             [
                 np.array([_field(row, place, reader) for row in split], reader.dtype)
                 for place, reader in zip(places, readers, strict=True)
             ]
         )
-    return [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
+    if again:
+        notes.append(f"the header stands {again} more {'time' if again == 1 else 'times'} between the rows")
+    return [np.concatenate(parts) for parts in zip(*blocks, strict=True)], notes
 
 
-def _field(row: tuple[int, list[str], str], place: int, reader: Reader) -> object:
+def _after_the_table(rows: Sequence[_Row], places: int, is_cut: bool) -> int:
+    """How many of the last rows are no samples: words such as "end of log", and a row that was cut off."""
+    if rows and is_cut and len(rows[-1][1]) < places:
+        return 1
+    if not rows or kind_of(rows[0][1][0]) == "text":
+        return 0
+    words = [fields[0][:1].isalpha() and kind_of(fields[0]) == "text" for _, fields, _ in rows[-_LAST:]]
+    return next((k for k, is_word in enumerate(reversed(words)) if not is_word), 0)
+
+
+def _field(row: _Row, place: int, reader: Reader) -> object:
     k, fields, line = row
     if place >= len(fields):
         raise ValueError(

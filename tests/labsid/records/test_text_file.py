@@ -1,5 +1,6 @@
 """Text as loggers write it: delimiters, decimal marks, headers, units, numbers, and stamps of every kind."""
 
+import re
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -116,7 +117,7 @@ def test_switches_are_one_and_zero_and_it_is_said(write_text):
         load_record(write_text(table(u=["ON"] * N) + "6.0,maybe,1\n"))
 
 
-@pytest.mark.parametrize("word", ["", "NaN", "NA", "null", "-", "#N/A"])
+@pytest.mark.parametrize("word", ["", "NaN", "NA", "null", "-", "#N/A", "ovf", "-1.#IND", "#DIV/0!"])
 def test_missing_outputs_are_nan_and_counted(write_text, word):
     y = [f"{x:.4f}" for x in Y]
     y[7] = y[8] = y[20] = word
@@ -246,6 +247,77 @@ def test_stamps_that_can_be_read_in_two_ways_name_the_option(write_text, stamps,
 @pytest.mark.parametrize("step", [1, 10, 3600])
 def test_the_times_of_the_format_t_u_y_are_seconds(write_text, step):
     assert load_record(write_text(table(t=[str(step * k) for k in range(N)]))).Ts == step
+
+
+def rows(form):
+    return "".join(form.format(t=f"{t:.1f}", u=u, y=y) + "\n" for t, u, y in zip(T, U, Y, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("text", "units"),
+    [
+        (rows("t:{t},u:{u},y:{y}"), ("", "")),  # of a serial plotter
+        (rows("t: {t}\tu: {u}\ty: {y}"), ("", "")),
+        (rows("t={t} u={u} y={y}"), ("", "")),
+        (rows("y:{y},t:{t},u:{u}").replace("y:0.0,t:0.0,u:0.0\n", "u:0.0,t:0.0,y:0.0\n"), ("", "")),
+        ("t,u,y\n" + rows("{t} s,{u} V,{y}°C"), ("V", "°C")),
+        ("t,u,y\n" + rows("{t},{u}%,{y}"), ("%", "")),
+        ("| t | u | y |\n|---|---|---|\n" + rows("| {t} | {u} | {y} |"), ("", "")),
+        ("t   u   y\n--- --- ---\n" + rows("{t} {u} {y}"), ("", "")),
+        ("t,u,y,Start\nSequence,Volt,Volt,0.5\n" + rows("{t},{u},{y},"), ("Volt", "Volt")),  # of a scope
+        ("Samples\t60\t60\nDelta_X\t0.1\t0.1\nX_Value\tu\ty\n" + rows("{t}\t{u}\t{y}"), ("", "")),  # of LabVIEW
+        (
+            ",".join(['"t"', '"u"', '"y"']) + "\n" + rows('"{t}";"{u}";"{y}"').replace(".", ",").replace(";", ","),
+            ("", ""),
+        ),
+        ("t,u,y\n" + rows("{t},{u},{y}").replace("-", "−"), ("", "")),
+        ("t,u,y\n" + rows("{t},{u},{y}") + "\0" * 512, ("", "")),
+        ("time,u,y\n" + rows("00:0{t},{u},{y}"), ("", "")),
+    ],
+)
+def test_how_devices_lay_out_their_rows(write_text, text, units):
+    record = load_record(write_text(text))
+    assert_read(record)
+    assert record.units == units
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        (table() + "6.0,1", "the last line is no sample; left out"),
+        (table() + "\nEnd of log\nAverage,1.2,3.4\n", "the last 2 lines are no samples; left out"),
+        (table().replace("3.0,", "t,u,y\n3.0,"), "the header stands 1 more time between the rows"),
+    ],
+)
+def test_lines_that_are_no_samples_are_left_out_and_said(write_text, text, note):
+    record = load_record(write_text(text))
+    assert_read(record)
+    assert record.notes == (note,)
+    counted = re.sub(r"^(\d)\.(\d)", r"\1\g<2>00", text.replace("t,u,y", "time,u,y"), flags=re.MULTILINE)
+    with pytest.raises(ValueError, match="time counts in whole numbers, 100 apart"):  # which they do not hide
+        load_record(write_text(counted))
+
+
+def test_a_row_that_is_cut_within_the_table_or_names_another_unit_is_refused(write_text):
+    with pytest.raises(ValueError, match="line 62 has 2 fields, but column 3 is needed"):
+        load_record(write_text(table() + "6.0,1\n"))
+    with pytest.raises(ValueError, match=r"line 5, column 2: '0.0 mV' is not a number"):
+        load_record(write_text("t,u,y\n" + rows("{t},{u} V,{y}").replace("0.3,0.0 V", "0.3,0.0 mV")))
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("<html><table>", "a page of HTML or XML. Save the table in it as text"),
+        (b"\x1f\x8b\x08\x00", "a packed archive. Unpack it"),
+        ("# Created by Octave 8.4\n# name: t\n", "the text format of Octave. Save it again with save -v7"),
+    ],
+)
+def test_what_is_no_table_is_told_by_its_name(tmp_path, content, says):
+    path = tmp_path / "a.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(ValueError, match=says):
+        load_record(path)
 
 
 @pytest.mark.parametrize("part", ['"a",', "a [ ", "1.5,", "1'", "x"])
