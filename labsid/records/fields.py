@@ -22,8 +22,8 @@ SWITCHES = {
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+|[+-]\d{2,3})?|[+-]?inf(inity)?", re.IGNORECASE)
 _LONGEST = 100  # characters of a field that is no text
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d{2,3})$")  # of Fortran: 1.0-114
-_GAPS = "'’ \u00a0\u202f"  # marks of thousands that are no decimal mark: of Switzerland, of France
-_GROUPED = re.compile(rf"[+-]?\d{{1,3}}([.,{_GAPS}])\d{{3}}(\1\d{{3}})*([.,]\d+)?")
+_GAPS = frozenset("'’ \u00a0\u202f")  # marks of thousands that are no decimal mark: of Switzerland, of France
+_GROUPED = re.compile(rf"[+-]?\d{{1,3}}([.,{''.join(_GAPS)}])\d{{3}}(\1\d{{3}})*([.,]\d+)?")
 _SECONDS = r":(\d\d)(?:[.,](\d+)|:(\d{3}))?"
 _HALF = r"(?:\s*([ap])\.?m\.?)?"
 _CLOCK = re.compile(rf"(\d{{1,2}}):(\d\d){_SECONDS}{_HALF}", re.IGNORECASE)
@@ -34,7 +34,7 @@ _DATE = re.compile(
     re.IGNORECASE,
 )
 _MINUTES = re.compile(r"(\d{1,3}):(\d\d)[.,](\d+)")  # and seconds, as spreadsheets show short times
-_WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D\S{0,7})")
+_WITH_UNIT = re.compile(r"([+-]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D\S{0,7})")
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _SECOND, _DAY = 10**9, 86400 * 10**9  # in nanoseconds
 _EPOCH = day_of(1970, 1, 1).toordinal()
@@ -78,7 +78,7 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
     commas = points = False
     gap, in_thousands = "", commas_separate
     for field in fields:
-        if any(mark in field for mark in _GAPS) and (grouped := _GROUPED.fullmatch(field)):
+        if not _GAPS.isdisjoint(field) and (grouped := _GROUPED.fullmatch(field)):
             gap = grouped[1]
         if "," in field and "." in field and _GROUPED.fullmatch(field):
             decimal = "," if field.rfind(",") > field.rfind(".") else "."
@@ -96,11 +96,14 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
 
 def kind_of(field: str) -> str:
     """What a field is: "number", "missing", "switch", "date", "clock" or "text"."""
-    word = field.strip().lower().replace("−", "-")
-    if word in MISSING:
-        return "missing"
+    word = field.strip()
     if len(word) > _LONGEST:
         return "text"
+    if _NUMBER.fullmatch(word):
+        return "number"
+    word = word.lower().replace("−", "-")
+    if word in MISSING:
+        return "missing"
     if _NUMBER.fullmatch(word) or _NUMBER.fullmatch(word.replace(",", ".", 1)) or _GROUPED.fullmatch(word):
         return "number"
     if word in SWITCHES:
@@ -114,7 +117,7 @@ def kind_of(field: str) -> str:
 
 def unit_of(field: str) -> str:
     """The unit behind a number, as in 12.5 V; empty if there is none."""
-    found = _WITH_UNIT.fullmatch(field.strip())
+    found = _WITH_UNIT.fullmatch(field.strip().replace("−", "-"))
     return found[2] if found and is_unit(found[2]) else ""
 
 

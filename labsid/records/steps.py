@@ -159,7 +159,7 @@ def _is_rounding(even: EvenTimes, stamps: FloatArray) -> bool:
 def _on_grid(signals: Signals, even: EvenTimes, how: Reading) -> Signals:
     assert signals.t is not None
     notes = []
-    jitter = even.jitter
+    jitter = even.jitter if even.jitter > 1e-9 else 0.0  # rounding errors of floats
     if _is_rounding(even, signals.t):
         jitter = 0.0
         if even.largest > REGULAR_WITHIN:

@@ -1,7 +1,6 @@
 """The layout of a text file: encoding, delimiter, lines before the table, header, row of units."""
 
 import codecs
-import csv
 import io
 import re
 from collections import Counter
@@ -132,6 +131,8 @@ def split_line(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return re.sub(r"(?<=\w) +(?=[\[(][^\])]{0,32}[\])])", "", line).split()
     if '"' in line:
+        import csv
+
         return [
             part.strip().strip('"').strip()
             for part in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
@@ -252,6 +253,8 @@ def _are_units(fields: Sequence[str]) -> bool:
 
 def _labels(rows: Sequence[str], delimiter: str | None) -> tuple[str, ...]:
     """The names that most of the last rows repeat before their values; empty for a value without one."""
+    if not any(mark in rows[-1] for mark in ":="):
+        return ()
     found = Counter(tuple(name for name, _ in _pairs(row, delimiter)) for row in rows[len(rows) // 2 :])
     labels, often = found.most_common(1)[0]
     is_labelled = sum(map(bool, labels)) * 2 > len(labels) and len(set(filter(None, labels))) == sum(map(bool, labels))
