@@ -105,14 +105,16 @@ def stamps_column(stamps: np.ndarray) -> Column:
 
 
 def is_numeric(array: np.ndarray) -> bool:
-    """Whether these are real numbers, truth values or dates: never objects, text or complex numbers."""
-    return array.dtype.kind in "biufM"
+    """Whether these are real numbers, truth values, dates or durations: never objects, text or complex numbers."""
+    return array.dtype.kind in "biufMm"
 
 
 def _as_numbers(values: np.ndarray) -> np.ndarray:
     """Whole numbers as int64, dates as datetime64[ns], floats of 32 bits as they are, all else as float."""
     if values.dtype.kind == "M":
         return values.astype("datetime64[ns]")
+    if values.dtype.kind == "m":
+        return values.astype("timedelta64[ns]") / np.timedelta64(1, "s")
     if values.dtype.kind == "i" or (values.dtype.kind == "u" and (values.size == 0 or values.max() < 2**63)):
         return values.astype(np.int64)
     return values if values.dtype == np.float32 else values.astype(np.float64)

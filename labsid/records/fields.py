@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from labsid.records.column import Column
 from labsid.records.units import is_unit
 
 MISSING = frozenset({
@@ -179,6 +180,29 @@ def reader_of(kind: str, style: Style, sample: Sequence[str]) -> Reader:
 def common_unit(sample: Sequence[str]) -> str:
     """The unit behind the numbers of a column; empty if the first of them has none."""
     return next((unit_of(field) for field in sample if kind_of(field) == "number"), "")
+
+
+def column_of_texts(name: str, cells: Sequence[str], unit: str = "") -> Column | None:
+    """A column of numbers, dates, times of day or switches that a table holds as text; None for words.
+
+    Raises
+    ------
+    ValueError
+        If a cell is none of what most are.
+    """
+    kind = kind_of_column(cells)
+    if kind in ("text", "missing"):
+        return None
+    reader = reader_of(kind, number_style(cells, False), cells)
+    values = np.empty(len(cells), reader.dtype)
+    for k, cell in enumerate(cells):
+        try:
+            values[k] = reader.read(cell)
+        except (ValueError, OverflowError):
+            raise ValueError(f"column {name}, row {k + 1} of the data: {cell[:40]!r} is not a {reader.what}.") from None
+    return Column(
+        name, values, "h:m:s" if kind == "clock" else unit or common_unit(cells), None, kind_note(name, kind, cells)
+    )
 
 
 def kind_note(name: str, kind: str, sample: Sequence[str]) -> tuple[str, ...]:

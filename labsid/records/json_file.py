@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid.records.column import Column, Log, listed, log_of, matrix_columns
-from labsid.records.fields import common_unit, kind_note, kind_of_column, number_style, reader_of
+from labsid.records.fields import column_of_texts
 
 MAX_BYTES = 2**26  # of a file: as objects of Python it takes some fifteen times as much
 _FIRST = 20  # objects whose members become the columns: a member may be absent from the first one
@@ -108,17 +108,8 @@ def _column(name: str, values: list[Any] | np.ndarray) -> list[Column]:
         return matrix_columns(name, values)
     texts = [one for one in values if isinstance(one, str)]
     if len(texts) * 2 > sum(one is not None for one in values):
-        kind = kind_of_column(texts)
-        if kind in ("text", "missing"):
-            return []
-        reader = reader_of(kind, number_style(texts, False), texts)
-        try:
-            read = np.array([reader.read("" if one is None else str(one)) for one in values], reader.dtype)
-        except (ValueError, OverflowError) as error:
-            raise ValueError(f"member {name} holds something that is not a {reader.what}: {str(error)[:80]}.") from None
-        return [
-            Column(name, read, "h:m:s" if kind == "clock" else common_unit(texts), notes=kind_note(name, kind, texts))
-        ]
+        column = column_of_texts(name, ["" if one is None else str(one) for one in values])
+        return [] if column is None else [column]
     if all(type(one) is int and abs(one) < 2**63 for one in values):
         return [Column(name, np.array(values, np.int64))]
     numbers = np.array([_float(one) for one in values])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid.records.column import Column, Log, log_of
-from labsid.records.fields import Reader, common_unit, kind_note, kind_of_column, number_style, reader_of, switch
+from labsid.records.fields import column_of_texts, kind_of, switch
 from labsid.records.units import is_unit, split_unit
 
 MAX_ROWS = 1_048_576  # of a sheet of Excel
@@ -60,15 +60,8 @@ def _column(name: str, unit: str, cells: list[Any]) -> Column | None:
     if kinds and sum(issubclass(kind, time | timedelta) for kind in kinds) * 2 > len(kinds):
         return Column(name, np.array([_time_of_day(cell) for cell in cells]), "h:m:s")
     texts = [cell for cell in cells if isinstance(cell, str)]
-    kind = kind_of_column(texts)
-    if sum(map(bool, texts)) * 2 > len(kinds) and kind != "missing":
-        if kind == "text":
-            return None
-        read = reader_of(kind, number_style(texts, False), texts)
-        values = np.array([_read(name, k, str(cell), read) for k, cell in enumerate(cells)], read.dtype)
-        return Column(
-            name, values, "h:m:s" if kind == "clock" else unit or common_unit(texts), notes=kind_note(name, kind, texts)
-        )
+    if sum(map(bool, texts)) * 2 > len(kinds):
+        return column_of_texts(name, [str(cell) for cell in cells], unit)
     numbers = np.array([_number(name, k, cell) for k, cell in enumerate(cells)])
     is_whole = float not in kinds or all(cell.is_integer() for cell in cells if isinstance(cell, float))
     if is_whole and kinds and bool not in kinds and np.isfinite(numbers).all() and np.abs(numbers).max() < 2.0**53:
@@ -77,14 +70,10 @@ def _column(name: str, unit: str, cells: list[Any]) -> Column | None:
 
 
 def _number(name: str, k: int, cell: Any) -> float:
-    return float(cell) if isinstance(cell, int | float) else float(_read(name, k, str(cell), Reader(switch)))  # type: ignore[arg-type]
-
-
-def _read(name: str, k: int, field: str, reader: Reader) -> object:
     try:
-        return reader.read(field)
-    except (ValueError, OverflowError):
-        raise ValueError(f"column {name}, row {k + 1} of the data: {field[:40]!r} is not a {reader.what}.") from None
+        return float(cell) if isinstance(cell, int | float) else switch(str(cell))
+    except ValueError:
+        raise ValueError(f"column {name}, row {k + 1} of the data: {str(cell)[:40]!r} is not a number.") from None
 
 
 def _date(cell: Any) -> np.datetime64:
@@ -103,5 +92,10 @@ def _time_of_day(cell: Any) -> float:
 
 def _is_data(row: list[Any]) -> bool:
     there = [cell for cell in row if cell != ""]
-    numbers = [cell for cell in there if isinstance(cell, int | float | date | time | timedelta)]
-    return len(there) >= 2 and len(numbers) * 2 >= len(there)
+    data = [
+        kind_of(cell) not in ("text", "missing")
+        if isinstance(cell, str)
+        else isinstance(cell, int | float | date | time | timedelta)
+        for cell in there
+    ]
+    return len(there) >= 2 and sum(data) * 2 >= len(there)

@@ -70,7 +70,7 @@ def test_rows_without_names_have_numbers(opened):
         ('{"t": 1,\n', "line 1 is no JSON .*Repair or delete that line"),
         ('{"t": 1}\n{"t" 2}\n', "line 2 is no JSON"),
         ({"who": "Ann"}, "there are no lists of numbers in it"),
-        ([{"t": "1"}, {"t": "2"}, {"t": "x"}], "member t holds something that is not a number"),
+        ([{"t": "1"}, {"t": "2"}, {"t": "x"}], "column t, row 3 of the data: 'x' is not a number"),
     ],
 )
 def test_what_is_refused(opened, content, says):

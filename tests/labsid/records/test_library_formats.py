@@ -96,6 +96,45 @@ def test_parquet_with_dates(tmp_path):
     assert record.notes == ("times count from 2025-11-24 16:00:00, the first stamp",)
 
 
+@needs("pyarrow")
+def test_parquet_with_durations_and_words(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    switches = ["ON" if u else "OFF" for u in U]
+    columns = {
+        "t": pa.array(np.round(T * 1e9).astype("timedelta64[ns]")),
+        "u": pa.array(switches).dictionary_encode(),
+        "y": pa.array([f"{y} V" for y in Y]),
+        "by": ["Ann"] * N,
+    }
+    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+    log = open_library_log(tmp_path / "a.parquet", "parquet_file")
+    t, u, y = log.read([0, 1, 2])
+    np.testing.assert_allclose(t.values, T)
+    np.testing.assert_array_equal(u.values, U > 0)
+    np.testing.assert_array_equal(y.values, Y)
+    assert (t.unit, y.unit) == ("s", "V")
+    with pytest.raises(ValueError, match="column by holds words"):
+        log.read([3])
+
+
+@needs("python_calamine")
+def test_a_workbook_whose_numbers_are_text(tmp_path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in (["time", "u", "y"], *([f"{t:.1f}".replace(".", ","), f"{u} V", y] for t, u, y in SIGNALS)):
+        book.active.append(row)
+    book["Sheet"]["C7"] = "#N/A"
+    book.save(tmp_path / "a.xlsx")
+    t, u, y = open_library_log(tmp_path / "a.xlsx", "sheet_file").read([0, 1, 2])
+    np.testing.assert_allclose(t.values, T)
+    np.testing.assert_array_equal(u.values, U)
+    assert u.unit == "V"
+    assert np.flatnonzero(np.isnan(y.values)).tolist() == [5]
+
+
 @needs("h5py")
 def test_hdf5_by_paths_with_units(tmp_path):
     import h5py
@@ -174,6 +213,21 @@ def test_tdms_with_a_column_of_times_and_with_waveforms(tmp_path):
     record = load_record(tmp_path / "b.tdms", columns="in,out")
     assert_read(record)
     assert record.units == ("V", "V")
+
+
+@needs("nptdms")
+def test_tdms_whose_channels_begin_at_different_times(tmp_path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    start = np.datetime64("2026-03-01T09:00:00.000000")
+    with TdmsWriter(str(tmp_path / "a.tdms")) as file:
+        for name, x, late in (("u", U, 0), ("y", Y, 1000)):
+            wave = {"wf_increment": 0.1, "wf_start_time": start + np.timedelta64(late, "ms")}
+            file.write_segment([ChannelObject("rig", name, x, properties=wave)])
+    record = load_record(tmp_path / "a.tdms")
+    assert (len(record), record.Ts) == (N - 10, pytest.approx(0.1))  # u ends 1 s before y
+    np.testing.assert_array_equal(record.u, U[10:])
+    np.testing.assert_array_equal(record.y, Y[:-10])
 
 
 # Robots -------------------------------------------------------------------------------------------------------
