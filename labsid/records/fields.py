@@ -35,7 +35,7 @@ _DATE = re.compile(
     re.IGNORECASE,
 )
 _MINUTES = re.compile(r"(\d{1,3}):(\d\d)[.,](\d+)")  # and seconds, as spreadsheets show short times
-_WITH_UNIT = re.compile(r"([+-]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D\S{0,7})")
+_WITH_UNIT = re.compile(r"([+-]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]\S{0,7}|[%°]\S{0,7})")
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _SECOND, _DAY = 10**9, 86400 * 10**9  # in nanoseconds
 _EPOCH = day_of(1970, 1, 1).toordinal()
@@ -129,14 +129,18 @@ def kind_of_column(fields: Sequence[str]) -> str:
 
 
 def number(field: str, style: Style, unit: str = "") -> float:
-    """The number in a field, of which a unit may follow; NaN if there is none.
+    """The number in a field, with the unit behind it if the column has one; NaN if there is none.
 
     Raises
     ------
     ValueError
         If it is no number.
     """
-    text = field.strip().strip("\"'").strip().replace("−", "-").removesuffix(unit).rstrip()
+    text = field.strip().strip("\"'").strip().replace("−", "-")
+    if unit and text.lower() not in MISSING:
+        if not text.endswith(unit):
+            raise ValueError(field)
+        text = text.removesuffix(unit).rstrip()
     if style.thousands:
         if not style.thousands.strip() or style.thousands not in text or _GROUPED.fullmatch(text):
             text = text.replace(style.thousands, "")
@@ -201,7 +205,7 @@ def column_of_texts(name: str, cells: Sequence[str], unit: str = "") -> Column |
         except (ValueError, OverflowError):
             raise ValueError(f"column {name}, row {k + 1} of the data: {cell[:40]!r} is not a {reader.what}.") from None
     return Column(
-        name, values, "h:m:s" if kind == "clock" else unit or common_unit(cells), None, kind_note(name, kind, cells)
+        name, values, "h:m:s" if kind == "clock" else common_unit(cells) or unit, None, kind_note(name, kind, cells)
     )
 
 

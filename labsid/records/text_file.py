@@ -65,7 +65,7 @@ def open_text(content: bytes) -> Log:
             Column(
                 names[k],
                 _whole(array, columns[k], style) if kinds[k] == "number" else array,
-                "h:m:s" if kinds[k] == "clock" else layout.units[k] or common_unit(columns[k]),
+                "h:m:s" if kinds[k] == "clock" else common_unit(columns[k]) or layout.units[k],
                 notes=(*kind_note(names[k], kinds[k], columns[k]), *(notes if k == places[0] else ())),
             )
             for k, array in zip(places, arrays, strict=True)

@@ -182,6 +182,11 @@ def find_layout(content: bytes) -> Layout:
         header = list(labels)
     elif above:
         header, header_line = fields[above[-1]], plain[above[-1]]
+        if _is_data(header) and not _are_units(header):
+            raise ValueError(
+                f"line {above[-1] + 1} begins with {header[0][:40]!r} and holds numbers: it is neither a header nor a "
+                "sample. Complete or delete that line."
+            )
         if len(above) > 1 and above[-2] == above[-1] - 1 and _are_units(header):
             units, header = [field.strip("[]() ") for field in header], fields[above[-2]]
             notes.append(f"the row under the header read as units: {', '.join(filter(None, units))}")

@@ -299,10 +299,14 @@ def test_lines_that_are_no_samples_are_left_out_and_said(write_text, text, note)
 
 
 def test_a_row_that_is_cut_within_the_table_or_names_another_unit_is_refused(write_text):
+    with pytest.raises(ValueError, match="line 2 begins with 'x1' and holds numbers: it is neither"):
+        load_record(write_text("t,u,y\nx1,1.0,2.0\n" + table("")), columns="1,2,3")
     with pytest.raises(ValueError, match="line 62 has 2 fields, but column 3 is needed"):
         load_record(write_text(table() + "6.0,1\n"))
     with pytest.raises(ValueError, match=r"line 5, column 2: '0.0 mV' is not a number"):
         load_record(write_text("t,u,y\n" + rows("{t},{u} V,{y}").replace("0.3,0.0 V", "0.3,0.0 mV")))
+    with pytest.raises(ValueError, match=r"line 5, column 2: '45' is not a number"):  # bytes in hexadecimal digits
+        load_record(write_text("t,u,y\n" + rows("{t},3A,{y}").replace("0.3,3A", "0.3,45")))
 
 
 @pytest.mark.parametrize(
@@ -360,7 +364,7 @@ def test_numbers_with_a_large_offset_keep_their_digits(write_text):
         ("1.5", "number"), ("-1,5", "number"), ("1.234,5", "number"), ("1D+3", "number"), ("2.0-101", "number"),
         ("inf", "number"), ("", "missing"), ("n/a", "missing"), ("ON", "switch"), ("2026-03-01", "date"),
         ("2026-03-01 09:00:00,5", "date"), ("9:00:00", "clock"), ("V", "text"), ("1_000", "text"), ("0x1F", "text"),
-        ("9:00:00 AM", "clock"), ("1'234.5", "number"), ("1/3/26 9:00", "date"),
+        ("5-", "text"), ("2.5 kPa", "number"), ("9:00:00 AM", "clock"), ("1'234.5", "number"), ("1/3/26 9:00", "date"),
     ],
 )  # fmt: skip
 def test_what_a_field_is(field, kind):
