@@ -99,18 +99,20 @@ def _read(log: Log, places: Sequence[int]) -> list[Column | ColumnSummary]:
         return [column for place in places for column in _read(log, [place])]
 
 
-def suggested_columns(summaries: Sequence[ColumnSummary]) -> str:
-    """What to type after ``--columns``: the only time, input and output; capitals where there are several or none."""
+def suggested_options(summaries: Sequence[ColumnSummary]) -> list[str]:
+    """What to type: the only time, input and output; capitals where there are several or none."""
     times = [one.name for one in summaries if one.role == "time"]
     roles = {"INPUT": [], "OUTPUT": []}  # type: dict[str, list[str]]
     for one in summaries:
         if one.role in ("input", "output"):
             roles[one.role.upper()].append(one.name)
     if not roles["INPUT"] and len(roles["OUTPUT"]) == 2:
-        return ",".join([*times[:1], "INPUT", "OUTPUT"])
-    own = not times and any(one.interval for one in summaries)
+        roles = {"INPUT": [], "OUTPUT": []}
+    own = any(one.interval for one in summaries)
     named = [names[0] if len(names) == 1 else word for word, names in roles.items()]
-    return ",".join([*([] if own else [times[0] if len(times) == 1 else "TIME"]), *named])
+    if not times:
+        return ["--columns", ",".join(named), *([] if own else ["--Ts", "SECONDS"])]
+    return ["--columns", ",".join([times[0] if len(times) == 1 else "TIME", *named])]
 
 
 def _summary(column: Column) -> ColumnSummary:

@@ -3,13 +3,13 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import date as day_of
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from labsid.records.column import Column
+from labsid.records.dates import date, days_come_first, is_date, is_time_of_day, time_of_day
 from labsid.records.units import is_unit
 
 MISSING = frozenset({
@@ -25,21 +25,7 @@ _LONGEST = 100  # characters of a field that is no text
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d{2,3})$")  # of Fortran: 1.0-114
 _GAPS = frozenset("'’ \u00a0\u202f")  # marks of thousands that are no decimal mark: of Switzerland, of France
 _GROUPED = re.compile(rf"[+-]?\d{{1,3}}([.,{''.join(_GAPS)}])\d{{3}}(\1\d{{3}})*([.,]\d+)?")
-_SECONDS = r":(\d\d)(?:[.,](\d+)|:(\d{3}))?"
-_HALF = r"(?:\s*([ap])\.?m\.?)?"
-_CLOCK = re.compile(rf"(\d{{1,2}}):(\d\d){_SECONDS}{_HALF}", re.IGNORECASE)
-_DATE = re.compile(
-    r"(?:(\d{4})([-/.])(\d{1,2})\2(\d{1,2})"
-    r"|(\d{1,2})([-/. ])(\d{1,2}|[a-z]{3})\6(\d{4}|(?<=[/.])\d\d))"
-    rf"(?:[T ,]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
-    re.IGNORECASE,
-)
-_MINUTES = re.compile(r"(\d{1,3}):(\d\d)[.,](\d+)")  # and seconds, as spreadsheets show short times
 _WITH_UNIT = re.compile(r"([+-]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]\S{0,7}|[%°]\S{0,7})")
-_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_SECOND, _DAY = 10**9, 86400 * 10**9  # in nanoseconds
-_EPOCH = day_of(1970, 1, 1).toordinal()
-_YEARS = range(1700, 2262)  # that nanoseconds since 1970 reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,9 +95,9 @@ def kind_of(field: str) -> str:
         return "number"
     if word in SWITCHES:
         return "switch"
-    if _DATE.fullmatch(word):
+    if is_date(word):
         return "date"
-    if _CLOCK.fullmatch(word) or _MINUTES.fullmatch(word):
+    if is_time_of_day(word):
         return "clock"
     return "number" if unit_of(field) else "text"
 
@@ -171,14 +157,25 @@ class Reader(NamedTuple):
 def reader_of(kind: str, style: Style, sample: Sequence[str]) -> Reader:
     """How a column of this kind is read."""
     if kind == "date":
-        return Reader(partial(date, day_first=days_come_first(sample) is not False), "datetime64[ns]", "date")
+        read = partial(date, day_first=days_come_first(sample) is not False)
+        return Reader(_or_missing(read, np.datetime64("NaT", "ns")), "datetime64[ns]", "date")
     if kind == "counter":
         return Reader(counter, "int64")
     if kind == "clock":
-        return Reader(time_of_day, what="time")
+        return Reader(_or_missing(time_of_day, np.nan), what="time")
     if kind == "switch":
         return Reader(switch, what="switch")
     return Reader(partial(number, style=style, unit=common_unit(sample)))
+
+
+def _or_missing(read: Callable[[str], object], missing: object) -> Callable[[str], object]:
+    """A reader of fields without quotes, of which those without a value are missing."""
+
+    def read_field(field: str) -> object:
+        text = field.strip().strip("\"'").strip()
+        return missing if text.lower() in MISSING else read(text)
+
+    return read_field
 
 
 def common_unit(sample: Sequence[str]) -> str:
@@ -231,84 +228,3 @@ def switch(field: str) -> float:
     """1 for ON and its like, 0 for OFF; NaN if the field is empty."""
     word = field.strip().strip("\"'").lower()
     return np.nan if word in MISSING else SWITCHES[word] if word in SWITCHES else float(word)
-
-
-def days_come_first(fields: Sequence[str]) -> bool | None:
-    """Whether dates such as 3/1/2026 are day/month/year; None if there are none, or their order is certain."""
-    found = [one for one in map(_DATE.fullmatch, fields) if one and one[5] and one[6] in "/-" and one[7].isdigit()]
-    if not found:
-        return None
-    firsts, seconds = {int(one[5]) for one in found}, {int(one[7]) for one in found}
-    if max(firsts) > 12 or max(seconds) > 12:
-        return max(firsts) > 12
-    if len(firsts) != len(seconds):  # midnight is passed: the day changes more often than the month
-        return len(firsts) > len(seconds)
-    return found[0][6] == "-" and not found[0][14]
-
-
-def date(field: str, day_first: bool = True) -> np.datetime64:
-    """A date with its time, in UTC if it has a zone; not-a-time if the field is empty.
-
-    Parameters
-    ----------
-    field : str
-        As 2026-03-01T09:00:00.1+01:00, 01.03.2026 09:00:00,1 or 01-Mar-2026 9:00:00 AM.
-    day_first : bool
-        Whether the day stands before the month where strokes or hyphens separate two numbers and a year.
-
-    Raises
-    ------
-    ValueError
-        If it is no date.
-    """
-    text = field.strip().strip("\"'").strip()
-    if text.lower() in MISSING:
-        return np.datetime64("NaT", "ns")
-    found = _DATE.fullmatch(text)
-    if found is None:
-        raise ValueError(field)
-    if found[1]:
-        year, month, day = int(found[1]), int(found[3]), int(found[4])
-    else:
-        year = int(found[8]) + (2000 if len(found[8]) == 2 else 0)
-        word = found[7].lower()
-        day, month = int(found[5]), int(word) if word.isdigit() else _MONTHS.index(word) + 1
-        if word.isdigit() and found[6] in "/-" and not day_first:
-            day, month = month, day
-    if year not in _YEARS:
-        raise ValueError(field)
-    since = (day_of(year, month, day).toordinal() - _EPOCH) * _DAY
-    if found[9]:
-        since += _nanoseconds(*found.group(9, 10, 11, 12, 13, 14))
-    zone = found[15]
-    if zone and zone[0] in "+-":
-        ahead = int(zone[1:3]) * 3600 + int(zone[3:].lstrip(":") or 0) * 60
-        since -= (ahead if zone[0] == "+" else -ahead) * _SECOND
-    return np.datetime64(since, "ns")
-
-
-def time_of_day(field: str) -> float:
-    """A time of day in seconds; NaN if the field is empty."""
-    text = field.strip().strip("\"'").strip()
-    if text.lower() in MISSING:
-        return np.nan
-    found = _CLOCK.fullmatch(text)
-    if found is None:
-        minutes = _MINUTES.fullmatch(text)
-        if minutes is None:
-            raise ValueError(field)
-        return 60.0 * int(minutes[1]) + float(f"{minutes[2]}.{minutes[3]}")
-    return _nanoseconds(*found.groups()) / _SECOND
-
-
-def _nanoseconds(
-    hours: str, minutes: str, seconds: str | None, fraction: str | None, thousandths: str | None, half: str | None
-) -> int:
-    """A time of day; `half` is a or p on a clock of twelve hours."""
-    hour, minute, second = int(hours), int(minutes), int(seconds or 0)
-    if hour > (12 if half else 24) or minute > 59 or second > 60:
-        raise ValueError(f"{hours}:{minutes}")
-    if half:
-        hour = hour % 12 + (12 if half in "pP" else 0)
-    digits = fraction or thousandths or "0"
-    return (3600 * hour + 60 * minute + second) * _SECOND + int(digits.ljust(9, "0")[:9])

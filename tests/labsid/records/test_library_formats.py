@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from labsid.records import apart
+from labsid.records.contents import suggested_options
 from labsid.records.formats import describe_columns
 from labsid.records.library_formats import FORMATS, MAT4, library_format, open_library_log
 from labsid.records.record import load_record
@@ -492,6 +493,21 @@ def test_the_columns_of_a_log_are_described(write_text):
         ("who", "text"),
     ]
     assert (found[0].interval, found[1].low, found[1].high) == (pytest.approx(0.02), 0.0, 50.0)
+
+
+@pytest.mark.parametrize(
+    ("header", "typed"),
+    [
+        ("time,pwm,speed", ["--columns", "time,pwm,speed"]),
+        ("time,a,speed", ["--columns", "time,INPUT,OUTPUT"]),
+        ("time,pwm,u", ["--columns", "time,INPUT,OUTPUT"]),
+        ("pwm,speed", ["--columns", "pwm,speed", "--Ts", "SECONDS"]),
+    ],
+)
+def test_the_line_to_type_names_what_is_certain(write_text, header, typed):
+    columns = header.split(",")
+    rows = (",".join(str(k if name == "time" else k * k % 41 / 7) for name in columns) for k in range(60))
+    assert suggested_options(describe_columns(write_text("\n".join([header, *rows])))) == typed
 
 
 def test_text_needs_no_library():
