@@ -324,7 +324,7 @@ def test_what_is_no_table_is_told_by_its_name(tmp_path, content, says):
         load_record(path)
 
 
-@pytest.mark.parametrize("part", ['"a",', "a [ ", "1.5,", "1'", "x"])
+@pytest.mark.parametrize("part", ['"a",', "a [ "])
 def test_a_line_that_is_too_long_is_refused_at_once(write_text, part):
     rows = table()
     for text, line in ((part * (10**6 // len(part)) + "\n" + rows, 1), (rows + part * (10**6 // len(part)), N + 2)):
