@@ -253,7 +253,7 @@ def logs(rng: np.random.Generator, ground: Ground) -> None:
     name = str(rng.choice(sorted(ground.logs)))
     path = ground.folder / name
     path.write_bytes(mutate(rng, ground.logs[name]))
-    columns = {"a.mcap": "/rig.u,/rig.y", "a.bag": "/u.data,/y.data"}.get(name)
+    columns = {"a.mcap": "/rig.u,/rig.y", "a.bag": "/u.data,/y.data", "b.mcap": "/state.u,/state.y[1]"}.get(name)
     with refused_in_one_line():
         load_record(path, columns=columns)
 

@@ -263,9 +263,9 @@ def simulate(
     """Simulate a model on a record's input. Its initial state is estimated from the first 50 samples."""
     from labsid.gap.record.clock import clock_findings
     from labsid.gap.simulations.simulation_files import replay, write_replay
-    from labsid.records.record import read_record
+    from labsid.records.record import between_outputs, read_record
 
-    loaded = _matcher(match)(read_record(record, how))
+    loaded = between_outputs(_matcher(match)(read_record(record, how)))
     played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
         write_replay(out, loaded, played.y)

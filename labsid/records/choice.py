@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from labsid.records.column import Column, Log
+from labsid.records.column import Column, Log, listed
 from labsid.records.units import is_time_name
 
 _INPUT_NAMES, _OUTPUT_NAMES = ("u", "input"), ("y", "output")
@@ -164,5 +164,5 @@ def _there(log: Log) -> str:
     if not log.has_names:
         names = "" if log.names[:1] == ("1",) else f", {log.names[0]} to {log.names[-1]}"
         return f"the columns are 1 to {len(log.names)}{names} (there is no header)"
-    names = ", ".join(log.names) or "none"
+    names = listed(log.names) or "none"
     return f"the columns are {names}" if log.what == "column" else f"it holds {names}"

@@ -91,6 +91,12 @@ def matrix_columns(name: str, values: np.ndarray, unit: str = "") -> list[Column
     return [Column(f"{prefix}{k + 1}", _as_numbers(array[:, k]), unit) for k in range(array.shape[1])]
 
 
+def listed(names: Sequence[str]) -> str:
+    """The names in a message, of which the first 40 are given and long ones cut."""
+    more = [f"{len(names) - 40} more"] if len(names) > 40 else []
+    return ", ".join([*(name if len(name) <= 60 else f"{name[:60]}..." for name in names[:40]), *more])
+
+
 def stamps_column(stamps: np.ndarray) -> Column:
     """The stamps that a format keeps with its signals, as a column of times."""
     if stamps.dtype.kind == "i" and stamps.size and stamps.max() > _RECENT:
@@ -99,14 +105,16 @@ def stamps_column(stamps: np.ndarray) -> Column:
 
 
 def is_numeric(array: np.ndarray) -> bool:
-    """Whether these are real numbers, truth values or dates: never objects, text or complex numbers."""
-    return array.dtype.kind in "biufM"
+    """Whether these are real numbers, truth values, dates or durations: never objects, text or complex numbers."""
+    return array.dtype.kind in "biufMm"
 
 
 def _as_numbers(values: np.ndarray) -> np.ndarray:
     """Whole numbers as int64, dates as datetime64[ns], floats of 32 bits as they are, all else as float."""
     if values.dtype.kind == "M":
         return values.astype("datetime64[ns]")
+    if values.dtype.kind == "m":
+        return values.astype("timedelta64[ns]") / np.timedelta64(1, "s")
     if values.dtype.kind == "i" or (values.dtype.kind == "u" and (values.size == 0 or values.max() < 2**63)):
         return values.astype(np.int64)
     return values if values.dtype == np.float32 else values.astype(np.float64)

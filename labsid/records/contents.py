@@ -12,6 +12,7 @@ from labsid.records.units import is_time_name
 
 MAX_COLUMNS = 200  # that are described
 MAX_VALUES = 2**24  # of the columns that are described
+_TOGETHER = 8  # columns that are read at once
 _INPUT_WORDS = (
     "u",
     "input",
@@ -78,31 +79,40 @@ def summarize(log: Log) -> list[ColumnSummary]:
     """Describe the columns of a log, the first `MAX_COLUMNS` of them."""
     summaries: list[ColumnSummary] = []
     total = 0
-    for place in range(min(len(log.names), MAX_COLUMNS)):
-        try:
-            (column,) = log.read([place])
-        except ValueError as error:
-            summaries.append(ColumnSummary(log.names[place], "", 0, None, None, None, 0.0, "text", str(error)))
-            continue
-        summaries.append(_summary(column))
-        total += column.values.size
+    places = range(min(len(log.names), MAX_COLUMNS))
+    for first in range(0, len(places), _TOGETHER):
+        for column in _read(log, places[first : first + _TOGETHER]):
+            summaries.append(column if isinstance(column, ColumnSummary) else _summary(column))
+            total += 0 if isinstance(column, ColumnSummary) else column.values.size
         if total > MAX_VALUES:
             break
     return summaries
 
 
-def suggested_columns(summaries: Sequence[ColumnSummary]) -> str:
-    """What to type after ``--columns``: the only time, input and output; capitals where there are several or none."""
+def _read(log: Log, places: Sequence[int]) -> list[Column | ColumnSummary]:
+    """Columns, or the summary of one that cannot be read."""
+    try:
+        return [*log.read(places)]
+    except ValueError as error:
+        if len(places) == 1:
+            return [ColumnSummary(log.names[places[0]], "", 0, None, None, None, 0.0, "text", str(error))]
+        return [column for place in places for column in _read(log, [place])]
+
+
+def suggested_options(summaries: Sequence[ColumnSummary]) -> list[str]:
+    """What to type: the only time, input and output; capitals where there are several or none."""
     times = [one.name for one in summaries if one.role == "time"]
     roles = {"INPUT": [], "OUTPUT": []}  # type: dict[str, list[str]]
     for one in summaries:
         if one.role in ("input", "output"):
             roles[one.role.upper()].append(one.name)
     if not roles["INPUT"] and len(roles["OUTPUT"]) == 2:
-        return ",".join([*times[:1], "INPUT", "OUTPUT"])
-    own = not times and any(one.interval for one in summaries)
+        roles = {"INPUT": [], "OUTPUT": []}
+    own = any(one.interval for one in summaries)
     named = [names[0] if len(names) == 1 else word for word, names in roles.items()]
-    return ",".join([*([] if own else [times[0] if len(times) == 1 else "TIME"]), *named])
+    if not times:
+        return ["--columns", ",".join(named), *([] if own else ["--Ts", "SECONDS"])]
+    return ["--columns", ",".join([times[0] if len(times) == 1 else "TIME", *named])]
 
 
 def _summary(column: Column) -> ColumnSummary:

@@ -1,22 +1,31 @@
 """What a field of a text file means: numbers as others write them, switches, dates and times of day."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-MISSING = frozenset({"", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--", "---", "?", "missing"})
+from labsid.records.column import Column
+from labsid.records.dates import date, days_come_first, is_date, is_time_of_day, time_of_day
+from labsid.records.units import is_unit
+
+MISSING = frozenset({
+    "", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--", "---", "?", "missing", "-nan", "nan(ind)",
+    "-nan(ind)", "1.#qnan", "-1.#ind", "ovf", "ol", "error", "#num!", "#value!", "#div/0!", "#ref!",
+})  # fmt: skip
 SWITCHES = {
     "on": 1.0, "off": 0.0, "true": 1.0, "false": 0.0, "yes": 1.0, "no": 0.0, "high": 1.0, "low": 0.0,
     "ein": 1.0, "aus": 0.0, "open": 1.0, "closed": 0.0,
 }  # fmt: skip
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+|[+-]\d{2,3})?|[+-]?inf(inity)?", re.IGNORECASE)
+_LONGEST = 100  # characters of a field that is no text
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-]\d{2,3})$")  # of Fortran: 1.0-114
-_GROUPED = re.compile(r"[+-]?\d{1,3}([.,' ])\d{3}(\1\d{3})*([.,]\d+)?")
-_ISO = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?\s*(Z|[+-]\d\d:?\d\d)?)?", re.IGNORECASE)
-_CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d([.,]\d+)?")
+_GAPS = frozenset("'’ \u00a0\u202f")  # marks of thousands that are no decimal mark: of Switzerland, of France
+_GROUPED = re.compile(rf"[+-]?\d{{1,3}}([.,{''.join(_GAPS)}])\d{{3}}(\1\d{{3}})*([.,]\d+)?")
+_WITH_UNIT = re.compile(r"([+-]?(?:\d[\d.,]*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_]\S{0,7}|[%°]\S{0,7})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +59,14 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
     fields : sequence of str
         Fields that are numbers.
     commas_separate : bool
-        Whether commas separate the columns, so that an unquoted one is in no number.
+        Whether commas separate the columns, so that numbers with a comma are quoted: those of three digits behind it
+        are thousands.
     """
     commas = points = False
+    gap, in_thousands = "", commas_separate
     for field in fields:
+        if not _GAPS.isdisjoint(field) and (grouped := _GROUPED.fullmatch(field)):
+            gap = grouped[1]
         if "," in field and "." in field and _GROUPED.fullmatch(field):
             decimal = "," if field.rfind(",") > field.rfind(".") else "."
             return Style(decimal, "." if decimal == "," else ",")
@@ -62,21 +75,37 @@ def number_style(fields: Sequence[str], commas_separate: bool) -> Style:
         if field.count(",") > 1 and _GROUPED.fullmatch(field):
             return Style(".", ",")
         commas, points = commas or "," in field, points or "." in field
-    return Style("," if commas and not points and not commas_separate else ".")
+        in_thousands &= "," not in field or (field.lstrip("+-")[0] != "0" and bool(_GROUPED.fullmatch(field)))
+    if commas and not points:
+        return Style(".", ",") if in_thousands else Style(",", gap)
+    return Style(".", gap)
 
 
 def kind_of(field: str) -> str:
     """What a field is: "number", "missing", "switch", "date", "clock" or "text"."""
-    word = field.strip().lower()
+    word = field.strip()
+    if len(word) > _LONGEST:
+        return "text"
+    if _NUMBER.fullmatch(word):
+        return "number"
+    word = word.lower().replace("−", "-")
     if word in MISSING:
         return "missing"
     if _NUMBER.fullmatch(word) or _NUMBER.fullmatch(word.replace(",", ".", 1)) or _GROUPED.fullmatch(word):
         return "number"
     if word in SWITCHES:
         return "switch"
-    if _ISO.fullmatch(word):
+    if is_date(word):
         return "date"
-    return "clock" if _CLOCK.fullmatch(word) else "text"
+    if is_time_of_day(word):
+        return "clock"
+    return "number" if unit_of(field) else "text"
+
+
+def unit_of(field: str) -> str:
+    """The unit behind a number, as in 12.5 V; empty if there is none."""
+    found = _WITH_UNIT.fullmatch(field.strip().replace("−", "-"))
+    return found[2] if found and is_unit(found[2]) else ""
 
 
 def kind_of_column(fields: Sequence[str]) -> str:
@@ -85,15 +114,19 @@ def kind_of_column(fields: Sequence[str]) -> str:
     return max(set(kinds), key=lambda kind: (kinds.count(kind), kind)) if kinds else "missing"
 
 
-def number(field: str, style: Style) -> float:
-    """The number in a field; NaN if there is none.
+def number(field: str, style: Style, unit: str = "") -> float:
+    """The number in a field, with the unit behind it if the column has one; NaN if there is none.
 
     Raises
     ------
     ValueError
         If it is no number.
     """
-    text = field.strip().strip("\"'").strip()
+    text = field.strip().strip("\"'").strip().replace("−", "-")
+    if unit and text.lower() not in MISSING:
+        if not text.endswith(unit):
+            raise ValueError(field)
+        text = text.removesuffix(unit).rstrip()
     if style.thousands:
         if not style.thousands.strip() or style.thousands not in text or _GROUPED.fullmatch(text):
             text = text.replace(style.thousands, "")
@@ -113,6 +146,76 @@ def number(field: str, style: Style) -> float:
         return float(_BARE_EXPONENT.sub(r"e\1", text.lower().replace("d", "e")))
 
 
+class Reader(NamedTuple):
+    """How the fields of a column are read: a function, the type of its values, and what a field is called."""
+
+    read: Callable[[str], object]
+    dtype: str = "float64"
+    what: str = "number"
+
+
+def reader_of(kind: str, style: Style, sample: Sequence[str]) -> Reader:
+    """How a column of this kind is read."""
+    if kind == "date":
+        read = partial(date, day_first=days_come_first(sample) is not False)
+        return Reader(_or_missing(read, np.datetime64("NaT", "ns")), "datetime64[ns]", "date")
+    if kind == "counter":
+        return Reader(counter, "int64")
+    if kind == "clock":
+        return Reader(_or_missing(time_of_day, np.nan), what="time")
+    if kind == "switch":
+        return Reader(switch, what="switch")
+    return Reader(partial(number, style=style, unit=common_unit(sample)))
+
+
+def _or_missing(read: Callable[[str], object], missing: object) -> Callable[[str], object]:
+    """A reader of fields without quotes, of which those without a value are missing."""
+
+    def read_field(field: str) -> object:
+        text = field.strip().strip("\"'").strip()
+        return missing if text.lower() in MISSING else read(text)
+
+    return read_field
+
+
+def common_unit(sample: Sequence[str]) -> str:
+    """The unit behind the numbers of a column; empty if the first of them has none."""
+    return next((unit_of(field) for field in sample if kind_of(field) == "number"), "")
+
+
+def column_of_texts(name: str, cells: Sequence[str], unit: str = "") -> Column | None:
+    """A column of numbers, dates, times of day or switches that a table holds as text; None for words.
+
+    Raises
+    ------
+    ValueError
+        If a cell is none of what most are.
+    """
+    kind = kind_of_column(cells)
+    if kind in ("text", "missing"):
+        return None
+    reader = reader_of(kind, number_style(cells, False), cells)
+    values = np.empty(len(cells), reader.dtype)
+    for k, cell in enumerate(cells):
+        try:
+            values[k] = reader.read(cell)
+        except (ValueError, OverflowError):
+            raise ValueError(f"column {name}, row {k + 1} of the data: {cell[:40]!r} is not a {reader.what}.") from None
+    return Column(
+        name, values, "h:m:s" if kind == "clock" else common_unit(cells) or unit, None, kind_note(name, kind, cells)
+    )
+
+
+def kind_note(name: str, kind: str, sample: Sequence[str]) -> tuple[str, ...]:
+    """What is to be said of a column of this kind."""
+    if kind == "switch":
+        return (f"{name}: on read as 1, off as 0",)
+    day_first = days_come_first(sample) if kind == "date" else None
+    if day_first is None:
+        return ()
+    return (f"{name}: dates read as {'day before month' if day_first else 'month before day'}",)
+
+
 def counter(field: str) -> int:
     """A whole number of up to 18 digits more than a float holds."""
     value = int(field.strip().strip("\"'"))
@@ -125,27 +228,3 @@ def switch(field: str) -> float:
     """1 for ON and its like, 0 for OFF; NaN if the field is empty."""
     word = field.strip().strip("\"'").lower()
     return np.nan if word in MISSING else SWITCHES[word] if word in SWITCHES else float(word)
-
-
-def date(field: str) -> np.datetime64:
-    """An ISO date and time, in UTC if it has a zone; not-a-time if the field is empty."""
-    text = field.strip().strip("\"'").strip()
-    if text.lower() in MISSING:
-        return np.datetime64("NaT", "ns")
-    text = text.replace(",", ".").replace(" ", "T", 1).replace(" ", "")
-    main, dot, rest = text.partition(".")
-    digits = re.match(r"\d*", rest)
-    fraction = digits[0] if digits else ""
-    when = datetime.fromisoformat(main + rest[len(fraction) :] if dot else main)
-    if when.tzinfo is not None:
-        when = when.astimezone(UTC).replace(tzinfo=None)
-    return np.datetime64(when, "ns") + np.timedelta64(int(fraction.ljust(9, "0")[:9] or 0), "ns")
-
-
-def time_of_day(field: str) -> float:
-    """A time of day in seconds; NaN if the field is empty."""
-    text = field.strip().strip("\"'").strip()
-    if text.lower() in MISSING:
-        return np.nan
-    hours, minutes, seconds = text.replace(",", ".").split(":")
-    return 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds)

@@ -174,6 +174,8 @@ def _open(path: Path, how: Reading) -> Log | LibraryFormat:
     content = path.read_bytes()
     if not content.strip():
         raise ValueError("it is empty: a record needs at least two samples of u and y.")
+    if content.startswith((b"# Created by Octave", b"# name:")):
+        raise ValueError("it is in the text format of Octave. Save it again with save -v7 FILE.mat t u y.")
     if path.suffix.lower() == ".mat" or is_mat5(content):
         log = open_mat(content, how.output, how.columns is None)
         return OBJECTS if log is None else log

@@ -97,8 +97,8 @@ def _value(file: Any, item: Any, budget: list[int], depth: int) -> Any:
         return [_value(file, file[one], budget, depth + 1) for one in references if one]
     if kind == b"char":
         return "text"
-    array = _checked(item)[()]
-    return np.asarray(array).T.astype(np.float64) if is_numeric(np.asarray(array)) else "complex numbers"
+    array = np.asarray(_checked(item)[()])
+    return array.T if is_numeric(array) else "complex numbers"
 
 
 def _as_elements(fields: dict[str, Any]) -> Any:

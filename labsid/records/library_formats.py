@@ -1,5 +1,7 @@
 """Formats that are read by libraries of their own: how each is known, and which module reads it."""
 
+import re
+import struct
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -30,9 +32,12 @@ class LibraryFormat:
     magic: tuple[bytes, ...] = ()
 
 
+OLE_MAGIC = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"  # of .xls
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 FORMATS = (
-    LibraryFormat("Excel workbook", "excel_file", "openpyxl", (".xlsx", ".xlsm")),
+    LibraryFormat(
+        "workbook", "sheet_file", "python-calamine", (".xlsx", ".xlsm", ".xlsb", ".ods", ".xls"), (OLE_MAGIC,)
+    ),
     LibraryFormat("Parquet table", "parquet_file", "pyarrow", (".parquet",), (b"PAR1",)),
     LibraryFormat("MATLAB 7.3 or HDF5", "hdf5_file", "h5py", (".h5", ".hdf5", ".hdf"), (HDF5_MAGIC, b"MATLAB 7.3")),
     LibraryFormat("MDF", "mdf_file", "asammdf", (".mf4", ".mdf", ".dat3"), (b"MDF     ", b"UnFinMF ")),
@@ -43,6 +48,10 @@ FORMATS = (
 )
 _ROS, _LEROBOT = FORMATS[-2], FORMATS[-1]
 OBJECTS = LibraryFormat("MATLAB file with objects", "mat_objects", "mat-io", ())
+_MAT4_KINDS = {1000 * m + 10 * p + t for m in (0, 1) for p in range(6) for t in range(3)}
+MAT4 = LibraryFormat("MATLAB 4", "mat4_file", "scipy", ())
+JSON = LibraryFormat("JSON", "json_file", "", ())  # of no library, but one file may take a gigabyte
+_JSON = re.compile(rb'(\xef\xbb\xbf)?\s*(\{\s*["}]|\[\s*([\[{"]|[-\d.eE]+\s*,))')
 
 
 def library_format(path: Path) -> LibraryFormat | None:
@@ -65,8 +74,26 @@ def library_format(path: Path) -> LibraryFormat | None:
             return one
     if start[512:].startswith(HDF5_MAGIC):
         return FORMATS[2]
+    if _JSON.match(start):
+        return JSON
     suffix = path.suffix.lower()
-    return next((one for one in FORMATS if suffix in one.suffixes and start.strip()), None)
+    if suffix == ".mat" and _is_mat4(start):
+        return MAT4
+    is_binary = b"\0" in start or start.startswith(b"PK\3\4")
+    if not is_binary or start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return None  # text, whatever its suffix: many loggers name it .xls
+    return next((one for one in FORMATS if suffix in one.suffixes), None)
+
+
+def _is_mat4(start: bytes) -> bool:
+    """Whether a file begins with a matrix of MATLAB 4, which has no magic: type, size and a short name."""
+    if len(start) < 20:
+        return False
+    for order in "<>":
+        kind, rows, columns, imaginary, name = struct.unpack_from(f"{order}5i", start)
+        if kind in _MAT4_KINDS and min(rows, columns) >= 0 and imaginary in (0, 1) and 0 < name < 256:
+            return True
+    return False
 
 
 def open_library_log(path: Path, module: str) -> Log:

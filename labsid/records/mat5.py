@@ -11,12 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray
-
 _MATRIX, _COMPRESSED, _INT32, _UINT32 = 14, 15, 5, 6
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _CELL, _STRUCT, _OPAQUE = 1, 2, 17
-_NUMERIC_CLASSES = range(6, 16)
+_NUMERIC_CLASSES, _INTEGER_CLASSES = range(6, 16), range(8, 16)
 _OTHER_CLASSES = {3: "an object", 4: "text", 5: "a sparse matrix", 16: "a function", 17: "an object"}
 _COMPLEX = 0x800
 _MAX_BYTES = 2**27  # of all compressed variables of a file: four signals of four million samples
@@ -33,8 +31,9 @@ def read_variables(content: bytes) -> dict[str, Any]:
     Returns
     -------
     dict
-        Values by name. A matrix of real numbers is a float array of the same shape; a structure array is a list of
-        dicts and a cell array a list, both in MATLAB's order; any other value is represented by a str naming its type.
+        Values by name. A matrix of real numbers is an array of the same shape, of int64 if its class is one of
+        integers, else of floats; a structure array is a list of dicts and a cell array a list, both in MATLAB's order;
+        any other value is represented by a str naming its type.
 
     Raises
     ------
@@ -107,7 +106,7 @@ def _matrix(data: bytes, order: str) -> tuple[str, Any]:
     if kind in _NUMERIC_CLASSES and flags[0] & _COMPLEX:
         return _text(name), "complex numbers"
     if kind in _NUMERIC_CLASSES:
-        return _text(name), _numbers(data, position, order, size).reshape(shape, order="F")
+        return _text(name), _numbers(data, position, order, size, kind).reshape(shape, order="F")
     if kind == _CELL:
         return _text(name), _matrices(data, position, order, size)
     if kind == _STRUCT:
@@ -125,15 +124,17 @@ def _expect(data: bytes, position: int, order: str, kind: int) -> tuple[np.ndarr
     return np.frombuffer(payload, f"{order}{_NUMBERS[kind]}"), position
 
 
-def _numbers(data: bytes, position: int, order: str, size: int) -> FloatArray:
-    """Numbers of any type as float; MATLAB stores doubles in the smallest sufficient type."""
+def _numbers(data: bytes, position: int, order: str, size: int, of_class: int) -> np.ndarray:
+    """Numbers of any type; MATLAB stores doubles in the smallest sufficient type: only the class tells."""
     kind, payload, _ = _element(data, position, order)
     if kind not in _NUMBERS:
         raise ValueError("numbers are of no known type")
     dtype = np.dtype(f"{order}{_NUMBERS[kind]}")
     if len(payload) != size * dtype.itemsize:
         raise ValueError("there are more or fewer numbers than the dimensions say")
-    return np.frombuffer(payload, dtype).astype(np.float64)
+    numbers = np.frombuffer(payload, dtype)
+    is_whole = of_class in _INTEGER_CLASSES and dtype.kind in "iu" and (size == 0 or int(numbers.max()) < 2**63)
+    return numbers.astype(np.int64 if is_whole else np.float64)
 
 
 def _matrices(data: bytes, position: int, order: str, count: int) -> list[Any]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.records.column import Column, Log, is_numeric, log_of, matrix_columns
+from labsid.records.column import Column, Log, is_numeric, listed, log_of, matrix_columns
 
 _MAX_DEPTH = 20
 _MAX_COLUMNS = 10_000
@@ -35,7 +35,7 @@ def open_log(path: Path) -> Log:
         if not name.startswith("__"):
             _collect(name, value, columns, 0)
     if not columns:
-        raise ValueError(f"there are no signals in it; it holds {', '.join(variables) or 'nothing'}.")
+        raise ValueError(f"there are no signals in it; it holds {listed(list(variables)) or 'nothing'}.")
     return log_of(_with_distinct_names(columns), "variable")
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.records.column import Column, Log, log_of, matrix_columns
+from labsid.records.column import Column, Log, listed, log_of, matrix_columns
 
 OBJECT = "an object"  # what stands for one in the values
 _MAX_COLUMNS = 10_000
@@ -48,7 +48,7 @@ def log_of_variables(variables: dict[str, Any], output: str, by_layout: bool) ->
     for key, value in variables.items():
         _collect(key, _unwrap(value), columns)
     if not columns:
-        holds = ", ".join(f"{key} ({value})" if isinstance(value, str) else key for key, value in variables.items())
+        holds = listed([f"{key} ({value})" if isinstance(value, str) else key for key, value in variables.items()])
         raise ValueError(
             f"there are no arrays of numbers in it; it holds {holds or 'nothing'}. Save t, u and y, or the scope's "
             "structure with time."

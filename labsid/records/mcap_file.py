@@ -1,14 +1,15 @@
-"""MCAP files, with mcap: messages in JSON, and those of ROS 1 and 2 (with rosbags)."""
+"""MCAP files, with mcap: messages in JSON, in protobuf, and those of ROS 1 and 2 (with rosbags)."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from labsid.records.column import Log
-from labsid.records.messages import message_log
+from labsid.records.messages import FIRST, message_log
 
-_SEARCHED = 100_000  # messages in which the first one of each topic is looked for
+_SEARCHED = 100_000  # messages in which the first ones of each topic are looked for
 
 
 def open_log(path: Path) -> Log:
@@ -23,23 +24,28 @@ def open_log(path: Path) -> Log:
 
     decoders = _Decoders()
 
-    def messages(topics: Sequence[str]) -> Iterator[tuple[str, int, Any]]:
+    def encoded(topics: Sequence[str]) -> Iterator[tuple[str, int, Callable[[bytes], Any], bytes]]:
         with path.open("rb") as file:
             for schema, channel, message in make_reader(file).iter_messages(topics=topics or None):
                 decode = decoders.of(schema, channel)
                 if decode is not None:
-                    yield channel.topic, message.log_time, decode(message.data)
+                    yield channel.topic, message.log_time, decode, message.data
 
-    first: dict[str, Any] = {}
-    for number, (topic, _, message) in enumerate(messages([])):
-        first.setdefault(topic, message)
-        if number > _SEARCHED:
-            break
+    def messages(topics: Sequence[str]) -> Iterator[tuple[str, int, Any]]:
+        return ((topic, logged, decode(data)) for topic, logged, decode, data in encoded(topics))
+
+    first: dict[str, list[Any]] = {}
+    for topic, _, decode, data in islice(encoded([]), _SEARCHED):
+        found = first.setdefault(topic, [])
+        if len(found) < FIRST:
+            found.append(decode(data))
     if not first:
         left = ", ".join(sorted(decoders.unknown)) or "there are none"
-        raise ValueError(f"it has no messages in JSON or of ROS (encodings: {left}). Convert it to one of these.")
+        raise ValueError(
+            f"it has no messages in JSON, in protobuf or of ROS (encodings: {left}). Convert it to one of these."
+        )
     notes = [f"topics in {encoding} left out" for encoding in sorted(decoders.unknown)]
-    return message_log(first.items(), messages, notes)
+    return message_log(((topic, one) for topic, found in first.items() for one in found), messages, notes)
 
 
 class _Decoders:
@@ -62,6 +68,11 @@ class _Decoders:
 def _decoder(schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
     if encoding == "json":
         return json.loads
+    if encoding == "protobuf":
+        from mcap_protobuf.decoder import DecoderFactory
+
+        parse = DecoderFactory().decoder_for(encoding, schema)
+        return parse and (lambda data: _as_dict(parse(data)))
     if schema is None or encoding not in ("cdr", "ros1"):
         return None
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
@@ -73,3 +84,23 @@ def _decoder(schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
     store.register({key: value for key, value in types.items() if key not in store.fielddefs})
     read = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)
+
+
+def _as_dict(message: Any) -> dict[str, Any]:
+    """The fields of a message of protobuf; None for one that may be absent and is."""
+    return {
+        field.name: None
+        if field.has_presence and not message.HasField(field.name)
+        else _plain(getattr(message, field.name))
+        for field in message.DESCRIPTOR.fields
+    }
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bool | int | float | str | bytes):
+        return value
+    if hasattr(value, "DESCRIPTOR"):
+        return _as_dict(value)
+    if hasattr(value, "items"):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    return [_plain(inner) for inner in value]

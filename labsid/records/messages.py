@@ -8,7 +8,10 @@ import numpy as np
 
 from labsid.records.column import Column, Log
 
+FIRST = 20  # messages of a topic whose numbers become its columns: a field may be absent from the first one
 MAX_ELEMENTS = 64  # of an array in a message; longer ones are images or scans
+_STAMPS = ("stamp", "timestamp")
+_SECONDS, _NANOSECONDS = ("sec", "secs", "seconds"), ("nanosec", "nsec", "nsecs", "nanos")
 _MAX_DEPTH = 12
 _MAX_VALUES = 2**25  # numbers of the chosen columns
 
@@ -23,7 +26,7 @@ def message_log(first: Iterable[tuple[str, Any]], messages: Messages, notes: Seq
     Parameters
     ----------
     first : iterable of (topic, message)
-        One message of each topic, whose numbers become the columns.
+        The first messages of each topic, up to `FIRST`, whose numbers become the columns.
     messages : callable
         ``messages(topics)`` yields (topic, time in nanoseconds, message) in the order of time.
     notes : sequence of str
@@ -31,14 +34,15 @@ def message_log(first: Iterable[tuple[str, Any]], messages: Messages, notes: Seq
     Returns
     -------
     Log
-        Each column has the stamps of its messages: that of the header if it has one, else the time of logging.
+        Each column has the stamps of its messages: that of the header or of the message if it has one, else the time
+        of logging.
 
     Raises
     ------
     ValueError
         If no message holds numbers.
     """
-    paths = [(topic, path) for topic, message in first for path in _paths(message)]
+    paths = list(dict.fromkeys((topic, path) for topic, message in first for path in _paths(message)))
     if not paths:
         raise ValueError("its messages hold no numbers that are read here.")
 
@@ -76,14 +80,14 @@ def _paths(value: Any, before: tuple[Part, ...] = (), labels: Sequence[str] = ()
     """The ways to each number in a message."""
     if len(before) > _MAX_DEPTH:
         return []
-    if isinstance(value, bool | int | float | np.number | np.bool_):
+    if value is None or isinstance(value, bool | int | float | np.number | np.bool_):
         return [before]
     members = _members(value)
     if members is not None:
         labels = _labels(members)
         found = []
         for name, inner in members.items():
-            if not (name == "header" and _header_stamp(value)):
+            if not (name in ("header", *_STAMPS) and _members(inner) and _header_stamp(value)):
                 found += _paths(inner, (*before, name), labels)
         return found
     if isinstance(value, list | tuple | np.ndarray) and len(value) <= MAX_ELEMENTS:
@@ -130,11 +134,13 @@ def _number(message: Any, path: Sequence[Part]) -> float:
 
 
 def _header_stamp(message: Any) -> int:
-    """The stamp of a message's header in nanoseconds; 0 without one."""
-    header = message.get("header") if isinstance(message, dict) else getattr(message, "header", None)
-    stamp = header.get("stamp") if isinstance(header, dict) else getattr(header, "stamp", None)
-    if stamp is None:
-        return 0
-    members = _members(stamp) or {}
-    seconds, rest = members.get("sec", members.get("secs", 0)), members.get("nanosec", members.get("nsecs", 0))
-    return int(seconds) * 10**9 + int(rest)
+    """The stamp of a message or of its header in nanoseconds; 0 without one."""
+    own = _members(message) or {}
+    header = _members(own.get("header")) or {}
+    for stamp in (header.get("stamp"), *(own.get(name) for name in _STAMPS)):
+        members = _members(stamp) or {}
+        seconds = next((members[name] for name in _SECONDS if name in members), None)
+        if isinstance(seconds, int | np.integer):
+            rest = next((members[name] for name in _NANOSECONDS if name in members), 0)
+            return int(seconds) * 10**9 + int(rest)
+    return 0

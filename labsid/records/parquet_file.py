@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from labsid.records.column import Column, Log
+from labsid.records.fields import column_of_texts
 from labsid.records.units import split_unit
 
 MAX_ROWS = 50_000_000
@@ -33,7 +35,7 @@ def open_log(path: Path) -> Log:
         for k in places:
             data = table.read(columns=[fields[k].name]).column(0)
             name, unit = split_unit(fields[k].name)
-            columns.append(Column(name, arrow_values(data), unit))
+            columns.append(_column(name, data, unit))
         return columns
 
     return Log(tuple(split_unit(one.name)[0] for one in fields), read)
@@ -44,8 +46,26 @@ def _is_readable(kind: object) -> bool:
 
     return any(
         test(kind)
-        for test in (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_decimal)
-    )
+        for test in (
+            types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_decimal,
+            types.is_duration, types.is_string, types.is_large_string, types.is_dictionary,
+        )
+    )  # fmt: skip
+
+
+def _column(name: str, data: Any, unit: str) -> Column:
+    import pyarrow as pa
+    import pyarrow.types as types
+
+    if types.is_duration(data.type):
+        nanoseconds = arrow_values(data.cast(pa.duration("ns")).cast(pa.int64()))
+        return Column(name, nanoseconds * 1e-9, "s")
+    if types.is_dictionary(data.type) or types.is_string(data.type) or types.is_large_string(data.type):
+        found = column_of_texts(name, ["" if one is None else str(one) for one in data.to_pylist()], unit)
+        if found is None:
+            raise ValueError(f"column {name} holds words.")
+        return found
+    return Column(name, arrow_values(data), unit)
 
 
 def arrow_values(data: object) -> np.ndarray:

@@ -1,11 +1,12 @@
 """Bags of ROS 1 and ROS 2, with rosbags."""
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from labsid.records.column import Log
-from labsid.records.messages import message_log
+from labsid.records.messages import FIRST, message_log
 
 
 def open_log(path: Path) -> Log:
@@ -31,17 +32,15 @@ def open_log(path: Path) -> Log:
             for connection, stamp, data in reader.messages(connections=chosen):
                 yield connection.topic, stamp, reader.deserialize(data, connection.msgtype)
 
-    first: dict[str, Any] = {}
+    first: list[tuple[str, Any]] = []
     left_out = []
     with AnyReader([path], default_typestore=store) as reader:
         for topic in sorted({one.topic for one in reader.connections}):
             chosen = [one for one in reader.connections if one.topic == topic]
             try:
-                connection, _, data = next(reader.messages(connections=chosen))
-                first[topic] = reader.deserialize(data, connection.msgtype)
-            except StopIteration:
-                continue
+                for connection, _, data in islice(reader.messages(connections=chosen), FIRST):
+                    first.append((topic, reader.deserialize(data, connection.msgtype)))
             except Exception:  # of any kind, from the description of a message that rosbags does not know
                 left_out.append(topic)
     notes = [f"topics that cannot be decoded left out: {', '.join(left_out)}"] if left_out else []
-    return message_log(first.items(), messages, notes)
+    return message_log(first, messages, notes)

@@ -89,8 +89,11 @@ def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, ho
         return Signals(t, values, notes)
     step_u, step_y = float(np.median(np.diff(t_u))), float(np.median(np.diff(t_y)))
     if step_y <= 1.5 * step_u:
-        inside = t_y >= start
+        is_sampled = float(np.diff(t_u).max()) <= 1.5 * step_u  # a command that is sent when it changes is held on
+        inside = (t_y >= start) & (t_y < t_u[-1] + step_u if is_sampled else True)
         t = t_y[inside]
+        if t.size < 2:
+            raise ValueError(f"u is there from {t_u[0]:g} to {t_u[-1]:g} s and y from {t_y[0]:g} to {t_y[-1]:g} s.")
         note = f"u has times of its own, {step_u:g} s apart; held at those of y"
         return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, (note,))
     place = np.clip(np.searchsorted(t_u, t_y), 1, t_u.size - 1)
@@ -159,7 +162,7 @@ def _is_rounding(even: EvenTimes, stamps: FloatArray) -> bool:
 def _on_grid(signals: Signals, even: EvenTimes, how: Reading) -> Signals:
     assert signals.t is not None
     notes = []
-    jitter = even.jitter
+    jitter = even.jitter if even.jitter > 1e-9 else 0.0  # rounding errors of floats
     if _is_rounding(even, signals.t):
         jitter = 0.0
         if even.largest > REGULAR_WITHIN:

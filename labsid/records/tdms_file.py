@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,21 +38,32 @@ def open_log(path: Path) -> Log:
         for channel in channels
     ]
 
+    dated = all(_start(channel) for channel in channels if channel.properties.get("wf_increment"))
+
     def read(places: Sequence[int]) -> list[Column]:
-        return [_column(names[k], channels[k]) for k in places]
+        return [_column(names[k], channels[k], dated) for k in places]
 
     return Log(tuple(names), read, what="channel")
 
 
-def _column(name: str, channel: object) -> Column:
-    values = np.asarray(channel[:])  # type: ignore[index]
+def _start(channel: Any) -> int:
+    """The time of the first sample in nanoseconds since 1970; 0 if it is not known."""
+    start = channel.properties.get("wf_start_time")
+    since = int(start.astype("datetime64[ns]").astype(np.int64)) if isinstance(start, np.datetime64) else 0
+    return max(since, 0)
+
+
+def _column(name: str, channel: Any, dated: bool) -> Column:
+    values = np.asarray(channel[:])
     if not is_numeric(values):
         raise ValueError(f"channel {name} holds no numbers.")
-    properties = channel.properties  # type: ignore[attr-defined]
+    properties = channel.properties
     unit = next((str(properties[key]) for key in _UNITS if properties.get(key)), "")
     step = properties.get("wf_increment")
-    stamps = None
+    stamps: np.ndarray | None = None
     if isinstance(step, float) and step > 0.0:
         stamps = float(properties.get("wf_start_offset", 0.0)) + step * np.arange(values.size)
+        if dated:  # channels may begin at different times
+            stamps = _start(channel) + np.round(stamps * 1e9).astype(np.int64)
     (column,) = matrix_columns(name, values, unit)
     return Column(column.name, column.values, column.unit, stamps)

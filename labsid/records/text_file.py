@@ -1,17 +1,27 @@
 """Delimited text: any of the usual delimiters, decimal marks, headers and encodings."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
 import numpy as np
 
-from labsid.records import fields as field_types
 from labsid.records.column import Column, Log
-from labsid.records.fields import Style, kind_of_column, number_style
-from labsid.records.text_layout import Layout, find_layout, is_row, lines_of, text_stream, without_prefix
+from labsid.records.fields import (
+    Reader,
+    Style,
+    common_unit,
+    kind_note,
+    kind_of,
+    kind_of_column,
+    number_style,
+    reader_of,
+)
+from labsid.records.text_layout import Layout, find_layout, is_cut, is_row, lines_of, text_stream, without_prefix
 
-SAMPLE = 1000  # rows from which the kind of a column is taken
+SAMPLE = 1000  # rows from which the kind of a column is taken; of wide tables fewer
+_SAMPLED = 500_000  # fields in these rows
+_LAST = 10  # rows that may be words after the table
+_Row = tuple[int, list[str], str]  # number of the line from 0, fields, line
 _BLOCK = 50_000  # rows that are held as text at a time
 
 
@@ -34,24 +44,29 @@ def open_text(content: bytes) -> Log:
     """
     layout = find_layout(content)
     names = layout.header + tuple(str(k + 1) for k in range(len(layout.header), layout.width))
-    sample = [layout.split(line) for _, line in islice(_rows(content, layout), SAMPLE)]
+    rows = [
+        (k, layout.split(line), line)
+        for k, line in islice(_rows(content, layout), min(SAMPLE, _SAMPLED // layout.width))
+        if line != layout.header_line
+    ]
+    sample = [fields for _, fields, _ in rows[: len(rows) - _after_the_table(rows, layout.width, is_cut(content))]]
     columns = [[row[k] for row in sample if k < len(row)] for k in range(layout.width)]
     kinds = [_with_counters(kind_of_column(column), column) for column in columns]
     numbers = [field for column, kind in zip(columns, kinds, strict=True) if kind == "number" for field in column]
     style = number_style([field for field in numbers if field], layout.delimiter == ",")
 
     def read(places: Sequence[int]) -> list[Column]:
-        chosen = [kinds[k] for k in places]
         table = None
-        if style == Style() and all(kind == "number" for kind in chosen):
+        if style == Style() and all(kinds[k] == "number" for k in places):
             table = _read_numbers(content, layout, places)
-        arrays = list(table.T) if table is not None else _read_fields(content, layout, places, chosen, style)
+        readers = [reader_of(kinds[k], style, columns[k]) for k in places]
+        arrays, notes = (list(table.T), []) if table is not None else _read_fields(content, layout, places, readers)
         return [
             Column(
                 names[k],
-                _whole(array, columns[k]) if kinds[k] == "number" else array,
-                "h:m:s" if kinds[k] == "clock" else layout.units[k],
-                notes=(f"{names[k]}: on read as 1, off as 0",) if kinds[k] == "switch" else (),
+                _whole(array, columns[k], style) if kinds[k] == "number" else array,
+                "h:m:s" if kinds[k] == "clock" else common_unit(columns[k]) or layout.units[k],
+                notes=(*kind_note(names[k], kinds[k], columns[k]), *(notes if k == places[0] else ())),
             )
             for k, array in zip(places, arrays, strict=True)
         ]
@@ -84,30 +99,43 @@ def _read_numbers(content: bytes, layout: Layout, places: Sequence[int]) -> np.n
 
 
 def _read_fields(
-    content: bytes, layout: Layout, places: Sequence[int], kinds: Sequence[str], style: Style
-) -> list[np.ndarray]:
-    """The chosen columns, field by field; errors name the line."""
-    readers: dict[str, Callable[[str], object]] = {
-        "counter": field_types.counter,
-        "switch": field_types.switch,
-        "date": field_types.date,
-        "clock": field_types.time_of_day,
-    }
-    parse = [readers.get(kind, partial(field_types.number, style=style)) for kind in kinds]
-    types = [{"date": "datetime64[ns]", "counter": "int64"}.get(kind, "float64") for kind in kinds]
-    rows, blocks = _rows(content, layout), []
+    content: bytes, layout: Layout, places: Sequence[int], readers: Sequence[Reader]
+) -> tuple[list[np.ndarray], list[str]]:
+    """The chosen columns, field by field, and what was left out; errors name the line."""
+    rows, blocks, notes, again = _rows(content, layout), [], [], 0
     while block := list(islice(rows, _BLOCK)):
-        split = [(k, layout.split(line), line) for k, line in block]
+        kept = [row for row in block if row[1] != layout.header_line]
+        again += len(block) - len(kept)
+        split = [(k, layout.split(line), line) for k, line in kept]
+        if len(block) < _BLOCK:
+            over = _after_the_table(split, max(places) + 1, is_cut(content))
+            if over:
+                notes.append(
+                    f"the last {'line is no sample' if over == 1 else f'{over} lines are no samples'}; left out"
+                )
+                split = split[:-over]
         blocks.append(
             [
-                np.array([_field(row, place, read) for row in split], dtype)
-                for place, read, dtype in zip(places, parse, types, strict=True)
+                np.array([_field(row, place, reader) for row in split], reader.dtype)
+                for place, reader in zip(places, readers, strict=True)
             ]
         )
-    return [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
+    if again:
+        notes.append(f"the header stands {again} more {'time' if again == 1 else 'times'} between the rows")
+    return [np.concatenate(parts) for parts in zip(*blocks, strict=True)], notes
 
 
-def _field(row: tuple[int, list[str], str], place: int, read: Callable[[str], object]) -> object:
+def _after_the_table(rows: Sequence[_Row], places: int, is_cut: bool) -> int:
+    """How many of the last rows are no samples: words such as "end of log", and a row that was cut off."""
+    if rows and is_cut and len(rows[-1][1]) < places:
+        return 1
+    if not rows or kind_of(rows[0][1][0]) == "text":
+        return 0
+    words = [fields[0][:1].isalpha() and kind_of(fields[0]) == "text" for _, fields, _ in rows[-_LAST:]]
+    return next((k for k, is_word in enumerate(reversed(words)) if not is_word), 0)
+
+
+def _field(row: _Row, place: int, reader: Reader) -> object:
     k, fields, line = row
     if place >= len(fields):
         raise ValueError(
@@ -115,10 +143,9 @@ def _field(row: tuple[int, list[str], str], place: int, read: Callable[[str], ob
             "Complete or delete that line."
         )
     try:
-        return read(fields[place])
+        return reader.read(fields[place])
     except (ValueError, OverflowError):
-        what = {"date": "date", "time_of_day": "time", "switch": "switch"}.get(getattr(read, "__name__", ""), "number")
-        raise ValueError(f"line {k + 1}, column {place + 1}: {fields[place][:40]!r} is not a {what}.") from None
+        raise ValueError(f"line {k + 1}, column {place + 1}: {fields[place][:40]!r} is not a {reader.what}.") from None
 
 
 def _with_counters(kind: str, sample: Sequence[str]) -> str:
@@ -127,9 +154,9 @@ def _with_counters(kind: str, sample: Sequence[str]) -> str:
     return "counter" if long else kind
 
 
-def _whole(array: np.ndarray, sample: Sequence[str]) -> np.ndarray:
+def _whole(array: np.ndarray, sample: Sequence[str], style: Style) -> np.ndarray:
     """Whole numbers as integers, where the file writes them so: counters differ from seconds in that."""
-    if not all(field.strip().lstrip("+-").isdigit() for field in sample):
+    if not all(field.strip().lstrip("+-").replace(style.thousands, "").isdigit() for field in sample):
         return array
     is_whole = np.isfinite(array).all() and np.abs(array).max() < 2.0**62 and (array == np.round(array)).all()
     return array.astype(np.int64) if is_whole else array

@@ -14,12 +14,13 @@ _SAME = {
 _TIME_NAMES = {
     "t", "time", "timestamp", "timestamps", "stamp", "zeit", "zeitstempel", "temps", "tiempo", "tempo", "clock",
     "elapsed", "datetime", "date", "datenum", "epoch", "unixtime", "uptime", "tick", "ticks", "us", "ms", "millis",
-    "micros", "sec", "secs", "seconds", "milliseconds", "microseconds", "nanoseconds", "timestep", "tout",
+    "micros", "sec", "secs", "seconds", "milliseconds", "microseconds", "nanoseconds", "timestep", "tout", "x_value",
 }  # fmt: skip
 _UNITS = {
     "V", "mV", "kV", "A", "mA", "W", "kW", "m", "mm", "cm", "km", "rad", "deg", "°", "°C", "degC", "C", "K", "F", "%",
     "Hz", "rpm", "1/min", "N", "kN", "Nm", "N m", "Pa", "kPa", "hPa", "bar", "mbar", "g", "kg", "l", "L", "l/min",
     "L/min", "m/s", "mm/s", "cm/s", "rad/s", "deg/s", "°/s", "m/s^2", "m/s²", "-", "1", "lx", "ppm", "pu",
+    "Volt", "Volts", "Ampere", "Amps", "Sequence",  # of oscilloscopes
 }  # fmt: skip
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(]([^\[\]()]{0,16})[\])]\s*$")
 

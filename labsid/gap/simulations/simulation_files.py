@@ -16,7 +16,7 @@ from labsid.gap.simulations.baseline import Simulation, check_bounded, make_base
 from labsid.gap.simulations.fmu_export import read_fmu_content
 from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput, resample
-from labsid.records.record import Record, bridge_gaps
+from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.simulators.mjcf.sources import MjcfSource, parse_mjcf
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator
@@ -94,7 +94,7 @@ def load_simulation(source: str | Path, record: Record, several: bool = False, p
             raise ValueError(
                 f"{path}: a simulated output belongs to one record. Give a MODEL.json for several records."
             )
-        return _read_output(path, record)
+        return _read_output(path, between_outputs(record))  # what a diagnosis reads of it
     return load_model(path)
 
 

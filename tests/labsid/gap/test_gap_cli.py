@@ -15,7 +15,9 @@ from gap_search import searched
 
 from labsid.cli.commands import main
 from labsid.gap.effects.disturbance import LoadStep
-from labsid.records.record import Record
+from labsid.gap.simulations.simulated_output import SimulatedOutput
+from labsid.gap.simulations.simulation_files import load_simulation
+from labsid.records.record import Record, load_record
 
 DEN = np.poly([0.95, 0.8]).tolist()
 
@@ -90,6 +92,23 @@ def test_simulate_runs_the_exported_model(labsid, record, tmp_path):
     rmse = float(np.sqrt(np.mean((table["y"] - table["y_sim"])[50:] ** 2)))
     assert out == f"200 samples, free run: rmse {rmse:.6g} after the first 50 samples\n"
     assert rmse == pytest.approx(answer["gap"]["after"], rel=0.3)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_record_without_its_first_outputs_is_simulated_from_its_first_one(labsid, plain, tmp_path):
+    """The state would be estimated from outputs that are not there; a simulated output is cut like the record."""
+    (tmp_path / "model.json").write_text(json.dumps({"num": [0.5], "den": [1.0, -1.0], "dt": plain.Ts}))
+    rows = list(zip(plain.t.tolist(), plain.u.tolist(), (0.5 * np.cumsum(plain.u)).tolist(), strict=True))
+    late = [f"{t},{u},{y if k >= 60 else ''}" for k, (t, u, y) in enumerate(rows)]
+    (tmp_path / "late.csv").write_text("\n".join(["t,u,y", *late]))
+    (tmp_path / "sim.csv").write_text("\n".join(["t,y", *(f"{t},{y}" for t, _, y in rows)]))
+    status, out, err = labsid("simulate", "model.json", "late.csv")
+    assert (status, err) == (0, "")
+    assert out.startswith("140 samples, free run: rmse 0.")
+    assert "note: y is missing in the first 60 and the last 0 samples; these are left out.\n" in out
+    simulated = load_simulation("sim.csv", load_record("late.csv"))
+    assert isinstance(simulated, SimulatedOutput)
+    np.testing.assert_allclose(simulated.y, [y for *_, y in rows[60:]])
 
 
 def test_the_report_contains_the_command_that_reproduces_it(labsid, record, tmp_path):

@@ -1,18 +1,22 @@
 """Formats that libraries read, written here by the formats' own writers, and damaged files of each."""
 
+import base64
 import importlib.util
 import json
 import subprocess
 import sys
 import warnings
+import zlib
 from pathlib import Path
 
+import log_samples
 import numpy as np
 import pytest
 
 from labsid.records import apart
+from labsid.records.contents import suggested_options
 from labsid.records.formats import describe_columns
-from labsid.records.library_formats import FORMATS, library_format
+from labsid.records.library_formats import FORMATS, MAT4, library_format, open_library_log
 from labsid.records.record import load_record
 
 N = 80
@@ -20,6 +24,7 @@ T = np.arange(N) * 0.1
 U = np.repeat([0.0, 1.0, 2.5, 1.0], N // 4)
 Y = np.sin(np.arange(N) / 9)
 NS = 1_764_000_000_000_000_000 + np.round(T * 1e9).astype(np.int64)
+SIGNALS = list(zip(T.tolist(), U.tolist(), Y.tolist(), strict=True))
 JOINT = "/cmd.data[0],/joint_states.position[elbow]"
 
 
@@ -39,7 +44,7 @@ def assert_read(record, rows=slice(None), t=True):
 # Tables -------------------------------------------------------------------------------------------------------
 
 
-@needs("openpyxl")
+@needs("python_calamine")
 def test_excel(tmp_path):
     import openpyxl
 
@@ -59,6 +64,27 @@ def test_excel(tmp_path):
     assert record.notes == ("sheet log read", "the row under the header read as units: s, V, cm")
 
 
+@needs("python_calamine")
+def test_an_older_workbook_and_a_log_that_has_only_its_suffix(tmp_path):
+    path = tmp_path / "a.xls"
+    path.write_bytes(zlib.decompress(base64.b85decode(log_samples.XLS)))
+    record = load_record(path)
+    assert (record.Ts, record.y.tolist()) == (0.1, [0.0, 0.111, 0.22, 0.327])
+    for encoding in ("utf-8", "utf-16"):  # as LabVIEW and others write them
+        path.write_text("t\tu\ty\n" + "".join(f"{t}\t{u}\t{y}\n" for t, u, y in SIGNALS), encoding=encoding)
+        assert_read(load_record(path))
+
+
+@needs("python_calamine")
+def test_a_workbook_of_libreoffice_with_times_of_day(tmp_path):
+    log_samples.write_ods(tmp_path / "a.ods")
+    log = open_library_log(tmp_path / "a.ods", library_format(tmp_path / "a.ods").module)
+    time, u, y = log.read([0, 1, 2])
+    assert (time.unit, time.values[:2].tolist()) == ("h:m:s", [43200.0, 43201.0])
+    np.testing.assert_array_equal(u.values, log_samples.U)
+    np.testing.assert_array_equal(y.values, log_samples.Y)
+
+
 @needs("pyarrow")
 def test_parquet_with_dates(tmp_path):
     import pyarrow as pa
@@ -69,6 +95,45 @@ def test_parquet_with_dates(tmp_path):
     record = load_record(tmp_path / "a.parquet")
     assert_read(record)
     assert record.notes == ("times count from 2025-11-24 16:00:00, the first stamp",)
+
+
+@needs("pyarrow")
+def test_parquet_with_durations_and_words(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    switches = ["ON" if u else "OFF" for u in U]
+    columns = {
+        "t": pa.array(np.round(T * 1e9).astype("timedelta64[ns]")),
+        "u": pa.array(switches).dictionary_encode(),
+        "y": pa.array([f"{y} V" for y in Y]),
+        "by": ["Ann"] * N,
+    }
+    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+    log = open_library_log(tmp_path / "a.parquet", "parquet_file")
+    t, u, y = log.read([0, 1, 2])
+    np.testing.assert_allclose(t.values, T)
+    np.testing.assert_array_equal(u.values, U > 0)
+    np.testing.assert_array_equal(y.values, Y)
+    assert (t.unit, y.unit) == ("s", "V")
+    with pytest.raises(ValueError, match="column by holds words"):
+        log.read([3])
+
+
+@needs("python_calamine")
+def test_a_workbook_whose_numbers_are_text(tmp_path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in (["time", "u", "y"], *([f"{t:.1f}".replace(".", ","), f"{u} V", y] for t, u, y in SIGNALS)):
+        book.active.append(row)
+    book["Sheet"]["C7"] = "#N/A"
+    book.save(tmp_path / "a.xlsx")
+    t, u, y = open_library_log(tmp_path / "a.xlsx", "sheet_file").read([0, 1, 2])
+    np.testing.assert_allclose(t.values, T)
+    np.testing.assert_array_equal(u.values, U)
+    assert u.unit == "V"
+    assert np.flatnonzero(np.isnan(y.values)).tolist() == [5]
 
 
 @needs("h5py")
@@ -103,6 +168,10 @@ def test_matlab_7_3_with_a_structure_and_a_cell(tmp_path):
         file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
     assert_read(load_record(tmp_path / "a.mat"))
     assert_read(load_record(tmp_path / "a.mat", columns="log.time,cell,log.output"))
+    with h5py.File(tmp_path / "b.mat", "w") as file:
+        file["time"] = (100 * np.arange(N, dtype=np.uint32))[None]
+    (time,) = open_library_log(tmp_path / "b.mat", "hdf5_file").read([0])
+    assert time.values.dtype == np.int64  # counters, which do not say their unit
 
 
 # Measurements -------------------------------------------------------------------------------------------------
@@ -151,6 +220,21 @@ def test_tdms_with_a_column_of_times_and_with_waveforms(tmp_path):
     assert record.units == ("V", "V")
 
 
+@needs("nptdms")
+def test_tdms_whose_channels_begin_at_different_times(tmp_path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    start = np.datetime64("2026-03-01T09:00:00.000000")
+    with TdmsWriter(str(tmp_path / "a.tdms")) as file:
+        for name, x, late in (("u", U, 0), ("y", Y, 1000)):
+            wave = {"wf_increment": 0.1, "wf_start_time": start + np.timedelta64(late, "ms")}
+            file.write_segment([ChannelObject("rig", name, x, properties=wave)])
+    record = load_record(tmp_path / "a.tdms")
+    assert (len(record), record.Ts) == (N - 10, pytest.approx(0.1))  # u ends 1 s before y
+    np.testing.assert_array_equal(record.u, U[10:])
+    np.testing.assert_array_equal(record.y, Y[:-10])
+
+
 # Robots -------------------------------------------------------------------------------------------------------
 
 
@@ -173,6 +257,38 @@ def test_mcap_with_json(tmp_path):
     assert record.notes == ("times count from 2025-11-24 16:00:00, the first stamp",)
     with pytest.raises(ValueError, match=r"there is no field '/cmd.speed' in it; it holds /cmd.data\[0\], /joint_st"):
         load_record(tmp_path / "a.mcap", columns="/cmd.speed,/joint_states.position[elbow]")
+
+
+@needs("mcap")
+def test_mcap_with_json_whose_fields_are_not_in_each_message(tmp_path):
+    from mcap.writer import Writer
+
+    with (tmp_path / "a.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("/rig", "json", 0)
+        for k in range(N):
+            stamp = {"sec": int(NS[k] // 10**9), "nsec": int(NS[k] % 10**9)}
+            part = {"u": U[k]} if k % 2 else {"u": U[k], "y": Y[k] if k else None, "more": {"a": 1}}
+            writer.add_message(channel, 7 + k, json.dumps({"timestamp": stamp, **part}).encode(), 7 + k)
+        writer.finish()
+    log = open_library_log(tmp_path / "a.mcap", "mcap_file")
+    assert log.names == ("/rig.u", "/rig.y", "/rig.more.a")
+    (y,) = log.read([1])
+    np.testing.assert_array_equal(np.isnan(y.values), (np.arange(N) % 2 > 0) | (np.arange(N) == 0))
+    np.testing.assert_array_equal(y.stamps, NS)
+
+
+@needs("mcap_protobuf")
+def test_mcap_with_protobuf(tmp_path):
+    log_samples.write_protobuf(tmp_path / "a.mcap")
+    log = open_library_log(tmp_path / "a.mcap", "mcap_file")
+    assert log.names == ("/state.u", "/state.y[0]", "/state.y[1]", "/state.at", "/state.at.x")
+    u, y, x = log.read([0, 2, 4])
+    np.testing.assert_array_equal(u.values, log_samples.U)
+    np.testing.assert_array_equal(y.values, log_samples.Y)
+    assert np.flatnonzero(np.isnan(x.values)).tolist() == [0]
+    assert np.unique(np.diff(u.stamps)).tolist() == [10**8]  # the stamps of the messages: they are logged unevenly
 
 
 def messages(store, is_first):
@@ -252,7 +368,18 @@ def test_lerobot_data_sets(tmp_path, version):
     assert_read(load_record(tmp_path, columns=columns, select=2), slice(half, N))
 
 
-# Objects of MATLAB --------------------------------------------------------------------------------------------
+# MATLAB 4, and objects of MATLAB -------------------------------------------------------------------------------
+
+
+def test_matlab_4(tmp_path):
+    from scipy.io import savemat
+
+    names = {"time": T, "input": U, "output": Y, "by": "Ann", "gain": 2.0}
+    savemat(tmp_path / "a.mat", names, format="4")
+    assert library_format(tmp_path / "a.mat") is MAT4
+    columns = open_library_log(tmp_path / "a.mat", MAT4.module).read([0, 1, 2])
+    for column, x in zip(columns, (T, U, Y), strict=True):
+        np.testing.assert_array_equal(column.values, x)
 
 
 @needs("matio")
@@ -313,12 +440,12 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, one):
 def test_a_missing_package_is_named_with_how_to_install_it(tmp_path, monkeypatch):
     blocked = tmp_path / "site"
     blocked.mkdir()
-    (blocked / "openpyxl.py").write_text("raise ModuleNotFoundError('no', name='openpyxl')\n")
+    (blocked / "python_calamine.py").write_text("raise ModuleNotFoundError('no', name='python_calamine')\n")
     monkeypatch.setenv("PYTHONPATH", str(blocked))
     path = tmp_path / "a.xlsx"
     path.write_bytes(b"PK\x03\x04")
     with pytest.raises(
-        ValueError, match=r'reading it needs the package openpyxl. Install it: pip install "labsid\[logs'
+        ValueError, match=r'reading it needs the package python_calamine. Install it: pip install "labsid\[logs'
     ):
         load_record(path)
 
@@ -374,6 +501,21 @@ def test_the_columns_of_a_log_are_described(write_text):
     assert (found[0].interval, found[1].low, found[1].high) == (pytest.approx(0.02), 0.0, 50.0)
 
 
+@pytest.mark.parametrize(
+    ("header", "typed"),
+    [
+        ("time,pwm,speed", ["--columns", "time,pwm,speed"]),
+        ("time,a,speed", ["--columns", "time,INPUT,OUTPUT"]),
+        ("time,pwm,u", ["--columns", "time,INPUT,OUTPUT"]),
+        ("pwm,speed", ["--columns", "pwm,speed", "--Ts", "SECONDS"]),
+    ],
+)
+def test_the_line_to_type_names_what_is_certain(write_text, header, typed):
+    columns = header.split(",")
+    rows = (",".join(str(k if name == "time" else k * k % 41 / 7) for name in columns) for k in range(60))
+    assert suggested_options(describe_columns(write_text("\n".join([header, *rows])))) == typed
+
+
 def test_text_needs_no_library():
     root = Path(__file__).resolve().parents[3]
     program = (
@@ -382,5 +524,17 @@ def test_text_needs_no_library():
         "print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=True)
-    heavy = {"h5py", "pyarrow", "asammdf", "nptdms", "mcap", "rosbags", "openpyxl", "matio", "pandas", "scipy"}
+    heavy = {
+        "h5py",
+        "pyarrow",
+        "asammdf",
+        "nptdms",
+        "mcap",
+        "rosbags",
+        "python_calamine",
+        "google",
+        "matio",
+        "pandas",
+        "scipy",
+    }
     assert heavy & set(done.stdout.split()) == set()

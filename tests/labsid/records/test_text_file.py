@@ -1,5 +1,6 @@
 """Text as loggers write it: delimiters, decimal marks, headers, units, numbers, and stamps of every kind."""
 
+import re
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -79,6 +80,15 @@ def test_decimal_commas_and_marks_of_thousands(write_text):
     assert record.notes == ("decimal commas read as decimal points", "'.' read as a mark of thousands")
     english = load_record(write_text(table("t;u;y", u=[f"{1000 * x + 1000:,.1f}" for x in U], delimiter=";")))
     assert_read(english, u=1000 * U + 1000)
+    for mark in ("'", "’", "\N{NO-BREAK SPACE}"):  # of Switzerland, and of France with decimal commas
+        u = [f"{1000 * x + 1000:,.1f}".replace(",", mark) for x in U]
+        assert_read(load_record(write_text(table("t;u;y", u=u, delimiter=";"))), u=1000 * U + 1000)
+        decimal = [x.replace(".", ",") for x in u]
+        record = load_record(write_text(table("t;u;y", t, decimal, commas(Y, "{:.4f}"), ";")))
+        assert_read(record, u=1000 * U + 1000)
+        assert record.notes[-1] == f"{mark!r} read as a mark of thousands"
+    counted = table("t;u;y", [f"{1000 * k:,}".replace(",", "'") for k in range(N)], delimiter=";").replace("t;", "ms;")
+    assert load_record(write_text(counted)).Ts == 1.0
     blanks = load_record(write_text(table("t u y", t, commas(U, "{:.1f}"), y, " ")))
     assert_read(blanks)
 
@@ -107,7 +117,7 @@ def test_switches_are_one_and_zero_and_it_is_said(write_text):
         load_record(write_text(table(u=["ON"] * N) + "6.0,maybe,1\n"))
 
 
-@pytest.mark.parametrize("word", ["", "NaN", "NA", "null", "-", "#N/A"])
+@pytest.mark.parametrize("word", ["", "NaN", "NA", "null", "-", "#N/A", "ovf", "-1.#IND", "#DIV/0!"])
 def test_missing_outputs_are_nan_and_counted(write_text, word):
     y = [f"{x:.4f}" for x in Y]
     y[7] = y[8] = y[20] = word
@@ -144,6 +154,42 @@ def test_dates(write_text, stamps):
     record = load_record(write_text(table("timestamp,u,y", stamps)))
     assert_read(record)
     assert record.notes[0].startswith("times count from 2026-03-0")
+
+
+def written(form):
+    """Stamps every 0.1 s from 3 s before midnight on 2 March 2026."""
+    start = datetime(2026, 3, 2, 23, 59, 57)
+    return [(start + timedelta(seconds=0.1 * k)).strftime(form)[:-3] for k in range(N)]
+
+
+@pytest.mark.parametrize(
+    ("stamps", "says"),
+    [
+        (written("%d.%m.%Y %H:%M:%S,%f"), ""),
+        (written("%d.%m.%y %H:%M:%S.%f"), ""),
+        (written("%Y/%m/%d %H:%M:%S.%f"), ""),
+        (written("%d-%b-%Y %H:%M:%S.%f"), ""),
+        (written("%m/%d/%Y %H:%M:%S.%f"), "month before day"),
+        (written("%d/%m/%Y %H:%M:%S.%f"), "day before month"),
+        ([f"{one} {'PM' if k < 30 else 'AM'}" for k, one in enumerate(written("%m/%d/%Y %I:%M:%S.%f"))], "month"),
+        (written("%d/%m/%Y %H:%M:%S:%f"), "day before month"),
+    ],
+)
+def test_dates_that_are_not_iso(write_text, stamps, says):
+    record = load_record(write_text(table("timestamp;u;y", stamps, delimiter=";")))
+    assert_read(record)
+    assert says in record.notes[0]
+    assert record.notes[-1] == "times count from 2026-03-02 23:59:57, the first stamp"
+
+
+def test_clocks_of_twelve_hours(write_text):
+    stamps = [f"{one} {'PM' if k < 30 else 'a.m.'}" for k, one in enumerate(written("%I:%M:%S.%f"))]
+    record = load_record(write_text(table("time,u,y", stamps)))
+    assert_read(record, t=86397 + T)
+    assert record.notes == ("times of day pass midnight once; a day added there",)
+    for wrong in ("13:00:00 PM", "10:61:00", "32.01.2026", "13/13/2026", "01-Foo-2026 10:00:00", "2026-03-01 25:00:00"):
+        with pytest.raises(ValueError, match=f"line 62, column 1: '{wrong}' is not a (time|date)"):
+            load_record(write_text(table("time,u,y", stamps if ":" in wrong[:3] else iso()) + f"{wrong},1,1\n"))
 
 
 def test_times_of_day_pass_midnight(write_text):
@@ -203,6 +249,94 @@ def test_the_times_of_the_format_t_u_y_are_seconds(write_text, step):
     assert load_record(write_text(table(t=[str(step * k) for k in range(N)]))).Ts == step
 
 
+def rows(form):
+    return "".join(form.format(t=f"{t:.1f}", u=u, y=y) + "\n" for t, u, y in zip(T, U, Y, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("text", "units"),
+    [
+        (rows("t:{t},u:{u},y:{y}"), ("", "")),  # of a serial plotter
+        (rows("t: {t}\tu: {u}\ty: {y}"), ("", "")),
+        (rows("t={t} u={u} y={y}"), ("", "")),
+        (rows("y:{y},t:{t},u:{u}").replace("y:0.0,t:0.0,u:0.0\n", "u:0.0,t:0.0,y:0.0\n"), ("", "")),
+        ("t,u,y\n" + rows("{t} s,{u} V,{y}°C"), ("V", "°C")),
+        ("t,u,y\n" + rows("{t},{u}%,{y}"), ("%", "")),
+        ("| t | u | y |\n|---|---|---|\n" + rows("| {t} | {u} | {y} |"), ("", "")),
+        ("t   u   y\n--- --- ---\n" + rows("{t} {u} {y}"), ("", "")),
+        ("t,u,y,Start\nSequence,Volt,Volt,0.5\n" + rows("{t},{u},{y},"), ("Volt", "Volt")),  # of a scope
+        ("Samples\t60\t60\nDelta_X\t0.1\t0.1\nX_Value\tu\ty\n" + rows("{t}\t{u}\t{y}"), ("", "")),  # of LabVIEW
+        (
+            ",".join(['"t"', '"u"', '"y"']) + "\n" + rows('"{t}";"{u}";"{y}"').replace(".", ",").replace(";", ","),
+            ("", ""),
+        ),
+        ("t,u,y\n" + rows("{t},{u},{y}").replace("-", "−"), ("", "")),
+        ("t,u,y\n" + rows("{t},{u},{y}") + "\0" * 512, ("", "")),
+        ("time,u,y\n" + rows("00:0{t},{u},{y}"), ("", "")),
+    ],
+)
+def test_how_devices_lay_out_their_rows(write_text, text, units):
+    record = load_record(write_text(text))
+    assert_read(record)
+    assert record.units == units
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        (table() + "6.0,1", "the last line is no sample; left out"),
+        (table() + "\nEnd of log\nAverage,1.2,3.4\n", "the last 2 lines are no samples; left out"),
+        (table().replace("3.0,", "t,u,y\n3.0,"), "the header stands 1 more time between the rows"),
+    ],
+)
+def test_lines_that_are_no_samples_are_left_out_and_said(write_text, text, note):
+    record = load_record(write_text(text))
+    assert_read(record)
+    assert record.notes == (note,)
+    counted = re.sub(r"^(\d)\.(\d)", r"\1\g<2>00", text.replace("t,u,y", "time,u,y"), flags=re.MULTILINE)
+    with pytest.raises(ValueError, match="time counts in whole numbers, 100 apart"):  # which they do not hide
+        load_record(write_text(counted))
+
+
+def test_a_row_that_is_cut_within_the_table_or_names_another_unit_is_refused(write_text):
+    with pytest.raises(ValueError, match="line 2 begins with 'x1' and holds numbers: it is neither"):
+        load_record(write_text("t,u,y\nx1,1.0,2.0\n" + table("")), columns="1,2,3")
+    with pytest.raises(ValueError, match="line 62 has 2 fields, but column 3 is needed"):
+        load_record(write_text(table() + "6.0,1\n"))
+    with pytest.raises(ValueError, match=r"line 5, column 2: '0.0 mV' is not a number"):
+        load_record(write_text("t,u,y\n" + rows("{t},{u} V,{y}").replace("0.3,0.0 V", "0.3,0.0 mV")))
+    with pytest.raises(ValueError, match=r"line 5, column 2: '45' is not a number"):  # bytes in hexadecimal digits
+        load_record(write_text("t,u,y\n" + rows("{t},3A,{y}").replace("0.3,3A", "0.3,45")))
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("<html><table>", "a page of HTML or XML. Save the table in it as text"),
+        (b"\x1f\x8b\x08\x00", "a packed archive. Unpack it"),
+        ("# Created by Octave 8.4\n# name: t\n", "the text format of Octave. Save it again with save -v7"),
+    ],
+)
+def test_what_is_no_table_is_told_by_its_name(tmp_path, content, says):
+    path = tmp_path / "a.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(ValueError, match=says):
+        load_record(path)
+
+
+@pytest.mark.parametrize("part", ['"a",', "a [ "])
+def test_a_line_that_is_too_long_is_refused_at_once(write_text, part):
+    rows = table()
+    for text, line in ((part * (10**6 // len(part)) + "\n" + rows, 1), (rows + part * (10**6 // len(part)), N + 2)):
+        with pytest.raises(ValueError, match=f"line {line} has over 131071 characters: .*on a line of its own"):
+            load_record(write_text(text))
+    with pytest.raises(
+        ValueError, match=r"fields|no data"
+    ) as caught:  # a tenth of a second; what is quadratic takes minutes
+        load_record(write_text((part * (130_000 // len(part)) + "\n") * 3))
+    assert len(str(caught.value)) < 4000
+
+
 def test_names_that_differ_in_case_only_are_told_apart(write_text):
     text = table("t,heater,T")
     assert_read(load_record(write_text(text), columns="t,heater,T"))
@@ -230,6 +364,7 @@ def test_numbers_with_a_large_offset_keep_their_digits(write_text):
         ("1.5", "number"), ("-1,5", "number"), ("1.234,5", "number"), ("1D+3", "number"), ("2.0-101", "number"),
         ("inf", "number"), ("", "missing"), ("n/a", "missing"), ("ON", "switch"), ("2026-03-01", "date"),
         ("2026-03-01 09:00:00,5", "date"), ("9:00:00", "clock"), ("V", "text"), ("1_000", "text"), ("0x1F", "text"),
+        ("5-", "text"), ("2.5 kPa", "number"), ("9:00:00 AM", "clock"), ("1'234.5", "number"), ("1/3/26 9:00", "date"),
     ],
 )  # fmt: skip
 def test_what_a_field_is(field, kind):
