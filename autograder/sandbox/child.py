@@ -56,7 +56,6 @@ class ReferenceFinder(MetaPathFinder):
 
 def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge's requests until it closes the channel."""
-    block_reference()
     _CALLS.append(ServedCalls(sock, lambda request: _answer(shell, request)))
     follow_rules(shell)
     while True:
@@ -295,6 +294,7 @@ def main() -> None:
     settings = json.loads(sys.stdin.readline())
     sys.path.insert(0, os.getcwd())
     shell = open_shell()  # before the connection: the import has its own time-out
+    block_reference()
     with socket.create_connection((host, int(port))) as sock:
         set_rlimits(settings["limits"])
         syscall_filter = make_syscall_filter((os.getppid(),))
