@@ -4,10 +4,12 @@ What replaces them was sent by the judge, which has judged their question for go
 module changes what later cells start from, and no mark of that question.
 """
 
+import asyncio
 import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -74,15 +76,15 @@ def run_replacing(
     """
     replacements = tuple(replacements)
     if not replacements:
-        return shell.run_cell(source, store_history=False)
+        return _run_cell(shell, source)
     result = None
     replaced = frozenset().union(*(one.names for one in replacements))
     with _in_functions(shell, replacements, replaced, serve):
         for piece in _statements(source):
-            result = shell.run_cell(piece, store_history=False)
+            result = _run_cell(shell, piece)
             error = result.error_before_exec or result.error_in_exec
             if isinstance(error, NameError) and _set_missing(shell.user_ns, str(error.name), replacements, serve):
-                result = shell.run_cell(piece, store_history=False)
+                result = _run_cell(shell, piece)
                 error = result.error_before_exec or result.error_in_exec
             made = assigned_names(piece)
             if error is None:  # a call alone may make anything
@@ -95,6 +97,39 @@ def run_replacing(
             else:
                 break
     return result
+
+
+def in_event_loop(call: Callable[[], Any]) -> Any:
+    """Call a function while an event loop runs, as Jupyter does: it can make tasks, and not start another loop."""
+    if _event_loop().is_running():  # a function that is served calls it back
+        return call()
+
+    async def called() -> tuple[Any, BaseException | None]:
+        try:
+            return call(), None
+        except BaseException as error:  # a coroutine does not pass on each kind
+            return None, error
+
+    value, error = _event_loop().run_until_complete(called())
+    if error is not None:
+        raise error
+    return value
+
+
+def _run_cell(shell: Any, source: str) -> Any:
+    run = partial(shell.run_cell, source, store_history=False)
+    is_async = False
+    if "await" in source or "async" in source:
+        with contextlib.suppress(Exception):  # the run says what is wrong with it
+            is_async = shell.should_run_async(source, transformed_cell=shell.transform_cell(source))
+    shell.loop_runner = _event_loop().run_until_complete
+    return run() if is_async else in_event_loop(run)
+
+
+@cache
+def _event_loop() -> asyncio.AbstractEventLoop:
+    """The event loop of all cells."""
+    return asyncio.new_event_loop()
 
 
 @contextlib.contextmanager
