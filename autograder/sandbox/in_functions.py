@@ -12,7 +12,7 @@ from typing import Any
 
 HOOK = "_labsid_made"
 RESCUE = "_labsid_missing"
-FIRST = "_labsid_is_first"
+SEEN = "_labsid_seen"
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _BLOCKS = (ast.If, ast.With, ast.AsyncWith, ast.Try, ast.ExceptHandler, ast.Match, ast.match_case)
@@ -61,7 +61,10 @@ class ThroughHooks(ast.NodeTransformer):
                 yield statement
             hooks = [one for name in names for one in _hook(name, bound is None or name in bound)]
             if hooks and in_loop:
-                hooks = [ast.If(ast.parse(f"{FIRST}({next(_KEYS)})", mode="eval").body, hooks, [])]
+                key = next(_KEYS)
+                once = ast.parse(f"if {key} not in {SEEN}:\n    {SEEN}.add({key})").body
+                once[0].body += hooks  # type: ignore[attr-defined]
+                hooks = once
             for one in hooks:
                 yield ast.copy_location(one, statement)
 
@@ -93,14 +96,9 @@ class ThroughHooks(ast.NodeTransformer):
 
 def set_hooks(made: Any, missing: Any) -> None:
     """Set what is done with a value, and where none was made."""
-    seen: set[int] = set()
-
-    def is_first(key: int) -> bool:
-        return key not in seen and not seen.add(key)  # type: ignore[func-returns-value]
-
     setattr(builtins, HOOK, made)
     setattr(builtins, RESCUE, missing)
-    setattr(builtins, FIRST, is_first)
+    setattr(builtins, SEEN, set())
 
 
 def made_by(node: ast.AST) -> frozenset[str]:
