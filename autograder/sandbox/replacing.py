@@ -9,7 +9,7 @@ import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -100,8 +100,11 @@ def run_replacing(
 
 
 def in_event_loop(call: Callable[[], Any]) -> Any:
-    """Call a function while an event loop runs, as Jupyter does: it can make tasks, and not start another loop."""
-    if _event_loop().is_running():  # a function that is served calls it back
+    """Call a function while an event loop runs, as Jupyter does: it can make tasks, and not start another loop.
+
+    There is none before the first cell that mentions one.
+    """
+    if not _LOOPS or _LOOPS[0].is_running():  # it runs where a function that is served calls one back
         return call()
 
     async def called() -> tuple[Any, BaseException | None]:
@@ -110,26 +113,24 @@ def in_event_loop(call: Callable[[], Any]) -> Any:
         except BaseException as error:  # a coroutine does not pass on each kind
             return None, error
 
-    value, error = _event_loop().run_until_complete(called())
+    value, error = _LOOPS[0].run_until_complete(called())
     if error is not None:
         raise error
     return value
 
 
+_LOOPS: list[asyncio.AbstractEventLoop] = []
+
+
 def _run_cell(shell: Any, source: str) -> Any:
-    run = partial(shell.run_cell, source, store_history=False)
-    is_async = False
-    if "await" in source or "async" in source:
+    run, is_async = partial(shell.run_cell, source, store_history=False), False
+    if "async" in source or "await" in source:
+        if not _LOOPS:
+            _LOOPS.append(asyncio.new_event_loop())
+        shell.loop_runner = _LOOPS[0].run_until_complete
         with contextlib.suppress(Exception):  # the run says what is wrong with it
             is_async = shell.should_run_async(source, transformed_cell=shell.transform_cell(source))
-    shell.loop_runner = _event_loop().run_until_complete
     return run() if is_async else in_event_loop(run)
-
-
-@cache
-def _event_loop() -> asyncio.AbstractEventLoop:
-    """The event loop of all cells."""
-    return asyncio.new_event_loop()
 
 
 @contextlib.contextmanager
