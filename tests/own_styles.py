@@ -183,6 +183,7 @@ STARTING_OVER = Style(
     },
     _chosen("lab-1a-sampling-time", "lab-1c-offsets"),
 )
+ONE_LOOP = Style(_at_once([*_ALL, "break"], "while True:"), _chosen("lab-2b-theta"))
 STYLES = {
     "own names": OWN_NAMES,
     "code in an earlier cell": EARLY_CELL,
@@ -191,6 +192,7 @@ STYLES = {
     "one function that returns its locals": IN_LOCALS,
     "one function with global names": WITH_GLOBALS,
     "one class": IN_A_CLASS,
+    "one loop": ONE_LOOP,
     "every cell starts over from the record": STARTING_OVER,
 }
 

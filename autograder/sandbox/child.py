@@ -29,7 +29,7 @@ from autograder.sandbox.channel import (
     send,
 )
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
-from autograder.sandbox.replacing import Replacement, run_replacing, set_right
+from autograder.sandbox.replacing import Replacement, in_event_loop, run_replacing, set_right
 from autograder.sandbox.served_calls import ServedCalls
 from labsid.checks.grading_rules import follow_rules
 from labsid.checks.permitted import is_reference
@@ -56,7 +56,6 @@ class ReferenceFinder(MetaPathFinder):
 
 def serve(sock: socket.socket, shell: Any) -> None:
     """Answer the judge's requests until it closes the channel."""
-    block_reference()
     _CALLS.append(ServedCalls(sock, lambda request: _answer(shell, request)))
     follow_rules(shell)
     while True:
@@ -168,7 +167,11 @@ def open_shell() -> Any:
     for module in allowed_modules():
         importlib.import_module(module)
     HistoryManager.enabled = False  # type: ignore[assignment]
-    shell: Any = InteractiveShell.instance()
+
+    class ZMQInteractiveShell(InteractiveShell):
+        """Named as Jupyter's own, for code that asks whether it runs in a notebook."""
+
+    shell: Any = ZMQInteractiveShell.instance()
     # ignore %matplotlib: there is no display
     shell.register_magic_function(lambda line: None, magic_name="matplotlib")
     matplotlib.pyplot.switch_backend("Agg")
@@ -210,7 +213,7 @@ def _call(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     keywords = {name: _CALLS[0].argument(argument) for name, argument in request.get("keywords", {}).items()}
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            value = function(*arguments, **keywords)
+            value = in_event_loop(lambda: function(*arguments, **keywords))
     finally:
         sys.modules["matplotlib.pyplot"].close("all")  # figures of hidden inputs must not reach the next cell
     return {"ok": True, "value": encode(plain(value))}
@@ -218,7 +221,8 @@ def _call(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
 
 def _call_back(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     """Call a function that this process has passed to one that the judge serves."""
-    return {"ok": True, "value": encode(plain(_CALLS[0].called_back(request["key"], request["arguments"])))}
+    value = in_event_loop(lambda: _CALLS[0].called_back(request["key"], request["arguments"]))
+    return {"ok": True, "value": encode(plain(value))}
 
 
 def _set(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
@@ -295,6 +299,7 @@ def main() -> None:
     settings = json.loads(sys.stdin.readline())
     sys.path.insert(0, os.getcwd())
     shell = open_shell()  # before the connection: the import has its own time-out
+    block_reference()
     with socket.create_connection((host, int(port))) as sock:
         set_rlimits(settings["limits"])
         syscall_filter = make_syscall_filter((os.getppid(),))

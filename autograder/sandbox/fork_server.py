@@ -18,7 +18,7 @@ from typing import Any
 
 from autograder.sandbox.allowed_paths import allowed_labsid_paths
 from autograder.sandbox.channel import ChannelError, receive, send
-from autograder.sandbox.child import open_shell, serve
+from autograder.sandbox.child import block_reference, open_shell, serve
 from autograder.sandbox.confine import ProcessSettings, confine_process, make_syscall_filter, prepare_fork_server
 from autograder.sandbox.process_groups import (
     find_orphans,
@@ -46,6 +46,7 @@ def main() -> None:
     control = socket.socket(fileno=os.dup(0))
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     shell = open_shell()
+    block_reference()  # once for all children
     prepare_fork_server()
     children: dict[int, _Child] = {}
     filters: dict[tuple[int, ...], Any] = {}

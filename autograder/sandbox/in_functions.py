@@ -1,26 +1,31 @@
-"""Inside the functions and blocks of a cell: where a statement makes a value, the value passes through a hook.
+"""Inside the functions, blocks and loops of a cell: where a statement makes a value, the value passes through a hook.
 
-A student who puts the whole notebook into one function, class or block loses no more by a wrong step than one who does
-not.
+A student who puts the whole notebook into one function, class, block or loop loses no more by a wrong step than one who
+does not.
 """
 
 import ast
 import builtins
+import itertools
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 HOOK = "_labsid_made"
 RESCUE = "_labsid_missing"
+SEEN = "_labsid_seen"
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _BLOCKS = (ast.If, ast.With, ast.AsyncWith, ast.Try, ast.ExceptHandler, ast.Match, ast.match_case)
+_LOOPS = (ast.For, ast.AsyncFor, ast.While)
 _INNER = (*_FUNCTIONS, ast.ClassDef, ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+_KEYS = itertools.count()  # of statements in loops
 
 
 class ThroughHooks(ast.NodeTransformer):
     """Passes what statements make through two hooks, ``made(name, value, locals)`` and ``missing(name)``.
 
-    A loop is one statement. So is each statement that is alone in what is run.
+    In a loop, only what a statement makes the first time passes: a later pass may go on from a value that was replaced,
+    as an iteration does. Each statement that is alone in what is run is one.
 
     Parameters
     ----------
@@ -42,21 +47,28 @@ class ThroughHooks(ast.NodeTransformer):
             node.body = list(self._changed(node.body, None))
         return ast.fix_missing_locations(node)
 
-    def _changed(self, body: Iterable[ast.stmt], bound: Collection[str] | None) -> Iterator[ast.stmt]:
+    def _changed(
+        self, body: Iterable[ast.stmt], bound: Collection[str] | None, in_loop: bool = False
+    ) -> Iterator[ast.stmt]:
         """Statements with hooks; `bound` are the names of their function, or None outside of functions."""
         for statement in body:
             names = sorted(made_by(statement))
-            self._change_inner(statement, bound)
+            self._change_inner(statement, bound, in_loop)
             is_bound = bound is None or set(names) <= set(bound)
-            if names and isinstance(statement, ast.Assign | ast.AnnAssign) and is_bound:
+            if names and isinstance(statement, ast.Assign | ast.AnnAssign) and is_bound and not in_loop:
                 yield self._rescued(statement, names)
             else:
                 yield statement
-            for name in names:
-                for one in _hook(name, bound is None or name in bound):
-                    yield ast.copy_location(one, statement)
+            hooks = [one for name in names for one in _hook(name, bound is None or name in bound)]
+            if hooks and in_loop:
+                key = next(_KEYS)
+                once = ast.parse(f"if {key} not in {SEEN}:\n    {SEEN}.add({key})").body
+                once[0].body += hooks  # type: ignore[attr-defined]
+                hooks = once
+            for one in hooks:
+                yield ast.copy_location(one, statement)
 
-    def _change_inner(self, node: ast.AST, bound: Collection[str] | None) -> None:
+    def _change_inner(self, node: ast.AST, bound: Collection[str] | None, in_loop: bool = False) -> None:
         """Change the bodies within a statement."""
         if isinstance(node, _FUNCTIONS):
             if node.name not in self._left:
@@ -65,13 +77,14 @@ class ThroughHooks(ast.NodeTransformer):
             for one in node.body:
                 if isinstance(one, _FUNCTIONS):
                     self._change_inner(one, None)
-        elif isinstance(node, _BLOCKS):
+        elif isinstance(node, (*_BLOCKS, *_LOOPS)):
+            in_loop |= isinstance(node, _LOOPS)
             for part in ("body", "orelse", "finalbody"):
                 if getattr(node, part, None):
-                    setattr(node, part, list(self._changed(getattr(node, part), bound)))
+                    setattr(node, part, list(self._changed(getattr(node, part), bound, in_loop)))
             for part in ("handlers", "cases"):
                 for one in getattr(node, part, ()):
-                    self._change_inner(one, bound)
+                    self._change_inner(one, bound, in_loop)
 
     def _rescued(self, statement: ast.stmt, names: Collection[str]) -> ast.stmt:
         if not set(names) <= set(self._replaced):
@@ -85,6 +98,7 @@ def set_hooks(made: Any, missing: Any) -> None:
     """Set what is done with a value, and where none was made."""
     setattr(builtins, HOOK, made)
     setattr(builtins, RESCUE, missing)
+    setattr(builtins, SEEN, set())
 
 
 def made_by(node: ast.AST) -> frozenset[str]:

@@ -15,7 +15,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Protocol
 
-from autograder.sandbox.bubblewrap import WORK, Sandbox, SandboxError, find_bubblewrap, open_sandbox, sandbox_command
+from autograder.sandbox.bubblewrap import (
+    WORK,
+    Sandbox,
+    SandboxError,
+    copy_as_one_folder,
+    find_bubblewrap,
+    open_sandbox,
+    sandbox_command,
+)
 from autograder.sandbox.channel import ChannelError, receive, send
 from autograder.sandbox.confine import ProcessSettings
 from autograder.sandbox.limits import Limits
@@ -69,6 +77,7 @@ class ForkingLauncher:
         self.limits = limits
         self._setup = IsolationSetup("none")
         self._sandbox_command: list[str] = []
+        self._shown: Path | None = None  # the copy of labsid that sandboxes show
         self._user_ids = itertools.cycle(_USER_IDS)
         self._lock = threading.Lock()
         self._closed = False
@@ -87,8 +96,12 @@ class ForkingLauncher:
     def configure(self, setup: IsolationSetup) -> None:
         """Choose how processes are isolated; raises `SandboxError` if bubblewrap is needed and not installed."""
         if setup.level == "namespaces":
+            bubblewrap = find_bubblewrap()
+            self._remove_shown()
+            self._shown = make_workdir()
+            allowed = copy_as_one_folder(self._fork_server.allowed, self._shown)
             self._sandbox_command = sandbox_command(
-                find_bubblewrap(), self._fork_server.allowed, self.limits.disk_bytes, setup.own_user_namespace
+                bubblewrap, allowed, self.limits.disk_bytes, setup.own_user_namespace
             )
         self._setup = setup
 
@@ -140,6 +153,11 @@ class ForkingLauncher:
         """End the fork server, which ends every process that it forked."""
         self._closed = True
         self._fork_server.close()
+        self._remove_shown()
+
+    def _remove_shown(self) -> None:
+        if self._shown is not None:
+            remove_folder(self._shown)
 
     def _open_sandbox(self) -> Sandbox:
         try:

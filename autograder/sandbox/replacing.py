@@ -4,10 +4,12 @@ What replaces them was sent by the judge, which has judged their question for go
 module changes what later cells start from, and no mark of that question.
 """
 
+import asyncio
 import contextlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -74,15 +76,15 @@ def run_replacing(
     """
     replacements = tuple(replacements)
     if not replacements:
-        return shell.run_cell(source, store_history=False)
+        return _run_cell(shell, source)
     result = None
     replaced = frozenset().union(*(one.names for one in replacements))
     with _in_functions(shell, replacements, replaced, serve):
         for piece in _statements(source):
-            result = shell.run_cell(piece, store_history=False)
+            result = _run_cell(shell, piece)
             error = result.error_before_exec or result.error_in_exec
             if isinstance(error, NameError) and _set_missing(shell.user_ns, str(error.name), replacements, serve):
-                result = shell.run_cell(piece, store_history=False)
+                result = _run_cell(shell, piece)
                 error = result.error_before_exec or result.error_in_exec
             made = assigned_names(piece)
             if error is None:  # a call alone may make anything
@@ -95,6 +97,40 @@ def run_replacing(
             else:
                 break
     return result
+
+
+def in_event_loop(call: Callable[[], Any]) -> Any:
+    """Call a function while an event loop runs, as Jupyter does: it can make tasks, and not start another loop.
+
+    There is none before the first cell that mentions one.
+    """
+    if not _LOOPS or _LOOPS[0].is_running():  # it runs where a function that is served calls one back
+        return call()
+
+    async def called() -> tuple[Any, BaseException | None]:
+        try:
+            return call(), None
+        except BaseException as error:  # a coroutine does not pass on each kind
+            return None, error
+
+    value, error = _LOOPS[0].run_until_complete(called())
+    if error is not None:
+        raise error
+    return value
+
+
+_LOOPS: list[asyncio.AbstractEventLoop] = []
+
+
+def _run_cell(shell: Any, source: str) -> Any:
+    run, is_async = partial(shell.run_cell, source, store_history=False), False
+    if "async" in source or "await" in source:
+        if not _LOOPS:
+            _LOOPS.append(asyncio.new_event_loop())
+        shell.loop_runner = _LOOPS[0].run_until_complete
+        with contextlib.suppress(Exception):  # the run says what is wrong with it
+            is_async = shell.should_run_async(source, transformed_cell=shell.transform_cell(source))
+    return run() if is_async else in_event_loop(run)
 
 
 @contextlib.contextmanager

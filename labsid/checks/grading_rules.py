@@ -9,6 +9,7 @@ import importlib
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -40,6 +41,7 @@ def follow_rules(shell: Any) -> None:
     shell.kernel = NoFrontEnd()
     shell.ask_exit = lambda: None
     shell.enable_gui = lambda gui=None: None
+    shell.user_ns["_dh"] = [Path.cwd()]  # `%dhist`
     shell.db = {}  # of `%cd` and other magics, which would write it to the home folder
     if not hasattr(shell, "get_parent"):
         shell.parent_header = {}

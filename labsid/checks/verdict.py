@@ -1,6 +1,6 @@
 """Verdicts of checks, and the known mistakes that an answer may match."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import wraps
 from typing import Generic, ParamSpec, TypeVar
@@ -103,7 +103,7 @@ def judge(
     same: Callable[[Answer, Answer], bool],
     praise: str,
     otherwise: str,
-    slips: Sequence[Slip[Answer]] = (),
+    slips: Iterable[Slip[Answer]] = (),
     exactly: Callable[[Answer, Answer], bool] | None = None,
 ) -> Verdict:
     """Compare an answer with the right value and, if it differs, with the value of each known mistake.
@@ -116,8 +116,9 @@ def judge(
         ``same(a, b)`` says whether two values agree within the tolerance of the question.
     praise, otherwise : str
         Reasons for a right answer, and for a wrong one that matches no known mistake.
-    slips : sequence of Slip
-        Tried in order. A mistake that cannot be computed on this record, or that gives the right value, is skipped.
+    slips : iterable of Slip
+        Tried in order, only if the answer is not right. A mistake that cannot be computed on this record, or that gives
+        the right value, is skipped.
     exactly : callable, optional
         A closer comparison, for answers whose tolerance is wider than the distance between a mistake and the right
         value: an answer that is exactly what a mistake gives, and not exactly right, is that mistake.

@@ -4,6 +4,7 @@ An error costs its own cell. After a wrong step the run goes on from the referen
 only its own marks.
 """
 
+import re
 import shutil
 import tempfile
 import time
@@ -14,6 +15,7 @@ from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
+from labsid.checks.cell_names import bound_names, read_names
 from labsid.checks.cells import Cell, Template, grade_id_of
 from labsid.checks.notebook import find_assignment
 from labsid.checks.permitted import skipped_lines
@@ -22,6 +24,7 @@ from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECO
 from labsid.hand_in.kernel import CellOutcome, NotebookKernel
 
 _CHECK_SECONDS = 3 * CALL_SECONDS
+_HISTORY = re.compile(r"_i{1,3}|_i?\d+|_[io]h|In|Out")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +94,7 @@ def run_from_clean_start(
             (Path(scratch) / record).write_bytes(content)
         elif record is not None and (notebook.parent / record).is_file():
             shutil.copyfile(notebook.parent / record, Path(scratch) / record)
+        runner.remarks += _remarks_on_history(steps)
         for step in steps:
             runner.run(step)
         texts = {grade_id_of(cell): cell["source"] for cell in reversed(cells)}
@@ -135,6 +139,17 @@ def _remark_on_skipped(line: str) -> str:
         f"`{shorten(line, 60)}` was skipped, as it is when the notebook is graded: nothing can be installed there and "
         "no program started. The rest of the cell was run."
     )
+
+
+def _remarks_on_history(steps: Sequence[_Step]) -> Iterator[str]:
+    """On names that Jupyter gives to earlier cells and their values; the student may use them for something else."""
+    read = {name for step in steps for name in read_names(step.source)}
+    for name in sorted(read.difference(*(bound_names(step.source) for step in steps))):
+        if _HISTORY.fullmatch(name):
+            yield (
+                f"`{name}`, which Jupyter makes of the cells that were run before, is missing or another one when the "
+                "notebook is graded: a question that depends on it is wrong. Give the value a name."
+            )
 
 
 class _Runner:

@@ -71,6 +71,9 @@ WHOLE = {
     "the main guard": f"if __name__ == '__main__':\n    {MADE}    z = 2 * y",
     "with": f"import contextlib\nwith contextlib.nullcontext():\n    {MADE}    z = 2 * y",
     "try": f"try:\n    {MADE}    z = 2 * y\nexcept ValueError:\n    pass",
+    "for": f"for _ in range(1):\n    {MADE}    z = 2 * y",
+    "while": f"while True:\n    {MADE}    z = 2 * y\n    break",
+    "a loop in a function": f"def main():\n    for _ in 'a':\n        {MADE}        return y, 2 * y\ny, z = main()",
     "one line": f"{MADE.strip()}; z = 2 * y",
     "%%time": f"%%time\n{MADE}z = 2 * y",
     "%%capture": f"%%capture kept\n{MADE}z = 2 * y",
@@ -84,6 +87,15 @@ def test_all_code_in_one_block_runs_on_right_values(shell: Any, style: str) -> N
     assert made["error"] is None
     np.testing.assert_array_equal(made["z"], 2 * RIGHT)
     np.testing.assert_array_equal(made["y"], RIGHT)
+
+
+@pytest.mark.parametrize("place", ["{}", "def main():\n    {}\n    return n, passes\nn, passes = main()"])
+def test_a_loop_of_several_passes_makes_as_many_of_them(shell: Any, place: str) -> None:
+    """A right value in the place of a wrong one, in each pass, would never let it end."""
+    indent = "\n" + "    " * ("main" in place)
+    loop = "n = passes = 0|while n < 40:|    n = n + 1.0|    passes += 1".replace("|", indent)
+    made = run(shell, place.format(loop), Replacement({"n": 5.0}, {"n": 40.0}))
+    assert (made["n"], made["passes"]) == (5.0, 40)
 
 
 def test_a_function_that_the_judge_calls_is_as_written(shell: Any) -> None:

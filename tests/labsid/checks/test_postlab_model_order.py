@@ -2,13 +2,18 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from labsid.checks.assignments.lab_identification import simulated_output
+from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.assignments.postlab_model_order import ASSIGNMENT
 from labsid.checks.assignments.postlab_model_order.first_order_model import _numbers
+from labsid.lab.arx import arx_from_theta
 from labsid.lab.offset import find_offsets
+from labsid.lab.simulation import simulate
 from labsid.records.record import load_record
 
 NAME = "postlab-model-order"
@@ -41,6 +46,18 @@ def test_another_offset_in_the_notebook_is_judged_on_the_reference(shipped_recor
     spoilt = "y = y + 0.3\nPhi_1 = np.column_stack([y[: half - 1], u[: half - 1]])\nY_1 = y[1:half]"
     said = run_notebook(NAME, shipped_record_path, {"postlab-1-phi-answer": spoilt})
     assert said["postlab-1-phi"] != ""
+
+
+def test_no_known_mistake_is_simulated_for_a_right_answer(
+    shipped_record_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That took an eighth of the judge's time for this assignment."""
+    record = load_record(shipped_record_path)
+    data = LabData(record.u, record.y, record.y, record.u[0], 0.0, record.Ts)
+    model = arx_from_theta(np.array([0.9, 0.1]), record.Ts)
+    monkeypatch.setattr(simulated_output, "predict_one_step", lambda *_: pytest.fail("it was simulated"))
+    ask = SimpleNamespace(value=lambda name: simulate(model, data.u))
+    assert simulated_output.judge_entire_run(ask, "y_sim_1", data, model).passed
 
 
 def test_points_sum_to_one() -> None:

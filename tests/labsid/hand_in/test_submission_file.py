@@ -220,12 +220,13 @@ def test_a_students_own_cell_that_fails_is_named_and_the_cells_after_it_are_run(
     notebook = nbformat.read(path, as_version=4)
     place = next(i for i, cell in enumerate(notebook.cells) if cell.id == "prelab-2-noise") + 1
     notebook.cells.insert(place, nbformat.v4.new_code_cell("\n# a try\nprint(undefined)"))
-    notebook.cells.insert(place, nbformat.v4.new_code_cell("mean = np.mean(y1)"))
+    notebook.cells.insert(place, nbformat.v4.new_code_cell("mean = np.mean(y1)\nOut = In = 0\nbefore = _i, Out, In"))
     nbformat.write(notebook, path)
     saved = read_saved(path)
     run = run_notebook(saved)
     assert [one.state for one in run.states].count("right") == len(run.states) - 1  # the open question
-    (remark,) = run.remarks
+    history, remark = run.remarks
+    assert history.startswith("`_i`, which Jupyter makes of the cells that were run before, is missing or another one")
     assert remark.startswith("Your own cell that begins with `# a try` stopped with NameError: name 'undefined' is not")
     assert list(run_text(saved, run))[-1] == remark
     assert "correct it or delete it" in remark

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,34 +48,40 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
     got = read_output(name, ask.value(name))
     right = simulate(model, data.u)
     n = model.order
-    halves = [(simulate(model, data.u[:h]), simulate(model, data.u[h:])) for h in (data.half, data.half + 1)]
     for other in (
         _zero_at_first(model, data.u),
         simulate(model, data.u, estimate_initial_state(model, data.u, data.y, n)),
     ):
         if got.size == right.size and SAME(got, other):
             right = other
-    slips = [
-        Slip(
-            "wrong half", f"`{name}` covers the first half only; simulate the entire input.", lambda: right[: data.half]
-        ),
-        Slip(
-            "wrong half",
-            f"`{name}` covers the second half only; simulate the entire input.",
-            lambda: simulate(model, data.u[data.half :]),
-        ),
-        *(
+
+    def joined(half: int) -> FloatArray:
+        return np.concatenate([simulate(model, data.u[:half]), simulate(model, data.u[half:])])
+
+    slips = chain(
+        (
             Slip(
-                "two runs joined",
-                f"`{name}` is two runs put together: the second starts from rest in the middle of the "
-                f"record. Simulate the "
-                "entire input in one call.",
-                partial(np.concatenate, pair),
-            )
-            for pair in halves
+                "wrong half",
+                f"`{name}` covers the first half only; simulate the entire input.",
+                lambda: right[: data.half],
+            ),
+            Slip(
+                "wrong half",
+                f"`{name}` covers the second half only; simulate the entire input.",
+                lambda: simulate(model, data.u[data.half :]),
+            ),
+            *(
+                Slip(
+                    "two runs joined",
+                    f"`{name}` is two runs put together: the second starts from rest in the middle of the record. "
+                    "Simulate the entire input in one call.",
+                    partial(joined, half),
+                )
+                for half in (data.half, data.half + 1)
+            ),
         ),
-        *_slips(name, data, model, 0),
-    ]
+        _slips(name, data, model, 0),
+    )
     return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
 
 
