@@ -135,10 +135,21 @@ def _errors(
     """Draw the errors of the simulations and the noise band."""
     for name, text, colour, _ in curves:
         ax.plot(*_broken(trace["t"], trace["y"] - trace[name]), color=colour, linewidth=1.0, label=text)
-    noise = 2.0 * report["gap"]["noise_floor"]
-    for side, text in ((-noise, "Noise, ±2 s.d."), (noise, "")):
+    noise, name_of_noise = noise_band(report)
+    for side, text in ((-noise, f"{name_of_noise}, ±2 s.d."), (noise, "")):
         ax.axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
     ax.margins(x=0)
+
+
+def noise_band(report: dict[str, Any]) -> tuple[float, str]:
+    """Two standard deviations of the noise, and its name.
+
+    Where something is unexplained, it is the white noise of the residual: what no model predicts is no noise.
+    """
+    gap, left = report["gap"], report["unexplained"]
+    if report["verdict"] in ("none", "effect"):
+        return 2.0 * gap["noise_floor"], "Noise"
+    return 2.0 * min(gap["noise_floor"], left["rms"] / max(left.get("colour", 1.0), 1.0)), "White noise"
 
 
 def _shade_scored(ax: Axes, stretches: list[list[float]]) -> None:

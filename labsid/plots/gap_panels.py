@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from labsid.plots.gap import unit_of
+from labsid.plots.gap import noise_band, unit_of
 from labsid.plots.style import TIME
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def panels(report: dict[str, Any], name: str) -> dict[str, Any]:
     held.glyph.tags = [["line_color", "--ink"]]
     if other or report["holdout_traces"] is None:
         _shade(error, report["gap"]["holdout"])
-    _noise(error, 2.0 * report["gap"]["noise_floor"])
+    _noise(error, noise_band(report)[0])
     _hover(output, {"Measured": "@y", "Before": "@before", "After": "@after"})
     _hover(error, {"Error before": "@e_before", "Error after": "@e_after"})
     _hover(command, {"Input": "@u"})

@@ -131,7 +131,11 @@ def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
     else:
         rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
     rows.append(
-        ("Noise alone" if _has_probabilities(report) else "Noise, with disturbances", gap["noise_floor"], "floor")
+        (
+            "Noise alone" if _has_probabilities(report) else "Noise and what no model predicts",
+            gap["noise_floor"],
+            "floor",
+        )
     )
     longest = max(value for _, value, _ in rows) or 1.0
     return [

@@ -271,7 +271,7 @@ def gap_sentence(report: dict[str, Any]) -> str:
     where = "held-out samples" if report["holdout_traces"] is None else "holdout record"
     where = "each record left out in turn" if report.get("records") else where
     unit = report.get("units", {}).get("y", "units of y")
-    noise = "noise alone" if report["verdict"] in ("none", "effect") else "noise, with disturbances,"
+    noise = "noise alone" if report["verdict"] in ("none", "effect") else "noise, with what no model predicts,"
     end = f"the {noise} is {number(gap['noise_floor'])} ({unit}, {where})."
     if is_unchanged(report):
         return f"The rms simulation error is {number(gap['before'])}; {end}"

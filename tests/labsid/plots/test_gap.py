@@ -13,6 +13,7 @@ from labsid.plots.gap import (
     figure_simulations,
     figures_as_png,
     largest_error,
+    noise_band,
 )
 
 WIDTHS = pytest.mark.parametrize("narrow", [False, True])
@@ -50,6 +51,16 @@ def test_measured_and_both_simulations_over_the_record_and_close_up(narrow, cove
     ]
     assert figure.get_size_inches()[0] == (NARROW if narrow else WIDE)
     assert covered(figure) == []
+
+
+def test_the_band_of_noise_holds_nothing_that_is_unexplained():
+    base = report("input-delay", verdict="partial")
+    base["gap"]["noise_floor"] = 0.04
+    base["unexplained"] |= {"rms": 0.05, "colour": 10.0}
+    assert noise_band(base) == (pytest.approx(0.01), "White noise")
+    assert "White noise, ±2 s.d." in _legend(figure_simulations(base).axes[2])
+    base["verdict"] = "effect"
+    assert noise_band(base) == (0.08, "Noise")
 
 
 def test_the_units_of_the_record_are_on_the_axes():

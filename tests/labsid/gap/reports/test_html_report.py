@@ -238,7 +238,7 @@ def test_the_noise_includes_disturbances_where_something_else_remains(pages):
     assert "indistinguishable from noise" in pages["effect"][1].words
     for kind in ("partial", "unknown"):
         assert "indistinguishable from noise" not in pages[kind][1].words
-        assert page_content(KINDS[kind])["bars"][-1]["label"] == "Noise, with disturbances"
+        assert page_content(KINDS[kind])["bars"][-1]["label"] == "Noise and what no model predicts"
 
 
 def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
@@ -309,7 +309,7 @@ def test_bars_compare_errors_before_and_after_with_the_noise():
     assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
     assert [bar["label"] for bar in page_content(KINDS["unknown"])["bars"]] == [
         "Simulation",
-        "Noise, with disturbances",
+        "Noise and what no model predicts",
     ]
     after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "partial", "mismatch")}
     assert after == {

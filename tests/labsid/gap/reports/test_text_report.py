@@ -120,7 +120,7 @@ def test_unknown_lists_the_effects_tried_and_the_residual():
         "None of the 9 effects tried explains the gap: none reduces it on held-out samples by more than chance."
     )
     assert "tried Extra lag, backlash, transport delay, drift of the sensor, lightly damped mode, logger" in text
-    assert "The rms simulation error is 0.0644; the noise, with disturbances, is 0.0100" in text
+    assert "The rms simulation error is 0.0644; the noise, with what no model predicts, is 0.0100" in text
     assert "100 % of the gap remains; with the noise, 0.0101 rms" in text
     assert "It depends on past inputs (p < 0.001)" in text
     assert "repeats when the input repeats (correlation 0.30)" in text
