@@ -140,8 +140,14 @@ def _last_part(name: str) -> str:
 
 
 def _find(name: str, log: Log) -> int:
-    if name in log.names:
-        return log.names.index(name)
+    exact = [k for k, other in enumerate(log.names) if other == name]
+    if len(exact) > 1:
+        raise UnknownColumns(
+            f"{len(exact)} {log.what}s are called {name!r}. Give the number of one: "
+            f"{', '.join(str(k + 1) for k in exact[:20])}."
+        )
+    if exact:
+        return exact[0]
     if name.isdecimal() and 1 <= int(name) <= len(log.names):
         return int(name) - 1
     bare = name.split("[")[0].split("(")[0].strip()

@@ -123,6 +123,8 @@ def number(field: str, style: Style, unit: str = "") -> float:
         If it is no number.
     """
     text = field.strip().strip("\"'").strip().replace("−", "-")
+    if "_" in text:  # which Python reads
+        raise ValueError(field)
     if unit and text.lower() not in MISSING:
         if not text.endswith(unit):
             raise ValueError(field)
