@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid.records.column import Column, Log, stamps_column
 from labsid.records.resampling import is_held
-from labsid.records.stamps import in_seconds
+from labsid.records.stamps import NoTimes, in_seconds
 from labsid.records.units import is_time_name
 
 MAX_COLUMNS = 200  # that are described
@@ -134,6 +134,8 @@ def _summary(column: Column) -> ColumnSummary:
     if role == "time":
         try:
             interval = _interval(in_seconds(column).t)
+        except NoTimes:
+            role, why = "constant", "it counts samples"
         except ValueError:
             why = f"{why}; its unit is not said (--time-unit)"
     missing = 1.0 - known.size / numbers.size

@@ -19,6 +19,10 @@ _SHORT = 1e-3  # of the unit: of seconds a step that is rare beside an offset of
 _HALF_DAY = 43200.0
 
 
+class NoTimes(ValueError):
+    """A column counts samples, not time."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Stamps:
     """Time stamps in seconds.
@@ -58,7 +62,7 @@ def in_seconds(column: Column, unit: str | None = None) -> Stamps:
         values = values.astype(np.int64)
     notes: list[str] = []
     if column.unit.lower() in ("sequence", "samples") and np.all(np.diff(values) == 1):
-        raise ValueError(
+        raise NoTimes(
             f"{column.name} counts samples ({column.unit}), not time. Give the input and the output alone, and the "
             "sampling time, which such a file names in its header (--columns u,y --Ts SECONDS)."
         )

@@ -19,6 +19,7 @@ _PREFIX = re.compile(r"^\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?) ->\s*")  # of the ser
 _PACKED = (b"\x1f\x8b", b"PK\3\4", b"7z\xbc\xaf\x27\x1c", b"Rar!", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd")
 _RULER = re.compile(r"[\s|+:=-]*---[\s|+:=-]*")  # under the header, as Markdown and terminals draw it
 _LABELLED = re.compile(r"([A-Za-z_]\w{0,40})\s*[:=]\s*(\S.*)?")  # u:1.5, of a serial plotter
+_FACTOR = re.compile(r"\s*1\.0e[+-]\d+ \*\s*")
 _DATA = ("number", "switch", "date", "clock")
 
 
@@ -153,6 +154,11 @@ def find_layout(content: bytes) -> Layout:
     rows = [k for k, line in enumerate(head) if is_row(line) and not _RULER.fullmatch(line)]
     if not rows:
         raise ValueError("there are no data in it, only comments.")
+    if any(map(_FACTOR.fullmatch, head)):
+        raise ValueError(
+            "it is what MATLAB shows, with a factor for all columns (1.0e+03 *) and few digits. Save the variables "
+            "with save FILE.mat, or writematrix."
+        )
     has_prefix = bool(_PREFIX.match(head[rows[-1]]))
     plain = [without_prefix(line, "\t") if has_prefix else line for line in head]
     delimiter = _delimiter([plain[k] for k in rows], has_prefix)
@@ -178,7 +184,8 @@ def find_layout(content: bytes) -> Layout:
         (k for k in under if len(split[k]) >= width and _is_data(fields[k]) and _fits(fields[k], begins)), None
     )
     if first is None:
-        raise ValueError(f"there is a header ({listed(fields[rows[0]])}) and no data under it.")
+        odd = f", but line {rows[1] + 1} is no sample: {plain[rows[1]][:40]!r}. Write plain numbers" if rows[1:] else ""
+        raise ValueError(f"there is a header ({listed(fields[rows[0]])}) and no data under it{odd}.")
     above = [k for k in rows if k < first and len(fields[k]) >= width]
     header: list[str] = []
     units: list[str] = []

@@ -260,6 +260,7 @@ def test_tdms_whose_channels_begin_at_different_times(tmp_path):
             file.write_segment([ChannelObject("rig", name, x, properties=wave)])
     record = load_record(tmp_path / "a.tdms")
     assert (len(record), record.Ts) == (N - 10, pytest.approx(0.1))  # u ends 1 s before y
+    assert "10 samples of y before the first of u or after its last left out" in record.notes
     np.testing.assert_array_equal(record.u, U[10:])
     np.testing.assert_array_equal(record.y, Y[:-10])
 

@@ -6,8 +6,10 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
+from labsid.records.contents import suggested_options, summarize
 from labsid.records.fields import kind_of
 from labsid.records.record import load_record, reading_notes
+from labsid.records.text_file import open_text
 from labsid.records.units import is_time_name, is_unit, split_unit, split_units, unit_in_time_name
 
 N = 60
@@ -455,3 +457,31 @@ def test_labview_without_times(write_text):
     text = "LabVIEW Measurement\t\n***End_of_Header***\t\nChannels\t2\t\t\nSamples\t60\t60\t\nDelta_X\t0.1\t0.1\t\n"
     text += "X_Value\tu\ty\tComment\n" + rows("\t{u}\t{y}\t")
     assert_read(load_record(write_text(text), columns="u,y", Ts=0.1))
+
+
+@pytest.mark.parametrize("since", [0, 1764000000])
+@pytest.mark.parametrize("names", ["secs,nsecs", "stamp.sec,stamp.nanosec"])
+def test_whole_seconds_have_their_nanoseconds_beside_them(write_text, names, since):
+    stamps = [f"{since + k // 10},{k % 10 * 10**8 + 7}" for k in range(N)]
+    record = load_record(write_text(table(f"{names},u,y", stamps)))
+    assert record.Ts == pytest.approx(0.1, rel=1e-9)
+    np.testing.assert_array_equal(record.u, U)
+    assert f"times are {names.replace(',', ' and ')} together" in record.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (table(u=[f"[{u}]" for u in U], y=[f"[{y}]" for y in Y]), r"but line 2 is no sample: '0\.0,\[0\.0\],\[0\.0\]'"),
+        ("ans =\n\n   1.0e+03 *\n\n" + rows("   {t}   {u}   {y}"), "what MATLAB shows, with a factor"),
+    ],
+)
+def test_tables_as_programs_print_them_are_refused(write_text, text, says):
+    with pytest.raises(ValueError, match=says):
+        load_record(write_text(text))
+
+
+def test_the_table_of_columns_does_not_take_counted_samples_for_times(write_text):
+    text = "X,CH1,CH2\nSequence,Volt,Volt\n" + "".join(f"{k},{U[k]},{Y[k]}\n" for k in range(N))
+    found = summarize(open_text(write_text(text).read_bytes()))
+    assert suggested_options(found) == ["--columns", "CH1,CH2", "--Ts", "SECONDS"]
