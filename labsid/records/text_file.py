@@ -153,7 +153,8 @@ def _after_the_table(rows: Sequence[_Row], places: int, is_cut: bool) -> int:
 def _check_width(k: int, fields: Sequence[str], line: str, layout: Layout) -> None:
     """Refuse a row whose fields may stand in other columns than those of the other rows."""
     width = layout.width
-    if any(fields[width:]) and fields[width][:1] not in ("#", "%"):
+    over = fields[width:]  # words there are a remark at the end of the line
+    if over and over[0][:1] not in ("#", "%") and any(kind_of(field) not in ("text", "missing") for field in over):
         why = "A mark of thousands or a text with a delimiter needs quotes; two rows in one line have to be separated."
     elif layout.delimiter is None and len(fields) < width:
         why = "Blanks do not show which is missing. Write nan there, or delete that line."

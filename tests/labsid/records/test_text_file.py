@@ -485,3 +485,10 @@ def test_the_table_of_columns_does_not_take_counted_samples_for_times(write_text
     text = "X,CH1,CH2\nSequence,Volt,Volt\n" + "".join(f"{k},{U[k]},{Y[k]}\n" for k in range(N))
     found = summarize(open_text(write_text(text).read_bytes()))
     assert suggested_options(found) == ["--columns", "CH1,CH2", "--Ts", "SECONDS"]
+
+
+@pytest.mark.parametrize("remark", [",pump on, by hand", ",,", ",# at 3 pm, 7"])
+def test_a_remark_at_the_end_of_a_row_does_not_count(write_text, remark):
+    lines = table().splitlines()
+    lines[9] += remark
+    assert_read(load_record(write_text("\n".join([*lines, ""]))))
