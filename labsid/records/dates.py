@@ -12,7 +12,7 @@ _CLOCK = re.compile(rf"(?:(\d{{1,5}})(?: days? |\.))?(\d{{1,2}}):(\d\d){_SECONDS
 _DATE = re.compile(
     r"(?:(\d{4})([-/.])(\d{1,2})\2(\d{1,2})"
     r"|(\d{1,2})([-/. ])(\d{1,2}|[a-z]{3})\6(\d{4}|(?<=[/.])\d\d))"
-    rf"(?:[T ,]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
+    rf"(?:[T ,_-]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
     re.IGNORECASE,
 )
 _MINUTES = re.compile(r"(\d{1,3}):(\d\d)[.,](\d+)")  # and seconds, as spreadsheets show short times

@@ -492,3 +492,10 @@ def test_a_remark_at_the_end_of_a_row_does_not_count(write_text, remark):
     lines = table().splitlines()
     lines[9] += remark
     assert_read(load_record(write_text("\n".join([*lines, ""]))))
+
+
+@pytest.mark.parametrize("between", ["_", "-"])
+def test_what_stands_between_date_and_time(write_text, between):
+    assert load_record(write_text(table("time,u,y", [f"2026-03-01{between}09:00:0{t:.1f}" for t in T]))).Ts == 0.1
+    with pytest.raises(ValueError, match="line 2, column 1: 'T#0ms' is not a number, date or time that is known here"):
+        load_record(write_text(table("time,u,y", [f"T#{t * 1000:.0f}ms" for t in T])))
