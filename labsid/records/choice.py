@@ -1,9 +1,12 @@
 """Which column of a log is the time, the input and the output: as named by the caller, or by the header."""
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from labsid.records.column import Column, Log, listed
+import numpy as np
+
+from labsid.records.column import Column, Log, listed, stamps_column
 from labsid.records.units import is_time_name
 
 _INPUT_NAMES, _OUTPUT_NAMES = ("u", "input"), ("y", "output")
@@ -62,12 +65,31 @@ def choose(log: Log, columns: str | None, Ts: float | None) -> Chosen:
     read = log.read([*places, *log.others])
     main, others = read[: len(places)], read[len(places) :]
     t = main[0] if len(main) == 3 else None
+    if t is not None:
+        t = _with_fraction(t, log, notes)
     u, y = main[-2:]
     for column in (u, y):
         if column.values.dtype.kind == "M":
             raise ValueError(f"{log.what} {column.name} holds dates, not a signal. Name the columns as t,u,y.")
     said = [note for column in main for note in column.notes]
     return Chosen(t, u, y, tuple(others), (*log.notes, *notes, *said))
+
+
+def _with_fraction(t: Column, log: Log, notes: list[str]) -> Column:
+    """Whole seconds together with the nanoseconds that stand in a column beside them, as ROS and POSIX write them."""
+    found = re.fullmatch(r"(.*?)(secs?)", t.name)
+    if found is None or t.values.dtype.kind != "i":
+        return t
+    stem, seconds = found.groups()
+    names = [f"{stem}{prefix}{seconds}" for prefix in ("nano", "n")]
+    beside = [k for k, name in enumerate(log.names) if name in names]
+    if len(beside) != 1:
+        return t
+    (fraction,) = log.read(beside)
+    if fraction.values.dtype.kind != "i" or not np.all((fraction.values >= 0) & (fraction.values < 10**9)):
+        return t
+    notes.append(f"times are {t.name} and {fraction.name} together")
+    return replace(stamps_column(t.values * 10**9 + fraction.values), name=t.name, notes=t.notes)
 
 
 def split_columns(columns: str) -> list[str]:
@@ -140,8 +162,14 @@ def _last_part(name: str) -> str:
 
 
 def _find(name: str, log: Log) -> int:
-    if name in log.names:
-        return log.names.index(name)
+    exact = [k for k, other in enumerate(log.names) if other == name]
+    if len(exact) > 1:
+        raise UnknownColumns(
+            f"{len(exact)} {log.what}s are called {name!r}. Give the number of one: "
+            f"{', '.join(str(k + 1) for k in exact[:20])}."
+        )
+    if exact:
+        return exact[0]
     if name.isdecimal() and 1 <= int(name) <= len(log.names):
         return int(name) - 1
     bare = name.split("[")[0].split("(")[0].strip()

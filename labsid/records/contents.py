@@ -1,13 +1,14 @@
 """What the columns of a log look like: for the table of ``labsid check`` and the line to type."""
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from labsid.records.column import Column, Log, stamps_column
 from labsid.records.resampling import is_held
-from labsid.records.stamps import in_seconds
+from labsid.records.stamps import NoTimes, in_seconds
 from labsid.records.units import is_time_name
 
 MAX_COLUMNS = 200  # that are described
@@ -101,6 +102,8 @@ def _read(log: Log, places: Sequence[int]) -> list[Column | ColumnSummary]:
 
 def suggested_options(summaries: Sequence[ColumnSummary]) -> list[str]:
     """What to type: the only time, input and output; capitals where there are several or none."""
+    often = Counter(one.name for one in summaries)
+    summaries = [one if often[one.name] == 1 else replace(one, name=str(k + 1)) for k, one in enumerate(summaries)]
     times = [one.name for one in summaries if one.role == "time"]
     roles = {"INPUT": [], "OUTPUT": []}  # type: dict[str, list[str]]
     for one in summaries:
@@ -131,6 +134,8 @@ def _summary(column: Column) -> ColumnSummary:
     if role == "time":
         try:
             interval = _interval(in_seconds(column).t)
+        except NoTimes:
+            role, why = "constant", "it counts samples"
         except ValueError:
             why = f"{why}; its unit is not said (--time-unit)"
     missing = 1.0 - known.size / numbers.size

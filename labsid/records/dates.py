@@ -8,11 +8,11 @@ import numpy as np
 
 _SECONDS = r":(\d\d)(?:[.,](\d+)|:(\d{3}))?"
 _HALF = r"(?:\s*([ap])\.?m\.?)?"
-_CLOCK = re.compile(rf"(\d{{1,2}}):(\d\d){_SECONDS}{_HALF}", re.IGNORECASE)
+_CLOCK = re.compile(rf"(?:(\d{{1,5}})(?: days? |\.))?(\d{{1,2}}):(\d\d){_SECONDS}{_HALF}", re.IGNORECASE)
 _DATE = re.compile(
     r"(?:(\d{4})([-/.])(\d{1,2})\2(\d{1,2})"
     r"|(\d{1,2})([-/. ])(\d{1,2}|[a-z]{3})\6(\d{4}|(?<=[/.])\d\d))"
-    rf"(?:[T ,]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
+    rf"(?:[T ,_-]\s*(\d{{1,2}}):(\d\d)(?:{_SECONDS})?{_HALF}\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?)?",
     re.IGNORECASE,
 )
 _MINUTES = re.compile(r"(\d{1,3}):(\d\d)[.,](\d+)")  # and seconds, as spreadsheets show short times
@@ -28,7 +28,7 @@ def is_date(field: str) -> bool:
 
 
 def is_time_of_day(field: str) -> bool:
-    """Whether a field holds hours, minutes and seconds, or minutes and seconds with a fraction."""
+    """Whether a field holds hours, minutes and seconds, perhaps after days, or minutes and seconds with a fraction."""
     return bool(_CLOCK.fullmatch(field) or _MINUTES.fullmatch(field))
 
 
@@ -97,7 +97,8 @@ def time_of_day(field: str) -> float:
         if minutes is None:
             raise ValueError(field)
         return 60.0 * int(minutes[1]) + float(f"{minutes[2]}.{minutes[3]}")
-    return _nanoseconds(*found.groups()) / _SECOND
+    days, *rest = found.groups()
+    return (int(days or 0) * _DAY + _nanoseconds(*rest)) / _SECOND
 
 
 def _nanoseconds(

@@ -123,6 +123,8 @@ def number(field: str, style: Style, unit: str = "") -> float:
         If it is no number.
     """
     text = field.strip().strip("\"'").strip().replace("−", "-")
+    if "_" in text:  # which Python reads
+        raise ValueError(field)
     if unit and text.lower() not in MISSING:
         if not text.endswith(unit):
             raise ValueError(field)
@@ -165,7 +167,8 @@ def reader_of(kind: str, style: Style, sample: Sequence[str]) -> Reader:
         return Reader(_or_missing(time_of_day, np.nan), what="time")
     if kind == "switch":
         return Reader(switch, what="switch")
-    return Reader(partial(number, style=style, unit=common_unit(sample)))
+    what = "number, date or time that is known here" if kind == "text" else "number"
+    return Reader(partial(number, style=style, unit=common_unit(sample)), what=what)
 
 
 def _or_missing(read: Callable[[str], object], missing: object) -> Callable[[str], object]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid.records.column import Column, Log
 from labsid.records.fields import column_of_texts
-from labsid.records.units import split_unit
+from labsid.records.units import split_units
 
 MAX_ROWS = 50_000_000
 
@@ -30,15 +30,12 @@ def open_log(path: Path) -> Log:
     if not fields:
         raise ValueError("it has no columns of numbers.")
 
-    def read(places: Sequence[int]) -> list[Column]:
-        columns = []
-        for k in places:
-            data = table.read(columns=[fields[k].name]).column(0)
-            name, unit = split_unit(fields[k].name)
-            columns.append(_column(name, data, unit))
-        return columns
+    names, units = split_units([one.name for one in fields])
 
-    return Log(tuple(split_unit(one.name)[0] for one in fields), read)
+    def read(places: Sequence[int]) -> list[Column]:
+        return [_column(names[k], table.read(columns=[fields[k].name]).column(0), units[k]) for k in places]
+
+    return Log(tuple(names), read)
 
 
 def _is_readable(kind: object) -> bool:

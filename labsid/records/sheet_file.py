@@ -1,5 +1,6 @@
 """Workbooks of Excel and LibreOffice, with python-calamine: the first sheet that holds a table."""
 
+from collections import Counter
 from datetime import date, datetime, time, timedelta
 from itertools import islice
 from pathlib import Path
@@ -9,10 +10,11 @@ import numpy as np
 
 from labsid.records.column import Column, Log, log_of
 from labsid.records.fields import column_of_texts, kind_of, switch
-from labsid.records.units import is_unit, split_unit
+from labsid.records.units import is_unit, split_units
 
 MAX_ROWS = 1_048_576  # of a sheet of Excel
 MAX_COLUMNS = 1000
+_DAY_0 = date(1899, 12, 31)  # from which a workbook counts days
 
 
 def open_log(path: Path) -> Log:
@@ -29,7 +31,7 @@ def open_log(path: Path) -> Log:
     sheets = [one.name for one in book.sheets_metadata if one.typ == SheetTypeEnum.WorkSheet]
     for sheet in sheets:
         rows = [row[:MAX_COLUMNS] for row in islice(book.get_sheet_by_name(sheet).iter_rows(), MAX_ROWS)]
-        first = next((k for k, row in enumerate(rows) if _is_data(row)), None)
+        first = _first_of_table(rows)
         if first is None:
             continue
         notes = [f"sheet {sheet} read"] if len(sheets) > 1 else []
@@ -44,8 +46,9 @@ def open_log(path: Path) -> Log:
 
 def _columns(header: list[str], units: list[str], rows: list[list[Any]]) -> list[Column]:
     columns = []
+    names, in_names = split_units(header)
     for k in range(max(len(header), len(rows[0]))):
-        name, unit = split_unit(header[k]) if k < len(header) and header[k] else (str(k + 1), "")
+        name, unit = (names[k], in_names[k]) if k < len(header) and names[k] else (str(k + 1), "")
         column = _column(name, units[k] if k < len(units) else unit, [row[k] if k < len(row) else "" for row in rows])
         if column is not None:
             columns.append(column)
@@ -55,6 +58,9 @@ def _columns(header: list[str], units: list[str], rows: list[list[Any]]) -> list
 def _column(name: str, unit: str, cells: list[Any]) -> Column | None:
     """Numbers, dates, times of day or switches; None for a column of text. An empty cell is an empty string."""
     kinds = [type(cell) for cell in cells if cell != ""]
+    is_clock = any(issubclass(kind, time) for kind in kinds) and not any(_is_day(cell) for cell in cells)
+    if is_clock:
+        kinds = [time if issubclass(kind, date) else kind for kind in kinds]
     if kinds and sum(issubclass(kind, date) for kind in kinds) * 2 > len(kinds):
         return Column(name, np.array([_date(cell) for cell in cells], "datetime64[ns]"), unit)
     if kinds and sum(issubclass(kind, time | timedelta) for kind in kinds) * 2 > len(kinds):
@@ -86,8 +92,40 @@ def _time_of_day(cell: Any) -> float:
     if isinstance(cell, timedelta):
         return cell.total_seconds()
     if isinstance(cell, time):
-        return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
-    return np.nan
+        return _of_day(cell)
+    if isinstance(cell, datetime):  # of a day or more
+        return _of_day(cell) + 86400.0 * (cell.date() - _DAY_0).days
+    return 86400.0 * (cell - _DAY_0).days if isinstance(cell, date) else np.nan
+
+
+def _is_day(cell: Any) -> bool:
+    """Whether this is a date, and not a time that a workbook shows as one of its first days."""
+    return isinstance(cell, date) and cell.year > 1900
+
+
+def _of_day(cell: time | datetime) -> float:
+    return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
+
+
+def _first_of_table(rows: list[list[Any]]) -> int | None:
+    """The first row of data; rows above that begin with a word or are shorter, as "Ts 0.1", describe the rig."""
+    data = {k: None for k, row in enumerate(rows) if _is_data(row)}
+    widths = Counter(_width(rows[k]) for k in [*data][len(data) // 2 :])
+    width = widths.most_common(1)[0][0] if data else 0
+    with_word = sum(_begins_with_word(rows[k]) for k in data) * 2 > len(data)
+    fits = (k for k in data if _width(rows[k]) >= width and (with_word or not _begins_with_word(rows[k])))
+    first = next(fits, None)
+    while first and first - 1 in data and not _begins_with_word(rows[first - 1]):  # without its last cells
+        first -= 1
+    return first
+
+
+def _width(row: list[Any]) -> int:
+    return max(k + 1 for k, cell in enumerate(row) if cell != "")
+
+
+def _begins_with_word(row: list[Any]) -> bool:
+    return isinstance(row[0], str) and kind_of(row[0]) == "text"
 
 
 def _is_data(row: list[Any]) -> bool:

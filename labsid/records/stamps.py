@@ -19,6 +19,10 @@ _SHORT = 1e-3  # of the unit: of seconds a step that is rare beside an offset of
 _HALF_DAY = 43200.0
 
 
+class NoTimes(ValueError):
+    """A column counts samples, not time."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Stamps:
     """Time stamps in seconds.
@@ -57,6 +61,11 @@ def in_seconds(column: Column, unit: str | None = None) -> Stamps:
     if values.dtype.kind == "u" and values.dtype.itemsize < 8:
         values = values.astype(np.int64)
     notes: list[str] = []
+    if column.unit.lower() in ("sequence", "samples") and np.all(np.diff(values) == 1):
+        raise NoTimes(
+            f"{column.name} counts samples ({column.unit}), not time. Give the input and the output alone, and the "
+            "sampling time, which such a file names in its header (--columns u,y --Ts SECONDS)."
+        )
     named = time_unit_of(column.unit) or unit_in_time_name(column.name)
     if column.unit == "h:m:s":
         days = np.concatenate([[0], np.cumsum(np.diff(values) < -_HALF_DAY)])
@@ -124,7 +133,8 @@ def _epoch_unit(values: np.ndarray, since: FloatArray) -> str | None:
 
 
 def _refuse_two_readings(name: str, values: np.ndarray, step: float) -> None:
-    if values.dtype.kind == "i" and step >= COARSE_COUNT:
+    is_whole = values.dtype.kind == "i" or np.allclose(values, np.round(values), 1e-9, 1e-6)
+    if is_whole and step >= COARSE_COUNT:
         raise ValueError(
             f"{name} counts in whole numbers, {step:g} apart, and does not say its unit. Say it with time_unit "
             f"(--time-unit ms if it counts milliseconds, us, or s for seconds)."

@@ -94,8 +94,8 @@ def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, ho
         t = t_y[inside]
         if t.size < 2:
             raise ValueError(f"u is there from {t_u[0]:g} to {t_u[-1]:g} s and y from {t_y[0]:g} to {t_y[-1]:g} s.")
-        note = f"u has times of its own, {step_u:g} s apart; held at those of y"
-        return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, (note,))
+        notes = (f"u has times of its own, {step_u:g} s apart; held at those of y", *_left_out(int(np.sum(~inside))))
+        return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, notes)
     place = np.clip(np.searchsorted(t_u, t_y), 1, t_u.size - 1)
     place -= t_y - t_u[place - 1] < t_u[place] - t_y
     off = np.abs(t_u[place] - t_y)
@@ -106,7 +106,13 @@ def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, ho
         )
     sparse = np.full(t_u.size, np.nan)
     sparse[place[off <= MAX_JITTER * step_u]] = y[off <= MAX_JITTER * step_u]
-    return Signals(t_u, {"u": u, "y": sparse}, (f"y has times of its own, {step_y:g} s apart; missing between them",))
+    note = f"y has times of its own, {step_y:g} s apart; missing between them"
+    return Signals(t_u, {"u": u, "y": sparse}, (note, *_left_out(int(np.sum(off > MAX_JITTER * step_u)))))
+
+
+def _left_out(count: int) -> tuple[str, ...]:
+    samples = "1 sample" if count == 1 else f"{count} samples"
+    return (f"{samples} of y before the first of u or after its last left out",) if count else ()
 
 
 def _cut(signals: Signals, how: Reading) -> Signals:

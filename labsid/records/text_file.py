@@ -86,16 +86,29 @@ def _rows(content: bytes, layout: Layout) -> Iterator[tuple[int, str]]:
 def _read_numbers(content: bytes, layout: Layout, places: Sequence[int]) -> np.ndarray | None:
     """The chosen columns at several times the speed of `_read_fields`; None if some field is no plain number."""
     rows: Iterable[str]
-    if layout.has_prefix or b"#" in content or b"%" in content:
-        rows = (line for _, line in _rows(content, layout))
-    else:
+    mark, marks = layout.delimiter, 0  # delimiters of all rows; 0 if the rows are looked at one by one
+    is_plain = not layout.has_prefix and layout.encoding != "utf-16" and b"#" not in content and b"%" not in content
+    if mark is not None and is_plain:
         rows = text_stream(content, layout.encoding)
-        for _ in range(layout.first):
-            rows.readline()
+        marks = content.count(mark.encode()) - sum(rows.readline().count(mark) for _ in range(layout.first))
+    else:
+        rows = _of_one_width((line for _, line in _rows(content, layout)), mark)
     try:
-        return np.loadtxt(rows, delimiter=layout.delimiter, usecols=places, comments=None, ndmin=2, quotechar='"')
+        table = np.loadtxt(rows, delimiter=mark, usecols=places, comments=None, ndmin=2, quotechar='"')
     except ValueError:
         return None
+    return None if marks % max(len(table), 1) else table
+
+
+def _of_one_width(lines: Iterable[str], mark: str | None) -> Iterator[str]:
+    """The lines, as long as they have as many fields as the first."""
+    width = None
+    for line in lines:
+        fields = len(line.split()) if mark is None else line.count(mark)
+        width = fields if width is None else width
+        if fields != width:
+            raise ValueError(line)
+        yield line
 
 
 def _read_fields(
@@ -114,6 +127,8 @@ def _read_fields(
                     f"the last {'line is no sample' if over == 1 else f'{over} lines are no samples'}; left out"
                 )
                 split = split[:-over]
+        for k, fields, line in split:
+            _check_width(k, fields, line, layout)
         blocks.append(
             [
                 np.array([_field(row, place, reader) for row in split], reader.dtype)
@@ -133,6 +148,19 @@ def _after_the_table(rows: Sequence[_Row], places: int, is_cut: bool) -> int:
         return 0
     words = [fields[0][:1].isalpha() and kind_of(fields[0]) == "text" for _, fields, _ in rows[-_LAST:]]
     return next((k for k, is_word in enumerate(reversed(words)) if not is_word), 0)
+
+
+def _check_width(k: int, fields: Sequence[str], line: str, layout: Layout) -> None:
+    """Refuse a row whose fields may stand in other columns than those of the other rows."""
+    width = layout.width
+    over = fields[width:]  # words there are a remark at the end of the line
+    if over and over[0][:1] not in ("#", "%") and any(kind_of(field) not in ("text", "missing") for field in over):
+        why = "A mark of thousands or a text with a delimiter needs quotes; two rows in one line have to be separated."
+    elif layout.delimiter is None and len(fields) < width:
+        why = "Blanks do not show which is missing. Write nan there, or delete that line."
+    else:
+        return
+    raise ValueError(f"line {k + 1} has {len(fields)} fields, but the table has {width} columns: {line[:40]!r}. {why}")
 
 
 def _field(row: _Row, place: int, reader: Reader) -> object:

@@ -10,7 +10,7 @@ from itertools import count
 
 from labsid.records.column import listed
 from labsid.records.fields import kind_of
-from labsid.records.units import is_unit, split_unit
+from labsid.records.units import is_unit, split_units
 
 HEAD = 300  # lines from which the layout is taken
 MAX_LINE = 2**17 - 1  # characters; the module csv takes no longer fields
@@ -19,6 +19,7 @@ _PREFIX = re.compile(r"^\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?) ->\s*")  # of the ser
 _PACKED = (b"\x1f\x8b", b"PK\3\4", b"7z\xbc\xaf\x27\x1c", b"Rar!", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd")
 _RULER = re.compile(r"[\s|+:=-]*---[\s|+:=-]*")  # under the header, as Markdown and terminals draw it
 _LABELLED = re.compile(r"([A-Za-z_]\w{0,40})\s*[:=]\s*(\S.*)?")  # u:1.5, of a serial plotter
+_FACTOR = re.compile(r"\s*1\.0e[+-]\d+ \*\s*")
 _DATA = ("number", "switch", "date", "clock")
 
 
@@ -153,6 +154,11 @@ def find_layout(content: bytes) -> Layout:
     rows = [k for k, line in enumerate(head) if is_row(line) and not _RULER.fullmatch(line)]
     if not rows:
         raise ValueError("there are no data in it, only comments.")
+    if any(map(_FACTOR.fullmatch, head)):
+        raise ValueError(
+            "it is what MATLAB shows, with a factor for all columns (1.0e+03 *) and few digits. Save the variables "
+            "with save FILE.mat, or writematrix."
+        )
     has_prefix = bool(_PREFIX.match(head[rows[-1]]))
     plain = [without_prefix(line, "\t") if has_prefix else line for line in head]
     delimiter = _delimiter([plain[k] for k in rows], has_prefix)
@@ -170,9 +176,16 @@ def find_layout(content: bytes) -> Layout:
     tail = rows[len(rows) // 2 :]
     width = Counter(len(fields[k]) for k in tail).most_common(1)[0][0]
     begins = Counter(kind_of(fields[k][0]) for k in tail if fields[k]).most_common(1)
-    first = next((k for k in rows if len(split[k]) >= width and _is_data(fields[k]) and _fits(fields[k], begins)), None)
+    words = -1  # the last row of words in the first half, under numbers that describe the channels
+    if begins and begins[0][0] == "missing":
+        words = max((k for k in rows[: len(rows) // 2] if len(fields[k]) >= width and _is_words(fields[k])), default=-1)
+    under = (k for k in rows if k > words)
+    first = next(
+        (k for k in under if len(split[k]) >= width and _is_data(fields[k]) and _fits(fields[k], begins)), None
+    )
     if first is None:
-        raise ValueError(f"there is a header ({listed(fields[rows[0]])}) and no data under it.")
+        odd = f", but line {rows[1] + 1} is no sample: {plain[rows[1]][:40]!r}. Write plain numbers" if rows[1:] else ""
+        raise ValueError(f"there is a header ({listed(fields[rows[0]])}) and no data under it{odd}.")
     above = [k for k in rows if k < first and len(fields[k]) >= width]
     header: list[str] = []
     units: list[str] = []
@@ -187,22 +200,27 @@ def find_layout(content: bytes) -> Layout:
                 f"line {above[-1] + 1} begins with {header[0][:40]!r} and holds numbers: it is neither a header nor a "
                 "sample. Complete or delete that line."
             )
-        if len(above) > 1 and above[-2] == above[-1] - 1 and _are_units(header):
-            units, header = [field.strip("[]() ") for field in header], fields[above[-2]]
+        over = fields[above[-2]] if len(above) > 1 and above[-2] == above[-1] - 1 else []
+        if over and (_are_units(header) or _look_like_units(header, over)):
+            units, header = [field.strip("[]() ") for field in header], over
             notes.append(f"the row under the header read as units: {', '.join(filter(None, units))}")
         before = sum(k < above[-1] and k not in above[-2:] for k in rows)
         if before:
             notes.append(f"{before} {'line' if before == 1 else 'lines'} before the table skipped")
     elif not has_prefix:
         header = _header_in_comment(head[:first], len(fields[first]), delimiter)
-    width = max(width, len(fields[first]), len(header))
-    parts = [split_unit(name) for name in header]
-    units = units or [unit for _, unit in parts]
+    width = max(width, len(fields[first]))
+    if delimiter is None and len(header) > width and not labels:  # words of names, or a name without a column
+        notes.append(f"the header has {len(header)} words for {width} columns: they are called by numbers")
+        header = [str(k + 1) for k in range(width)]
+    width = max(width, len(header))
+    names, in_names = split_units(header)
+    units = units or in_names
     return Layout(
         encoding,
         delimiter,
         first,
-        tuple(name for name, _ in parts),
+        tuple(name or str(k + 1) for k, name in enumerate(names)),
         tuple(units + [""] * (width - len(units))),
         width,
         has_prefix,
@@ -244,6 +262,12 @@ def _is_data(fields: Sequence[str]) -> bool:
     return bool(there) and sum(kind in _DATA or kind == "missing" for kind in there) * 2 >= len(there)
 
 
+def _is_words(fields: Sequence[str]) -> bool:
+    """Whether a row names columns: no field of it holds a value."""
+    kinds = [kind_of(field) for field in fields if field]
+    return len(kinds) >= 2 and set(kinds) == {"text"}
+
+
 def _fits(fields: Sequence[str], begins: Sequence[tuple[str, int]]) -> bool:
     """Whether a row begins as most rows do: a line before the table may hold numbers, but after a word."""
     kind = kind_of(fields[0])
@@ -254,6 +278,12 @@ def _are_units(fields: Sequence[str]) -> bool:
     """Whether a row holds units; a scope writes numbers beside them."""
     there = [field for field in fields if field]
     return any(map(is_unit, there)) and all(is_unit(field) or kind_of(field) == "number" for field in there)
+
+
+def _look_like_units(fields: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether most of a row are units, and it names columns alike that the row above it tells apart."""
+    is_alike = len(set(fields)) < len(fields) == len(names) == len(set(names)) and not _is_data(names)
+    return is_alike and sum(map(is_unit, fields)) * 2 > len(fields)
 
 
 def _labels(rows: Sequence[str], delimiter: str | None) -> tuple[str, ...]:

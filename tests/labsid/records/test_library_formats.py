@@ -65,6 +65,35 @@ def test_excel(tmp_path):
 
 
 @needs("python_calamine")
+def test_words_beside_numbers_above_the_table_of_a_workbook(tmp_path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in (["rig", 7], ["Kp", 2.0, "Ki", 0.1], [], ["t", "u", "y"], [0.0, 0.5], [0.1, 0.5]):
+        book.active.append(row)
+    for t, u, y in zip((T + 0.2).tolist(), U.tolist(), Y.tolist(), strict=True):
+        book.active.append([t, u, y])
+    book.save(tmp_path / "a.xlsx")
+    record = load_record(tmp_path / "a.xlsx")
+    assert record.u.tolist() == [0.5, 0.5, *U]
+    assert np.flatnonzero(record.missing).tolist() == [0, 1]
+
+
+@needs("python_calamine")
+def test_times_of_a_workbook_that_pass_midnight(tmp_path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    book.active.append(["t", "u", "y"])
+    for t, u, y in zip(T.tolist(), U.tolist(), Y.tolist(), strict=True):
+        book.active.append([(86398 + t) / 86400, u, y])
+    for row in book.active.iter_rows(min_row=2, max_col=1):
+        row[0].number_format = "hh:mm:ss.000"
+    book.save(tmp_path / "a.xlsx")
+    np.testing.assert_allclose(load_record(tmp_path / "a.xlsx").t, 86398 + T, atol=1e-6)
+
+
+@needs("python_calamine")
 def test_an_older_workbook_and_a_log_that_has_only_its_suffix(tmp_path):
     path = tmp_path / "a.xls"
     path.write_bytes(zlib.decompress(base64.b85decode(log_samples.XLS)))
@@ -231,6 +260,7 @@ def test_tdms_whose_channels_begin_at_different_times(tmp_path):
             file.write_segment([ChannelObject("rig", name, x, properties=wave)])
     record = load_record(tmp_path / "a.tdms")
     assert (len(record), record.Ts) == (N - 10, pytest.approx(0.1))  # u ends 1 s before y
+    assert "10 samples of y before the first of u or after its last left out" in record.notes
     np.testing.assert_array_equal(record.u, U[10:])
     np.testing.assert_array_equal(record.y, Y[:-10])
 

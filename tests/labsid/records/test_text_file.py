@@ -6,9 +6,11 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
+from labsid.records.contents import suggested_options, summarize
 from labsid.records.fields import kind_of
 from labsid.records.record import load_record, reading_notes
-from labsid.records.units import is_time_name, is_unit, split_unit, unit_in_time_name
+from labsid.records.text_file import open_text
+from labsid.records.units import is_time_name, is_unit, split_unit, split_units, unit_in_time_name
 
 N = 60
 T = np.arange(N) * 0.1
@@ -208,6 +210,9 @@ def test_times_of_day_pass_midnight(write_text):
         ("time_ms", [5000 + 100 * k for k in range(N)], {}, "time_ms read as milliseconds (by its name)"),
         ("millis", [5000 + 100 * k for k in range(N)], {}, "milliseconds (by its name)"),
         ("t [ms]", [100 * k for k in range(N)], {}, "t read as milliseconds (by its name)"),
+        ("t/ms", [100.0 * k for k in range(N)], {"columns": "1,u,y"}, "t/ms read as milliseconds (by its name)"),
+        ("timeMs", [100.0 * k for k in range(N)], {}, "timeMs read as milliseconds (by its name)"),
+        ("Time (in msec.)", [100.0 * k for k in range(N)], {}, "Time read as milliseconds (by its name)"),
         ("us", [2**32 - 1_000_000 + 100_000 * k for k in range(N)], {}, ""),
         ("us", [(2**32 - 1_000_000 + 100_000 * k) % 2**32 for k in range(N)], {}, "us wraps once; unwrapped"),
         ("time", [5000 + 100 * k for k in range(N)], {"time_unit": "ms"}, "time read as milliseconds (as given)"),
@@ -235,6 +240,7 @@ def test_epochs_keep_the_digits_of_the_sampling_time(write_text):
     ("stamps", "says"),
     [
         ([str(100 * k) for k in range(N)], r"time counts in whole numbers, 100 apart, .*--time-unit ms"),
+        ([str(100.0 * k) for k in range(N)], r"time counts in whole numbers, 100 apart, .*--time-unit ms"),
         ([repr(739946.0 + k / 864000) for k in range(N)], r"seconds or days \(MATLAB's datenum\).*--time-unit days"),
         ([repr(45413.4 + k / 86400) for k in range(N)], r"seconds or days \(of a spreadsheet\).*--time-unit days"),
     ],
@@ -379,3 +385,117 @@ def test_names_and_units():
     assert [is_unit(text) for text in ("V", "[cm]", "(ms)", "speed", "u")] == [True, True, True, False, False]
     assert [is_time_name(name) for name in ("t", "time_ms", "Zeit", "T1", "temperature")] == [True] * 3 + [False] * 2
     assert [unit_in_time_name(name) for name in ("time_ms", "us", "t", "time")] == ["ms", "us", None, None]
+    assert [unit_in_time_name(name) for name in ("ms_since_start", "elapsedMicros", "time_of_day")] == [
+        "ms",
+        "us",
+        None,
+    ]
+    assert [is_time_name(name) for name in ("t/ms", "timeMs", "atoms", "items")] == [True, True, False, False]
+    assert split_units(["V(in)", "V(out)", "I [A]"]) == (["V(in)", "V(out)", "I"], ["", "", "A"])
+
+
+@pytest.mark.parametrize(
+    ("header", "form", "odd", "says"),
+    [
+        ("t,u,y", "{t},{u},{y}", "0.5,1,234.5,2", "line 7 has 4 fields, but the table has 3 columns"),
+        ("t,u,y", "{t},{u},{y}", "0.5,1,2,0.6,1,2", "line 7 has 6 fields, but the table has 3 columns"),
+        ("t,u,y,z", "{t},{u},{y},7", "0.5,1,234.5,2,7", "line 7 has 5 fields, but the table has 4 columns"),
+        ("t u y z", "{t} {u} {y} 7", "0.5   2.5 7", "line 7 has 3 fields, but the table has 4 columns"),
+        ("t u y z", "{t} {u} {y} 7", "0.5 1 2 2.5 7", "line 7 has 5 fields, but the table has 4 columns"),
+        ("t,u,y", "{t},{u},{y}", "0.5,1_0,2", "line 7, column 2: '1_0' is not a number"),
+    ],
+)
+@pytest.mark.parametrize("comment", ["", "# by a logger\n"])
+def test_a_row_whose_fields_may_stand_in_other_columns_is_refused(write_text, header, form, odd, says, comment):
+    lines = rows(form).splitlines()
+    lines[5] = odd
+    says = says.replace("line 7", f"line {7 + bool(comment)}")
+    with pytest.raises(ValueError, match=says):
+        load_record(write_text(comment + "\n".join([header, *lines, ""])))
+
+
+def test_a_name_that_two_columns_have_is_not_chosen_between(write_text):
+    path = write_text(rows("{t},{u},0,{y}").join(["t,u,level,level\n", ""]))
+    with pytest.raises(ValueError, match=r"2 columns are called 'level'. Give the number of one: 3, 4"):
+        load_record(path, columns="t,u,level")
+    assert_read(load_record(path, columns="t,u,4"))
+    assert_read(load_record(write_text("time\tV(in)\tV(out)\n" + rows("{t}\t{u}\t{y}")), columns="time,V(in),V(out)"))
+
+
+def test_names_of_several_words_between_blanks_name_no_columns(write_text):
+    path = write_text("Time Pump Voltage Level\n" + rows("{t} {u} {y}"))
+    with pytest.raises(ValueError, match="there is no column 'Time'; the columns are 1, 2, 3"):
+        load_record(path, columns="Time,Pump,Voltage")
+    record = load_record(path, columns="1,2,3")
+    assert_read(record)
+    assert record.notes == ("the header has 4 words for 3 columns: they are called by numbers",)
+
+
+def test_samples_that_are_counted_are_no_times(write_text):
+    text = "X,CH1,CH2,Start,Increment\nSequence,Volt,Volt,-6.0e-01,1.0e-01\n"
+    text += "".join(f"{k},{u},{y},,\n" for k, (u, y) in enumerate(zip(U, Y, strict=True)))
+    with pytest.raises(ValueError, match=r"X counts samples \(Sequence\), not time"):
+        load_record(write_text(text), columns="X,CH1,CH2")
+    np.testing.assert_array_equal(load_record(write_text(text), columns="CH1,CH2", Ts=0.1).u, U)
+
+
+def test_durations_of_pandas(write_text):
+    stamps = [f"{(86395 + t) // 86400:.0f} days {np.datetime64(0, 'ms') + round((86395 + t) * 1000)}" for t in T]
+    stamps = [stamp.replace("1970-01-01T", "").replace("1970-01-02T", "") for stamp in stamps]
+    assert_read(load_record(write_text(table(",u,y", stamps)), columns="1,u,y"), t=86395 + T)
+
+
+def test_a_row_of_units_with_words_among_them(write_text):
+    text = "Number,Date&Time,ms,CH1,CH2\nNO.,Time,ms,V,V\n"
+    text += "".join(f"{k},2026/03/01 09:00:0{k // 10},{k % 10}00,{U[k]},{Y[k]}\n" for k in range(N))
+    record = load_record(write_text(text), columns="Date&Time,CH1,CH2")
+    np.testing.assert_array_equal(record.u, U)
+    assert (record.Ts, record.units) == (0.1, ("V", "V"))
+
+
+def test_labview_without_times(write_text):
+    text = "LabVIEW Measurement\t\n***End_of_Header***\t\nChannels\t2\t\t\nSamples\t60\t60\t\nDelta_X\t0.1\t0.1\t\n"
+    text += "X_Value\tu\ty\tComment\n" + rows("\t{u}\t{y}\t")
+    assert_read(load_record(write_text(text), columns="u,y", Ts=0.1))
+
+
+@pytest.mark.parametrize("since", [0, 1764000000])
+@pytest.mark.parametrize("names", ["secs,nsecs", "stamp.sec,stamp.nanosec"])
+def test_whole_seconds_have_their_nanoseconds_beside_them(write_text, names, since):
+    stamps = [f"{since + k // 10},{k % 10 * 10**8 + 7}" for k in range(N)]
+    record = load_record(write_text(table(f"{names},u,y", stamps)))
+    assert record.Ts == pytest.approx(0.1, rel=1e-9)
+    np.testing.assert_array_equal(record.u, U)
+    assert f"times are {names.replace(',', ' and ')} together" in record.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (table(u=[f"[{u}]" for u in U], y=[f"[{y}]" for y in Y]), r"but line 2 is no sample: '0\.0,\[0\.0\],\[0\.0\]'"),
+        ("ans =\n\n   1.0e+03 *\n\n" + rows("   {t}   {u}   {y}"), "what MATLAB shows, with a factor"),
+    ],
+)
+def test_tables_as_programs_print_them_are_refused(write_text, text, says):
+    with pytest.raises(ValueError, match=says):
+        load_record(write_text(text))
+
+
+def test_the_table_of_columns_does_not_take_counted_samples_for_times(write_text):
+    text = "X,CH1,CH2\nSequence,Volt,Volt\n" + "".join(f"{k},{U[k]},{Y[k]}\n" for k in range(N))
+    found = summarize(open_text(write_text(text).read_bytes()))
+    assert suggested_options(found) == ["--columns", "CH1,CH2", "--Ts", "SECONDS"]
+
+
+@pytest.mark.parametrize("remark", [",pump on, by hand", ",,", ",# at 3 pm, 7"])
+def test_a_remark_at_the_end_of_a_row_does_not_count(write_text, remark):
+    lines = table().splitlines()
+    lines[9] += remark
+    assert_read(load_record(write_text("\n".join([*lines, ""]))))
+
+
+@pytest.mark.parametrize("between", ["_", "-"])
+def test_what_stands_between_date_and_time(write_text, between):
+    assert load_record(write_text(table("time,u,y", [f"2026-03-01{between}09:00:0{t:.1f}" for t in T]))).Ts == 0.1
+    with pytest.raises(ValueError, match="line 2, column 1: 'T#0ms' is not a number, date or time that is known here"):
+        load_record(write_text(table("time,u,y", [f"T#{t * 1000:.0f}ms" for t in T])))
