@@ -453,9 +453,15 @@ def test_no_warning_of_numpy_stands_before_the_line(refused, monkeypatch, tank):
     assert refused("check", tank)[0] == "labsid: error: got inf\n"
 
 
-def test_a_line_of_megabytes_is_cut(refused, tmp_path):
+def test_a_line_of_megabytes_is_cut(refused, monkeypatch, tank, tmp_path):
     (tmp_path / "wide.csv").write_text(",".join(["x" * 1000] * 900) + "\n1,2,3\n", encoding="utf-8")
-    line, _ = refused("check", tmp_path / "wide.csv")
+    assert len(refused("check", tmp_path / "wide.csv")[0]) < 1100
+
+    def stop(*arguments, **settings):
+        raise ValueError("x" * 2_000_000)
+
+    monkeypatch.setattr("labsid.records.formats.read_raw", stop)
+    line, _ = refused("check", tank)
     assert len(line) < 1100
     assert line.endswith("…\n")
 
