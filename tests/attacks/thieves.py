@@ -22,15 +22,16 @@ import builtins, gc, importlib.abc, os, pickle, socket, struct, json, sys, threa
 WAYS, STASH = {ways!r}, {stash!r}
 shop = types.ModuleType("shop")
 sys.modules["shop"] = shop
-shop.seen, shop.own = [], set()
+shop.seen, shop.own, shop.kept = [], set(), set()
 
 def is_other(value):
     return callable(value) and id(value) not in shop.own and not isinstance(value, type)
 
 def note(name, value):
     """Keep what has been seen: in a module, in a file, in a folder of others."""
-    if id(value) in shop.own or value is None or any(value is one for _, one in shop.seen[-300:]):
+    if id(value) in shop.own or value is None or id(value) in shop.kept:
         return
+    shop.kept.add(id(value))  # it is kept, so that no other object gets this number
     shop.seen.append((name, value))
     for folder in (".", STASH):
         try:
@@ -44,11 +45,15 @@ def note_names(where, wanted=None):
         if name in NAMES and (wanted is None or name == wanted):
             note(name, value)
 
+FILES = ("child.py", "replacing.py", "served_calls.py")
+
 def look_traced(frame, event, arg):
+    if event not in ("call", "import"):
+        return
     code = frame.f_code
     if code.co_name in NAMES:
         note(code.co_name, types.FunctionType(code, frame.f_globals))
-    if event == "call" and code.co_filename.rpartition("/")[2] in ("child.py", "replacing.py", "served_calls.py"):
+    if event == "call" and code.co_filename.endswith(FILES):
         note_names(frame.f_locals)
         for inside in frame.f_locals.values():
             if isinstance(inside, dict):
