@@ -134,7 +134,6 @@ def diagnose(
             progress=progress,
         )
     report = found.report | {"command": _command_line(context)}
-    stated = stated or (loaded[0].units if all(loaded[0].units) else None)
     if stated is not None:
         report = with_units(report, *stated)
     if json_file is not None:
@@ -235,6 +234,7 @@ def show_limits(
             seed=seed,
             progress=progress,
         )
+    stated = stated or (loaded.units if all(loaded.units) else None)
     if stated is not None:
         found |= {"units": dict(zip("uy", stated, strict=True))}
     if json_file is not None:

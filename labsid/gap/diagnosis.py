@@ -21,6 +21,7 @@ from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
+from labsid.gap.reports.quantities import with_units
 from labsid.gap.reports.replay_data import replay_content
 from labsid.gap.reports.report import build_report, record_limits
 from labsid.gap.reports.result import Diagnosis
@@ -136,7 +137,12 @@ def diagnose(
             explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
         if undecided:
             prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
-        return _report(prepared, explanation, seed, progress)
+        return _in_units(_report(prepared, explanation, seed, progress), records[0].units)
+
+
+def _in_units(found: Diagnosis, units: tuple[str, str]) -> Diagnosis:
+    """The result in the units of the record, if it states both."""
+    return replace(found, report=with_units(found.report, *units)) if all(units) else found
 
 
 def find_limits(

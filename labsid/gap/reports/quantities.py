@@ -59,8 +59,9 @@ def in_units(unit: str, u: str, y: str) -> str:
 
 
 def _with_units(parameters: dict[str, dict[str, Any]], u: str, y: str) -> dict[str, dict[str, Any]]:
+    former = {name: entry.get("of", entry["unit"]) for name, entry in parameters.items()}
     return {
-        name: entry | {"unit": in_units(entry["unit"], u, y), "of": entry["unit"]} for name, entry in parameters.items()
+        name: entry | {"unit": in_units(former[name], u, y), "of": former[name]} for name, entry in parameters.items()
     }
 
 

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import Diagnosis, diagnose
+from labsid.gap.reports.quantities import with_units
 from labsid.records.record import Record
 
 TS, SAMPLES, NOISE = 0.5, 480, 0.01
@@ -337,3 +338,22 @@ def test_a_rig_that_integrates_its_input_has_no_gap(u: FloatArray, poles: list[f
     report = diagnose(record_of(u, x + noise, "position")).report
     assert report["verdict"] == "none"
     assert report["gap"]["before"] == pytest.approx(noise.std(), rel=0.1)
+
+
+def test_the_units_of_the_record_are_those_of_the_report_until_others_are_given(u, two_poles) -> None:
+    y = 10.0 + two_poles(np.minimum(u, 3.8))
+    y = y + 0.01 * np.random.default_rng(3).standard_normal(y.size)
+    record = Record(np.arange(200.0), u[:200], y[:200], 1.0, units=("V", "mm"))
+    report = diagnose(record).report
+    assert report["units"] == {"u": "V", "y": "mm"}
+    (effect,) = report["effects"]
+    assert effect["parameters"]["high"] | {"value": 0.0, "stderr": 0.0} == {
+        "value": 0.0,
+        "stderr": 0.0,
+        "unit": "V",
+        "of": "u",
+    }
+    other = with_units(report, "A", "cm")
+    assert other["units"] == {"u": "A", "y": "cm"}
+    high = other["effects"][0]["parameters"]["high"]
+    assert (high["unit"], high["of"]) == ("A", "u")
