@@ -234,7 +234,6 @@ def show_limits(
             seed=seed,
             progress=progress,
         )
-    stated = stated or (loaded.units if all(loaded.units) else None)
     if stated is not None:
         found |= {"units": dict(zip("uy", stated, strict=True))}
     if json_file is not None:

@@ -217,13 +217,14 @@ def find_limits(
                 made = [Record(t, u, y, data.Ts, name=record.name) for y in outputs if y is not None]
                 named = sum(one.name in _probable(diagnose(again, simulation, order=order)) for again in made)
                 row["tested"] = {"named": named, "of": len(made)}
-    return {
+    limits = {
         "schema": LIMITS_SCHEMA,
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "verdict": answer.decision.verdict,
         "planned": planned is not None,
         "limits": rows,
     }
+    return limits | ({"units": dict(zip("uy", record.units, strict=True))} if all(record.units) else {})
 
 
 def _probable(found: Diagnosis) -> set[str]:

@@ -68,9 +68,12 @@ def render_html(report: dict[str, Any]) -> str:
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
+    from labsid.plots.gap import noise_band
+
     gap, record = report["gap"], report["record"]
     return {
         "verdict": report["verdict"],
+        "noise": noise_band(report)[1],
         "sentence": sentences.verdict_sentence(report),
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),

@@ -8,7 +8,7 @@ import pytest
 
 from labsid.blind import suite
 from labsid.blind.experiment import Case
-from labsid.records.record import Record
+from labsid.records.formats import cut_signals
 
 _made = cache(suite._made)
 
@@ -36,9 +36,4 @@ def drawn_once() -> Iterator[None]:
 @pytest.fixture
 def short_cases(dev_cases: Callable[[str, int], list[Case]]) -> list[Case]:
     """Two cases without an effect, cut to what is diagnosed in a second."""
-    return [replace(case, record=_cut(case.record, 300)) for case in dev_cases("none", 2)]
-
-
-def _cut(record: Record, samples: int) -> Record:
-    part = slice(samples)
-    return Record(record.t[part], record.u[part], record.y[part], record.Ts, name=record.name)
+    return [replace(case, record=cut_signals(case.record, slice(300))) for case in dev_cases("none", 2)]
