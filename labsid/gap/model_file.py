@@ -121,8 +121,11 @@ class ExportedModel:
         for i, parameter in enumerate(self.hypothesis.parameters):
             if parameter.name.startswith(_OF_ONE_RECORD):
                 theta[i] = 0.0
-        added = sum(effect.width for effect in self.hypothesis.additive)
-        gains[gains.size - added :] = 0.0
+        at = gains.size
+        for effect in reversed(self.hypothesis.additive):
+            at -= effect.width
+            if not effect.lasting:
+                gains[at : at + effect.width] = 0.0
         return replace(self, theta=theta, gains=gains)
 
     def _from_rest(self, u: FloatArray) -> FloatArray:
@@ -149,6 +152,10 @@ class ExportedModel:
         names = [parameter.name for parameter in self.hypothesis.parameters]
         in_theta = [i for i, name in enumerate(names) if name in STATES]
         in_gains = list(self.hypothesis.plant.state_columns)
+        at = self._offset + 1
+        for effect in self.hypothesis.additive:
+            in_gains += [at + column for column in effect.state_columns]
+            at += effect.width
         return in_theta, [*in_gains, self._offset] if self.offset_weight else in_gains
 
     @property

@@ -392,6 +392,21 @@ class AdditiveEffect(Effect):
         """Number of columns."""
         return 2
 
+    @property
+    def uses_plant(self) -> bool:
+        """Whether the signals depend on the dynamics."""
+        return self.at_load
+
+    @property
+    def lasting(self) -> bool:
+        """Whether the signals act in every record of the rig, not only in the fitted one."""
+        return False
+
+    @property
+    def state_columns(self) -> tuple[int, ...]:
+        """Indices of the columns whose gains are an initial state."""
+        return ()
+
     def beside(self, plant: Plant) -> "AdditiveEffect":
         """The form of this effect beside these dynamics."""
         return self

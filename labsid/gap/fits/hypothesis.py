@@ -204,7 +204,7 @@ class Hypothesis:
             parts = [self._dynamics(theta, *actuator, span, reference, near if same_input and same_rates else None)]
         for i, effect in enumerate(self.additive, 1):
             part = self.slices[effect.key]
-            if near is not None and now[part] == then[part] and (same_plant or not effect.at_load):
+            if near is not None and now[part] == then[part] and (same_plant or not effect.uses_plant):
                 parts.append(near.parts[i])
             else:
                 parts.append(effect.columns(theta[part], u.size, span, plant, own))

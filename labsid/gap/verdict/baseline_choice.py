@@ -91,14 +91,14 @@ def fit_first_order(data: Data, like: Fit | None = None) -> Fit:
     grid = np.linspace(slowest, np.log(FASTEST_RATE), 20)
 
     def cost(log_rate: float) -> float:
-        point = problem.point(_theta(*single_pole(float(np.exp(log_rate)))))
+        point = problem.point(_theta(structure, *single_pole(float(np.exp(log_rate)))))
         return np.inf if point is None else point.cost
 
     best = grid[int(np.argmin([cost(rate) for rate in grid]))]
     step = grid[1] - grid[0]
     bounds = (max(best - step, slowest), best + step)
     rate = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 1e-4}).x
-    return _fit_at(data, structure, _theta(*single_pole(float(np.exp(rate)))))
+    return _fit_at(data, structure, _theta(structure, *single_pole(float(np.exp(rate)))))
 
 
 def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
@@ -117,7 +117,7 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
     if np.isreal(poles).all():
         rates = np.where(np.real(poles) > 1e-3, np.real(rates), FASTEST_RATE)
     c, k = float(np.real(rates.sum())), float(np.real(rates.prod()))
-    at = _theta(max(c, 1e-6), max(k, 1e-9))
+    at = _theta(structure, max(c, 1e-6), max(k, 1e-9))
     with np.errstate(over="ignore", invalid="ignore"):  # poles of least squares may be unstable
         output = _kernels.section(u - u[0], -theta[0], -theta[1])[:, :2] @ theta[2:4]
     if not (np.isfinite(output).all() and np.abs(output).max() < 1e6):
@@ -138,9 +138,11 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
     )
 
 
-def _theta(c: float, k: float) -> FloatArray:
-    """Parameters of the linear structure without delay."""
-    return np.clip(np.array([0.0, np.log(c), np.log(k)]), *LINEAR.bounds)
+def _theta(structure: Hypothesis, c: float, k: float) -> FloatArray:
+    """Parameters of a linear structure without delay, further inputs at the start values of their rates."""
+    theta = np.zeros(len(structure.parameters))
+    theta[1:3] = np.log(c), np.log(k)
+    return np.clip(theta, *structure.bounds)
 
 
 def _fit_at(data: Data, structure: Hypothesis, theta: FloatArray) -> Fit:

@@ -1,0 +1,124 @@
+"""One output of a record seen through one input: effects are searched there, the other inputs are linear beside it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.further_inputs import FurtherInput
+from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.record.data import Data, Scale, scaled
+from labsid.gap.signals.linear_parts import LinearParts, further_inputs
+from labsid.gap.simulations.baseline import Baseline, make_baseline
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Signals:
+    """The signals of a record of several inputs or outputs.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+    u : ndarray, shape (N, nu)
+    y : ndarray, shape (N, ny)
+        A straight line where an output is missing.
+    rows : ndarray of bool, shape (N, ny)
+        Samples that are fitted and scored.
+    Ts : float
+    inputs, outputs : tuple of str
+        Names.
+    name : str
+        Of the record.
+    """
+
+    t: FloatArray
+    u: FloatArray
+    y: FloatArray
+    rows: np.ndarray
+    Ts: float
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    name: str = ""
+
+    def data(self, i: int, j: int) -> Data:
+        """Input i and output j as the search uses them."""
+        return scaled(
+            np.ascontiguousarray(self.u[:, i]),
+            np.ascontiguousarray(self.y[:, j]),
+            self.rows[:, j],
+            self.Ts,
+            float(self.t[0]),
+        )
+
+    def scaled_inputs(self) -> FloatArray:
+        """Every input, centred and divided by its spread, shape (N, nu)."""
+        return np.column_stack([one.of(self.u[:, i]) for i, one in enumerate(self.input_scales)])
+
+    @property
+    def input_scales(self) -> tuple[Scale, ...]:
+        """Those of `data`."""
+        return tuple(self.data(i, 0).u_scale for i in range(len(self.inputs)))
+
+    def __len__(self) -> int:
+        return int(self.t.size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Role:
+    """An output and the input whose effects are searched.
+
+    Attributes
+    ----------
+    output, main : int
+        Which output and which input.
+    data : Data
+    base : Baseline
+        The linear structure, with the responses to the other inputs.
+    """
+
+    output: int
+    main: int
+    data: Data
+    base: Baseline
+
+    @property
+    def further(self) -> tuple[str, ...]:
+        """Names of the other inputs that move the output."""
+        return tuple(one.variant for one in self.base.structure.effects if isinstance(one, FurtherInput))
+
+
+def make_role(
+    signals: Signals,
+    output: int,
+    main: int,
+    parts: LinearParts,
+    order: int,
+    applied: Mapping[int, FloatArray] | None = None,
+) -> Role:
+    """See an output through one input.
+
+    Parameters
+    ----------
+    signals : Signals
+    output, main : int
+    parts : LinearParts
+        Of the output.
+    order : int
+        Of the linear model.
+    applied : mapping of int to ndarray, optional
+        Scaled inputs after the actuator effects that were found at them, of other inputs than `main`.
+    """
+    data = signals.data(main, output)
+    inputs = signals.scaled_inputs()
+    for i, w in (applied or {}).items():
+        inputs[:, i] = w
+    further = further_inputs(parts, main, inputs, signals.inputs)
+    base = make_baseline(data, signals.t, None, order)
+    alternative = None if base.alternative is None else _beside(base.alternative, further)
+    return Role(output, main, data, replace(base, structure=_beside(base.structure, further), alternative=alternative))
+
+
+def _beside(structure: Hypothesis, further: Sequence[FurtherInput]) -> Hypothesis:
+    """A structure with the responses to further inputs."""
+    return Hypothesis((*further, *structure.effects), structure.n_given + len(further), structure.given)
