@@ -77,12 +77,17 @@ def as_signal(name: str, values: ArrayLike, at_least: int = 1) -> FloatArray:
 
 def as_signals(at_least: int = 1, **signals: ArrayLike) -> tuple[FloatArray, ...]:
     """Check several signals that must have equal length; see `as_signal`."""
-    arrays = tuple(as_signal(name, values, at_least) for name, values in signals.items())
+    return as_equal_signals(list(signals.items()), at_least)
+
+
+def as_equal_signals(signals: Sequence[tuple[str, ArrayLike]], at_least: int = 1) -> tuple[FloatArray, ...]:
+    """Check several signals, each with its name, that must have equal length; see `as_signal`."""
+    arrays = tuple(as_signal(name, values, at_least) for name, values in signals)
     lengths = [array.size for array in arrays]
     if len(set(lengths)) > 1:
         raise ValueError(
-            f"{' and '.join(signals)} must have equal length; got {' and '.join(map(str, lengths))}. "
-            "Cut them to the same samples."
+            f"{' and '.join(name for name, _ in signals)} must have equal length; got "
+            f"{' and '.join(map(str, lengths))}. Cut them to the same samples."
         )
     return arrays
 

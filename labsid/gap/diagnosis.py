@@ -51,6 +51,7 @@ from labsid.gap.verdict.several_records import (
 )
 from labsid.lab.findings import Finding
 from labsid.records.record import Record, between_outputs, bridge_gaps
+from labsid.records.several_signals import one_signal_each
 from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator
 
@@ -120,6 +121,8 @@ def diagnose(
     BLAS runs on one thread, and as before afterwards: the matrices are small, and sums then have one order.
     """
     records = [record] if isinstance(record, Record) else record
+    for one in [*records, *([] if holdout is None else [holdout])]:
+        one_signal_each(one, "the diagnosis")
     simulation = as_simulation(simulation, records[0].Ts if records else 1.0, free)
     with threadpool_limits(1, "blas"), ExitStack() as stack:
         if progress is None and runs_in_notebook():
@@ -140,7 +143,7 @@ def diagnose(
         return _in_units(_report(prepared, explanation, seed, progress), records[0].units)
 
 
-def _in_units(found: Diagnosis, units: tuple[str, str]) -> Diagnosis:
+def _in_units(found: Diagnosis, units: tuple[str, ...]) -> Diagnosis:
     """The result in the units of the record, if it states both."""
     return replace(found, report=with_units(found.report, *units)) if all(units) else found
 
@@ -188,7 +191,7 @@ def find_limits(
     ValueError
         As for `diagnose`; if the planned input has another sampling time, is too short or constant.
     """
-    simulation = as_simulation(simulation, record.Ts, free)
+    simulation = as_simulation(simulation, one_signal_each(record, "the table of limits").Ts, free)
     with threadpool_limits(1, "blas"):
         prepared = _prepare(record, simulation, None, order, ())
         _begin(prepared.base, None)

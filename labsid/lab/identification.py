@@ -13,6 +13,7 @@ from labsid.lab.verification import Verification, verify
 from labsid.least_squares.solve import LeastSquares
 from labsid.model_structures.structures import Regression
 from labsid.records.record import Record, between_outputs, bridge_gaps
+from labsid.records.several_signals import one_signal_each
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +89,7 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     k = start .. N // 2 - 1, less those with an output that is missing from the record,
     which begins with its first output and ends with its last one.
     """
-    record = between_outputs(record)
+    record = between_outputs(one_signal_each(record, "identify"))
     half = len(record) // 2
     if order < 1:
         raise ValueError(f"order must be at least 1; got {order}.")

@@ -10,6 +10,7 @@ from labsid.lab.offset import Offsets, find_offsets
 from labsid.lab.simulation import simulate
 from labsid.lab.verification import mse
 from labsid.records.record import Record
+from labsid.records.several_signals import one_signal_each
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +80,7 @@ def verify_on_record(model: ArxModel, record: Record) -> RecordVerification:
             f"record and model must have one sampling time; got {record.Ts:g} s and {model.Ts:g} s. "
             "Identify a model at the record's sampling time."
         )
+    one_signal_each(record, "the comparison with another record")
     offsets = find_offsets(record.u, record.y)
     start = offsets.settled[0]
     u, y = record.u[start:] - offsets.u_offset, record.y[start:] - offsets.y_offset

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from labsid._arrays import FloatArray, as_signal, as_signals, freeze, frozen_array
+from labsid._arrays import FloatArray, as_equal_signals, as_signal, freeze, frozen_array
 from labsid.records.direction import look_swapped
 from labsid.records.formats import RawRecord, cut_signals, read_raw
 from labsid.records.reading import Reading
+from labsid.records.several_signals import check_names, joined, names_of, place_of, signal_columns
 from labsid.records.signal_quality import digits_of, runs
 from labsid.records.signals import jitter_note, missing_note, span_of_outputs
 from labsid.records.steps import REGULAR_WITHIN
@@ -30,7 +31,7 @@ OUTPUTS = ("y", "y_measured", "y_noise_reduced")  # NaN where a sample is missin
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Record:
-    """Input and output of one experiment, sampled at regular times.
+    """Inputs and outputs of one experiment, sampled at regular times.
 
     The constructor validates the signals and stores read-only copies.
 
@@ -38,12 +39,15 @@ class Record:
     ----------
     t : ndarray, shape (N,)
         Time of each sample in seconds, N >= 2.
-    u, y : ndarray, shape (N,)
-        Input and output (V in the lab); NaN where an output is missing, see `missing`.
+    u : ndarray, shape (N,), or (N, nu) with nu > 1 inputs
+        Input (V in the lab).
+    y : ndarray, shape (N,), or (N, ny) with ny > 1 outputs
+        Output; NaN where it is missing, see `missing`.
     Ts : float
         Sampling time in seconds; it must agree with `t`.
     y_measured, y_noise_reduced : ndarray, shape (N,), optional
-        Both outputs of a lab record, as logged and after the rig's noise reduction; `y` is one of them.
+        Both outputs of a lab record, as logged and after the rig's noise reduction; `y` is one of them. Only with one
+        input and one output.
     reference : ndarray, shape (N,), optional
         The set point of a closed-loop record.
     name : str
@@ -52,14 +56,17 @@ class Record:
         Root-mean-square deviation of the file's time stamps from `t`, in sampling times; 0 if `t` holds the stamps.
     notes : tuple of str
         What was assumed and done in reading the file.
-    units : tuple of (str, str)
-        Units of input and output, as the file names them; empty where it does not.
+    units : tuple of str
+        Units of the inputs, then of the outputs, as the file names them; empty where it does not.
+    inputs, outputs : tuple of str
+        Names of the inputs and outputs; by default ``u`` and ``y``, of several ``u1, u2, ...`` and ``y1, y2, ...``.
 
     Raises
     ------
     ValueError
-        If a signal is not one-dimensional or not finite (an output may be NaN), if the lengths differ, if there are
-        fewer than two samples, or if the times do not increase in regular steps of `Ts`.
+        If a signal has another shape or is not finite (an output may be NaN), if the lengths differ, if there are
+        fewer than two samples, if the times do not increase in regular steps of `Ts`, or if the names or units do not
+        fit the signals.
     """
 
     t: FloatArray
@@ -72,39 +79,99 @@ class Record:
     name: str = ""
     jitter: float = 0.0
     notes: tuple[str, ...] = ()
-    units: tuple[str, str] = ("", "")
+    units: tuple[str, ...] = ("", "")
+    inputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        present = {name: getattr(self, name) for name in _OPTIONAL if getattr(self, name) is not None}
-        names = ("t", "u", "y", *present)
-        given = {"t": self.t, "u": self.u, "y": self.y, **present}
-        checked = as_signals(at_least=2, **{name: _filled(name, x) for name, x in given.items()})
-        signals = tuple(
-            np.where(np.isnan(np.reshape(given[name], -1)), np.nan, x) if name in OUTPUTS else x
-            for name, x in zip(names, checked, strict=True)
-        )
+        u, y = signal_columns(self.u), signal_columns(self.y)
+        extra = [name for name in _OPTIONAL if getattr(self, name) is not None]
+        if len(u) + len(y) > 2:
+            _check_several(self, extra)
+        inputs, outputs = names_of("u", self.inputs, len(u)), names_of("y", self.outputs, len(y))
+        check_names(inputs, outputs)
+        given = [
+            ("t", self.t, False),
+            *((name, x, False) for name, x in zip(inputs, u, strict=True)),
+            *((name, x, True) for name, x in zip(outputs, y, strict=True)),
+            *((name, getattr(self, name), name in OUTPUTS) for name in extra),
+        ]
+        t, *signals = checked = _checked(given)
         Ts = float(self.Ts)
-        sizes = [fault for name, x in zip(names, signals, strict=True) for fault in _size_faults(name, x)]
-        faults = sizes or _time_faults(signals[0]) or _disagreement(sampling_time(signals[0]), Ts, signals[0].size)
+        sizes = [fault for (name, *_), x in zip(given, checked, strict=True) for fault in _size_faults(name, x)]
+        faults = sizes or _time_faults(t) or _disagreement(sampling_time(t), Ts, t.size)
         if faults:
             raise ValueError(faults[0].text)
-        freeze(self, **dict(zip(names, signals, strict=True)))
+        nu, ny = len(u), len(y)
+        freeze(self, t=t, u=joined(signals[:nu]), y=joined(signals[nu : nu + ny]))
+        freeze(self, **dict(zip(extra, signals[nu + ny :], strict=True)))
         object.__setattr__(self, "Ts", Ts)
+        object.__setattr__(self, "inputs", inputs)
+        object.__setattr__(self, "outputs", outputs)
+        object.__setattr__(self, "units", _units(self.units, inputs, outputs))
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more than one input or more than one output."""
+        return len(self.inputs) + len(self.outputs) > 2
+
+    @property
+    def input_columns(self) -> FloatArray:
+        """The inputs, shape (N, nu), also for one."""
+        return self.u.reshape(len(self), -1)
+
+    @property
+    def output_columns(self) -> FloatArray:
+        """The outputs, shape (N, ny), also for one."""
+        return self.y.reshape(len(self), -1)
 
     @property
     def missing(self) -> NDArray[np.bool_]:
-        """Samples without an output, shape (N,): to be simulated through, but neither fitted nor scored."""
+        """Samples without an output, shape of `y`: to be simulated through, but neither fitted nor scored."""
         return np.isnan(self.y)
+
+    def pair(self, input: int | str, output: int | str) -> "Record":
+        """The record of one input and one output, without the other signals.
+
+        Parameters
+        ----------
+        input, output : int or str
+            Name of the signal, or its place, from 0.
+
+        Returns
+        -------
+        Record
+            Called ``NAME: input -> output``, with the units of both.
+
+        Raises
+        ------
+        ValueError
+            If there is no such signal.
+        """
+        j, i = place_of(input, self.inputs, "input"), place_of(output, self.outputs, "output")
+        name, of_output = f"{self.inputs[j]} -> {self.outputs[i]}", len(self.inputs) + i
+        return replace(
+            self,
+            u=self.input_columns[:, j],
+            y=self.output_columns[:, i],
+            name=f"{self.name}: {name}" if self.name else name,
+            units=(self.units[j], self.units[of_output]),
+            inputs=(self.inputs[j],),
+            outputs=(self.outputs[i],),
+        )
 
     def __len__(self) -> int:
         return int(self.t.size)
 
     def __repr__(self) -> str:
-        without = f", {self.missing.sum()} without y" if self.missing.any() else ""
-        u, y = (
-            f"{digits_of(x.min(), np.ptp(x))}..{digits_of(x.max(), np.ptp(x))}" for x in (self.u, self.y[~self.missing])
-        )
-        return f"Record({self.name!r}: {len(self)} samples, Ts = {self.Ts:g} s, u {u}, y {y}{without})"
+        columns = [*self.input_columns.T, *(y[~np.isnan(y)] for y in self.output_columns.T)]
+        ranges = [
+            f"{name} {digits_of(x.min(), np.ptp(x))}..{digits_of(x.max(), np.ptp(x))}"
+            for name, x in zip((*self.inputs, *self.outputs), columns, strict=True)
+        ]
+        missing = zip(np.isnan(self.output_columns).sum(axis=0), self.outputs, strict=True)
+        without = [f"{count} without {name}" for count, name in missing if count]
+        return f"Record({self.name!r}: {len(self)} samples, Ts = {self.Ts:g} s, {', '.join([*ranges, *without])})"
 
 
 class Fault(NamedTuple):
@@ -252,7 +319,7 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
     faults = []
     for name, column in raw.columns.items():
         try:
-            as_signal(name, _filled(name, column), at_least=2)
+            as_signal(name, _filled(column) if name in OUTPUTS else column, at_least=2)
         except ValueError as error:
             faults.append(Fault("values", str(error)))
         else:
@@ -275,11 +342,15 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
 
 def reading_notes(record: Record) -> tuple[str, ...]:
     """All that is to be said of how a record was read: what was done, missing outputs, jitter of its stamps."""
-    return (*record.notes, *missing_note(record.y, record.t), *jitter_note(record.jitter, record.Ts))
+    outputs = zip(record.outputs, record.output_columns.T, strict=True)
+    missing = [note for name, y in outputs for note in missing_note(y, record.t, name)]
+    return (*record.notes, *missing, *jitter_note(record.jitter, record.Ts))
 
 
 def between_outputs(record: Record) -> Record:
     """A record from its first output to its last one: an output before is not known, nor the state from which it began.
+
+    Of several outputs, each may be missing at either end.
 
     Parameters
     ----------
@@ -293,7 +364,9 @@ def between_outputs(record: Record) -> Record:
     rows = span_of_outputs(record.y)
     if rows.start == 0 and rows.stop == len(record):
         return record
-    note = f"y is missing in the first {rows.start} and the last {len(record) - rows.stop} samples; these are left out"
+    what = "y is" if len(record.outputs) == 1 else "all outputs are"
+    ends = f"the first {rows.start} and the last {len(record) - rows.stop} samples"
+    note = f"{what} missing in {ends}; these are left out"
     return replace(cut_signals(record, rows), notes=(*record.notes, note))
 
 
@@ -302,12 +375,14 @@ def bridge_gaps(y: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    y : ndarray, shape (N,)
-        At least one sample is there.
+    y : ndarray, shape (N,) or (N, ny)
+        At least one sample of each output is there.
     """
     missing = np.isnan(y)
     if not missing.any():
         return y
+    if y.ndim > 1:
+        return np.column_stack([bridge_gaps(column) for column in y.T])
     k = np.arange(y.size)
     return np.interp(k, k[~missing], y[~missing])
 
@@ -338,10 +413,47 @@ def _sampling_faults(raw: RawRecord) -> list[Fault]:
     return faults
 
 
-def _filled(name: str, values: ArrayLike) -> ArrayLike:
+def _checked(given: Sequence[tuple[str, ArrayLike, bool]]) -> list[FloatArray]:
+    """Finite signals of equal length; the third entry of each says whether it is an output, which may be NaN."""
+    finite = as_equal_signals([(name, _filled(x) if is_output else x) for name, x, is_output in given], at_least=2)
+    return [
+        np.where(np.isnan(np.reshape(np.asarray(raw, np.float64), -1)), np.nan, x) if is_output else x
+        for (_, raw, is_output), x in zip(given, finite, strict=True)
+    ]
+
+
+def _check_several(record: Record, extra: Sequence[str]) -> None:
+    """Refuse what a record of several signals cannot have: signals in rows, and the two outputs of a lab record."""
+    samples = np.size(record.t)
+    for symbol, x in (("u", record.u), ("y", record.y)):
+        shape = np.shape(x)
+        if len(shape) == 2 and shape[0] != samples == shape[1] and shape[0] > 1:
+            raise ValueError(
+                f"{symbol} must have a row for each sample and a column for each signal, shape {shape[::-1]}; got "
+                f"{shape}. Transpose it."
+            )
+    for name in extra:
+        if name in OUTPUTS:
+            raise ValueError(f"{name} belongs to a record of one input and one output; got several. Leave it out.")
+
+
+def _units(given: Sequence[str], inputs: Sequence[str], outputs: Sequence[str]) -> tuple[str, ...]:
+    """A unit for each input, then for each output; all empty if none is given."""
+    names = (*inputs, *outputs)
+    if not any(given):
+        return ("",) * len(names)
+    if len(given) != len(names):
+        raise ValueError(
+            f"units must hold one unit for each of the {len(names)} signals {', '.join(names)}; got {len(given)}: "
+            f"{', '.join(map(repr, given))}. Give '' for an unknown one."
+        )
+    return tuple(given)
+
+
+def _filled(values: ArrayLike) -> ArrayLike:
     """An output with 0 in place of missing samples, if at least two are there; anything else as it is."""
     array = np.asarray(values)
-    if name not in OUTPUTS or array.dtype.kind != "f" or np.sum(~np.isnan(array)) < 2:
+    if array.dtype.kind != "f" or np.sum(~np.isnan(array)) < 2:
         return values
     return np.where(np.isnan(array), 0.0, array)
 

@@ -50,25 +50,25 @@ def stretches(mask: np.ndarray) -> list[list[int]]:
 
 
 def span_of_outputs(y: FloatArray) -> slice:
-    """The samples from the first output to the last one; all if there are fewer than two."""
-    known = np.flatnonzero(~np.isnan(y))
-    return slice(int(known[0]), int(known[-1]) + 1) if known.size > 1 else slice(0, y.size)
+    """The samples from the first output to the last one, of any output of several; all if there are fewer than two."""
+    known = np.flatnonzero(~np.isnan(np.atleast_2d(y.T)).all(axis=0))
+    return slice(int(known[0]), int(known[-1]) + 1) if known.size > 1 else slice(0, len(y))
 
 
-def missing_note(y: FloatArray, t: FloatArray | None) -> tuple[str, ...]:
+def missing_note(y: FloatArray, t: FloatArray | None, name: str = "y") -> tuple[str, ...]:
     """What is to be said of an output with missing samples (NaN)."""
     missing = np.isnan(y)
     if not missing.any() or missing.all():
         return ()
     note = (
-        f"y is missing in {missing.sum()} of {y.size} samples ({name_places(stretches(missing))}); these are neither "
-        "fitted nor scored"
+        f"{name} is missing in {missing.sum()} of {y.size} samples ({name_places(stretches(missing))}); these are "
+        "neither fitted nor scored"
     )
     known = np.flatnonzero(~missing)
     apart = np.unique(np.diff(known))
     is_slower = known.size > 2 and apart.size == 1 and apart[0] > 1
     if t is not None and t.size == y.size and missing.mean() > 0.4 and is_slower:
-        note += f"; to read both signals at the rate of y, add --resample {float(t[known[1]] - t[known[0]]):.9g}"
+        note += f"; to read both signals at the rate of {name}, add --resample {float(t[known[1]] - t[known[0]]):.9g}"
     return (note,)
 
 

@@ -5,9 +5,20 @@ import pickle
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from labsid.records.formats import RawRecord
-from labsid.records.record import Record, find_faults, load_record, reading_notes, refusal, sampling_time
+from labsid.records.record import (
+    Record,
+    between_outputs,
+    bridge_gaps,
+    find_faults,
+    load_record,
+    reading_notes,
+    refusal,
+    sampling_time,
+)
 
 N = 20
 T = np.arange(N) * 0.75
@@ -67,7 +78,8 @@ def test_records_can_be_copied_and_sent_to_another_process():
         ({"u": changed(U, 3, np.nan)}, r"u must be finite; got nan at sample 3 \(1 such samples\)"),
         ({"reference": changed(U, [3, 4], np.inf)}, r"reference must be finite; got inf at sample 3"),
         ({"y": changed(Y, 4, -1e200)}, r"y must be below 1e\+100 in size; got -1e\+200 at sample 4"),
-        ({"y": np.column_stack([Y, Y])}, r"y must be one signal .*; got shape \(20, 2\)"),
+        ({"reference": np.column_stack([Y, Y])}, r"reference must be one signal .*; got shape \(20, 2\)"),
+        ({"y": np.zeros((N, 2, 2))}, r"y must be one signal .*; got shape \(20, 2, 2\)"),
         ({"u": ["a"] * N}, r"u must hold real numbers"),
         ({"t": changed(T, 5, 2.0)}, r"time goes backwards from sample 4 \(t = 3 s\) to sample 5 \(t = 2 s\)\."),
         ({"t": changed(T, 5, 3.0)}, r"time stands still from sample 4"),
@@ -81,6 +93,99 @@ def test_records_can_be_copied_and_sent_to_another_process():
 def test_a_bad_record_is_refused(changes, message):
     with pytest.raises(ValueError, match=message):
         record(**changes)
+
+
+# Several signals ------------------------------------------------------------------------------------------
+
+SEVERAL = {"u": np.column_stack([U, -U]), "y": np.column_stack([Y, 2 * Y, 3 * Y])}
+NAMED = {"inputs": ("Q1", "Q2"), "outputs": ("T1", "T2", "T3"), "units": ("%", "%", "K", "K", "K")}
+
+
+def test_a_record_of_several_signals():
+    made = record(**SEVERAL, **NAMED, name="run 7", reference=Y)
+    assert made.several
+    assert (made.u.shape, made.y.shape, made.missing.shape) == ((N, 2), (N, 3), (N, 3))
+    np.testing.assert_array_equal(made.input_columns, SEVERAL["u"])
+    np.testing.assert_array_equal(made.output_columns, SEVERAL["y"])
+    assert repr(made) == (
+        "Record('run 7': 20 samples, Ts = 0.75 s, Q1 1.6..2, Q2 -2..-1.6, T1 3.61..5.29, T2 7.22..10.58, "
+        "T3 10.83..15.87)"
+    )
+    for name in ("u", "y"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(made, name)[0] = 0
+
+
+def test_names_and_units_by_default():
+    made = record(**SEVERAL)
+    assert (made.inputs, made.outputs, made.units) == (("u1", "u2"), ("y1", "y2", "y3"), ("",) * 5)
+    one = record()
+    assert (one.inputs, one.outputs, one.units, one.several) == (("u",), ("y",), ("", ""), False)
+    assert one.input_columns.shape == one.output_columns.shape == (N, 1)
+    two_in = record(u=SEVERAL["u"])
+    assert (two_in.several, two_in.outputs, two_in.y.shape, two_in.missing.shape) == (True, ("y",), (N,), (N,))
+
+
+@pytest.mark.parametrize(("input", "output"), [("Q2", "T3"), (1, 2)])
+def test_a_pair_is_a_record_of_one_signal_each(input, output):
+    one = record(**SEVERAL, **NAMED, name="run 7", notes=("said",), jitter=0.1).pair(input, output)
+    np.testing.assert_array_equal(one.u, -U)
+    np.testing.assert_array_equal(one.y, 3 * Y)
+    assert (one.name, one.units, one.notes, one.jitter) == ("run 7: Q2 -> T3", ("%", "K"), ("said",), 0.1)
+    assert (one.several, one.inputs, one.outputs) == (False, ("Q2",), ("T3",))
+
+
+@given(st.integers(1, 3), st.integers(1, 3), st.data())
+def test_pairs_hold_all_columns(nu, ny, data):
+    values = st.floats(-1e6, 1e6)
+    columns = [data.draw(st.lists(values, min_size=5, max_size=5)) for _ in range(nu + ny)]
+    made = Record(np.arange(5.0), np.transpose(columns[:nu]), np.transpose(columns[nu:]), 1.0)
+    for j in range(nu):
+        for i in range(ny):
+            one = made.pair(j, i)
+            np.testing.assert_array_equal(one.u, columns[j])
+            np.testing.assert_array_equal(one.y, columns[nu + i])
+            assert one.pair(0, 0).inputs == one.inputs
+
+
+def test_outputs_may_be_missing_at_different_samples():
+    y = np.array(SEVERAL["y"])
+    y[3:5, 1] = y[0, :] = y[-2:, :] = np.nan
+    made = record(**{**SEVERAL, "y": y}, **NAMED)
+    assert made.missing.sum(axis=0).tolist() == [3, 5, 3]
+    assert repr(made).endswith("3 without T1, 5 without T2, 3 without T3)")
+    cut = between_outputs(made)
+    assert len(cut) == N - 3
+    assert cut.notes == ("all outputs are missing in the first 1 and the last 2 samples; these are left out",)
+    assert [note.split(" (")[0] for note in reading_notes(cut)[1:]] == ["T2 is missing in 2 of 17 samples"]
+    filled = bridge_gaps(cut.y)
+    assert filled.shape == cut.y.shape
+    np.testing.assert_allclose(filled[2:4, 1], np.interp([2, 3], [1, 4], cut.y[[1, 4], 1]))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"u": changed(SEVERAL["u"], (3, 1), np.nan)}, r"Q2 must be finite; got nan at sample 3"),
+        ({"y": changed(SEVERAL["y"], (slice(None), 2), np.nan)}, r"T3 must be finite; got nan at sample 0"),
+        ({"y": changed(SEVERAL["y"], (4, 0), -1e200)}, r"T1 must be below 1e\+100 in size; got -1e\+200 at sample 4"),
+        (
+            {"y": SEVERAL["y"][:-1]},
+            r"t and Q1 and Q2 and T1 and T2 and T3 must have equal length; got 20 and 20",
+        ),
+        ({"u": SEVERAL["u"].T}, r"u must have a row for each sample .* shape \(20, 2\); got \(2, 20\)\. Transpose it"),
+        ({"y_measured": Y}, r"y_measured belongs to a record of one input and one output; got several"),
+        (
+            {"units": ("V", "%")},
+            r"units must hold one unit for each of the 5 signals Q1, .*; got 2: .*\. Give ''",
+        ),
+        ({"inputs": ("Q1",)}, r"inputs must hold one name for each of the 2 columns of u; got 1: Q1"),
+        ({"inputs": ("Q1", "T1")}, r"'T1' is named as an input and as an output"),
+    ],
+)
+def test_a_bad_record_of_several_signals_is_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        record(**(SEVERAL | NAMED | changes))
 
 
 # Sampling time --------------------------------------------------------------------------------------------
