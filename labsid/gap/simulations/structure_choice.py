@@ -14,7 +14,9 @@ UNDECIDED_TERM = (
 )
 
 
-def explain_record(data: Data, base: Baseline, progress: Progress | None) -> tuple[Explanation, bool]:
+def explain_record(
+    data: Data, base: Baseline, progress: Progress | None, largest: int = MOST_EFFECTS
+) -> tuple[Explanation, bool]:
     """The explanation of a record by strictly proper dynamics, or by those with a direct term if they alone fit better.
 
     Where the record does not decide on a direct term, it competes with every effect, in the score of the search.
@@ -24,6 +26,8 @@ def explain_record(data: Data, base: Baseline, progress: Progress | None) -> tup
     data : Data
     base : Baseline
     progress : callable, optional
+    largest : int
+        Number of effects, at most.
 
     Returns
     -------
@@ -32,16 +36,16 @@ def explain_record(data: Data, base: Baseline, progress: Progress | None) -> tup
         Whether the two explain the record about equally well.
     """
     if base.alternative is None:
-        return explain(data, base.structure, base.start, progress=progress), False
-    most = 1 if _leaves_noise(with_floor(data), base.structure, base.alternative) else MOST_EFFECTS
+        return explain(data, base.structure, base.start, largest, progress), False
+    most = min(largest, 1) if _leaves_noise(with_floor(data), base.structure, base.alternative) else largest
     explanation = explain(data, base.structure, base.start, most, progress)
     direct = fit_baseline(explanation.data, base.alternative)
     gain = explanation.best.whitened_bic - direct.whitened_bic
     undecided = abs(gain) < BIC_MARGIN
     if gain > 0.0:
-        return explain(data, base.alternative, progress=progress), undecided
-    if most < MOST_EFFECTS and len(explanation.path) > most:
-        explanation = explain(data, base.structure, base.start, progress=progress)
+        return explain(data, base.alternative, None, largest, progress), undecided
+    if most < largest and len(explanation.path) > most:
+        explanation = explain(data, base.structure, base.start, largest, progress)
     return explanation, undecided
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.effects.further_inputs import FurtherInput
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
 from labsid.gap.record.data import Data
@@ -124,6 +125,12 @@ class _Setting:
     given_output: FloatArray | None
     rng: np.random.Generator
     measured: np.ndarray | None
+    further: dict[str, FloatArray] | None = None
+
+    @property
+    def one_input(self) -> bool:
+        """Whether the output has one input, whose levels then tell whether it repeats."""
+        return not any(isinstance(effect, FurtherInput) for effect in self.base.structure.effects)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,6 +162,7 @@ def answer_from(
     rng: np.random.Generator,
     progress: Progress | None = None,
     measured: np.ndarray | None = None,
+    further: dict[str, FloatArray] | None = None,
 ) -> Answer:
     """Decide what causes the gap.
 
@@ -174,6 +182,8 @@ def answer_from(
     progress : callable, optional
     measured : ndarray of bool, optional
         Samples of the holdout that have an output; by default all.
+    further : dict, optional
+        Further inputs of the holdout by name, scaled.
     """
     given = None
     if holdout is not None and base.simulate_record is not None:
@@ -182,7 +192,7 @@ def answer_from(
     fitted = None if base.before is None else base.before(explanation.data)
     if explanation.data.pieces and fitted is not None:
         given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
-    setting = _Setting(record, base, fitted, other, given, rng, measured)
+    setting = _Setting(record, base, fitted, other, given, rng, measured, further)
     whole, complete = _complete(setting, explanation)
     decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
     if decision.verdict == "unknown":
@@ -206,7 +216,8 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
         return found, replace(without, confidence=0.0) if gap else without
     found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))
     outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
-    plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, explanation.data.rows)
+    rows = explanation.data.rows
+    plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, rows) if setting.one_input else None
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
     evidence = evidence_in(explanation, found.left, score.closed, _predictable(explanation), unrepeated)
     return found, Complete(explanation.names, confidence_in(evidence), evidence)
@@ -237,7 +248,7 @@ def _partial(
 
 
 def _before(setting: _Setting, explanation: Explanation, onset: float | None = None) -> _Before:
-    held_out = hold_out(explanation.data, setting.other, onset, setting.measured)
+    held_out = hold_out(explanation.data, setting.other, onset, setting.measured, setting.further)
     start = held_out.refit(explanation.path[0])
     linear = None if setting.base.given else choose_linear_model(held_out, start)
     fit = setting.given or (start if linear is None else linear.fit)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.fitting import Fit, refit
 from labsid.gap.model_file import START_SAMPLES, export_model
 from labsid.gap.record.data import Data
@@ -55,12 +56,15 @@ class HeldOut:
         Input and output of the other record, in the record's units.
     in_turn : dict, optional
         With several records, each left out in turn: the outputs of the fits to the others, by fit.
+    further : dict, optional
+        Further inputs of the other record by name, scaled.
     """
 
     data: Data
     scored: np.ndarray
     other: tuple[FloatArray, FloatArray] | None = None
     in_turn: dict[Fit, FloatArray] | None = None
+    further: dict[str, FloatArray] | None = None
 
     @property
     def elsewhere(self) -> bool:
@@ -82,6 +86,8 @@ class HeldOut:
             return self.in_turn[fit]
         if self.other is None:
             return fit.output
+        if self.further:
+            fit = replace(fit, hypothesis=with_signals(fit.hypothesis, self.further))
         return self.data.y_scale.of(export_model(self.data, fit).simulate(*self.other))
 
     @property
@@ -134,6 +140,7 @@ def hold_out(
     other: tuple[FloatArray, FloatArray] | None,
     onset: float | None = None,
     measured: np.ndarray | None = None,
+    further: dict[str, FloatArray] | None = None,
 ) -> HeldOut:
     """Choose the held-out samples.
 
@@ -147,10 +154,12 @@ def hold_out(
         Instant at which an effect begins, as a share of the record.
     measured : ndarray of bool, optional
         Samples of the other record that have an output; by default all.
+    further : dict, optional
+        Further inputs of the other record by name, scaled.
     """
     if other is not None:
         scored = np.arange(other[0].size) >= START_SAMPLES
-        return HeldOut(data, scored if measured is None else scored & measured, other)
+        return HeldOut(data, scored if measured is None else scored & measured, other, further=further)
     if data.pieces:
         scored = np.zeros(data.samples, bool)
         for start, stop in data.pieces:

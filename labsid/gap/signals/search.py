@@ -1,0 +1,273 @@
+"""The effects at every signal: each output is explained through its inputs, one after the other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.base import InputEffect
+from labsid.gap.fits.fitting import Fit, fit_from
+from labsid.gap.fits.residual_tests import explained_share
+from labsid.gap.record.data import Data
+from labsid.gap.search.beam_search import BIC_MARGIN, Progress, is_improvement, residual_is_white
+from labsid.gap.search.candidates import is_plausible
+from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, unsimulated_effects
+from labsid.gap.search.forms import transfer_theta
+from labsid.gap.signals.linear_parts import LinearParts, linear_parts
+from labsid.gap.signals.roles import Role, Signals, make_role
+from labsid.gap.simulations.structure_choice import explain_record
+
+DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AtInput:
+    """Effects that were found at one input.
+
+    Attributes
+    ----------
+    role : Role
+    fit : Fit
+        With these effects.
+    """
+
+    role: Role
+    fit: Fit
+
+    @property
+    def effects(self) -> tuple[InputEffect, ...]:
+        """In the order in which they were found."""
+        return tuple(one for one in self.fit.hypothesis.found if isinstance(one, InputEffect))
+
+    def applied(self, u: FloatArray) -> FloatArray:
+        """The scaled input after these effects, shape (N,)."""
+        return self.fit.hypothesis.actuator(self.fit.theta, u)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Through:
+    """An output explained through one input, the effects at other inputs given.
+
+    Attributes
+    ----------
+    role : Role
+    explanation : Explanation
+    others : tuple of AtInput
+        Effects at other inputs that act in it.
+    """
+
+    role: Role
+    explanation: Explanation
+    others: tuple[AtInput, ...] = ()
+
+    @property
+    def found(self) -> AtInput | None:
+        """The effects at the input, if there are any."""
+        at = AtInput(self.role, self.explanation.best)
+        return at if at.effects else None
+
+    @property
+    def white(self) -> bool:
+        """Whether nothing but noise is left."""
+        return residual_is_white(self.explanation.data, self.explanation.best)
+
+    @property
+    def score(self) -> float:
+        """BIC of the free-run error: the innovations of a slow residual say little of which input is concerned."""
+        fit = self.explanation.best
+        count = int(self.explanation.data.rows.sum())
+        power = np.mean((self.explanation.data.y - fit.output)[self.explanation.data.rows] ** 2)
+        return float(count * np.log(power) + fit.n_free * np.log(count))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExplainedOutput:
+    """One output and the effects that explain it.
+
+    Attributes
+    ----------
+    output : int
+    parts : LinearParts
+    through : tuple of Through
+        By each input at which effects were found; the last one explains everything that was found.
+    """
+
+    output: int
+    parts: LinearParts
+    through: tuple[Through, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    signals: Signals
+    parts: LinearParts
+    output: int
+    order: int
+    progress: Progress | None
+
+    def role(self, main: int, others: Sequence[AtInput] = ()) -> Role:
+        inputs = self.signals.scaled_inputs()
+        applied = {one.role.main: one.applied(inputs[:, one.role.main]) for one in others}
+        return make_role(self.signals, self.output, main, self.parts, self.order, applied)
+
+    def through(self, main: int, others: Sequence[AtInput], most: int) -> Through:
+        """The output explained through an input; the first fit of its path has no effects, at other inputs neither."""
+        role = self.role(main, others)
+        found = explain_record(role.data, role.base, self.progress, most)[0]
+        if others:
+            plain = self.through(main, (), 0).explanation.best
+            found = replace(found, path=(plain, *(found.path[1:] or found.path)))
+        return Through(role, found, tuple(others))
+
+    @property
+    def seen(self) -> list[int]:
+        """Inputs at which an effect can be seen, the strongest first."""
+        return [int(i) for i in np.argsort(-self.parts.strength) if self.parts.seen[i] or i == self.parts.strongest]
+
+
+def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None = None) -> list[ExplainedOutput]:
+    """Explain every output by effects at its inputs, in its dynamics and at itself.
+
+    An effect at an input that explains one output is tried at once in the others.
+
+    Parameters
+    ----------
+    signals : Signals
+    order : int
+        Of the linear model.
+    progress : callable, optional
+
+    Returns
+    -------
+    list of ExplainedOutput
+        In the order of the outputs.
+    """
+    nu, ny = len(signals.inputs), len(signals.outputs)
+    parts = [linear_parts([signals.data(i, j) for i in range(nu)]) for j in range(ny)]
+    searches = [_Search(signals, own, j, order, _of_output(progress, j, ny)) for j, own in enumerate(parts)]
+    plain = {one.output: one.through(one.seen[0], (), 0) for one in searches}
+    gaps = {j: _gap(through) for j, through in plain.items()}
+    found: dict[int, ExplainedOutput] = {}
+    known: list[AtInput] = []
+    for one in sorted(searches, key=lambda one: -gaps[one.output]):
+        explained = _explain_output(one, known)
+        found[one.output] = explained
+        known += [at for at in (through.found for through in explained.through) if at is not None and not _has(known, at)]
+    return [found[j] for j in range(ny)]
+
+
+def _of_output(progress: Progress | None, j: int, ny: int) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda what, share: progress(f"output {j + 1} of {ny}, {what}", share)
+
+
+def _gap(through: Through) -> float:
+    """Free-run error of the linear model over its innovations."""
+    fit = through.explanation.best
+    return float(np.sqrt(fit.free_run / max(fit.noise.sigma2, np.finfo(float).tiny)))
+
+
+def _has(known: list[AtInput], at: AtInput) -> bool:
+    keys = {(one.role.main, effect.name) for one in known for effect in one.effects}
+    return all((at.role.main, effect.name) in keys for effect in at.effects)
+
+
+def _explain_output(search: _Search, known: list[AtInput]) -> ExplainedOutput:
+    shared = _shared(search, known)
+    if shared and shared[-1].white:
+        return ExplainedOutput(search.output, search.parts, shared)
+    chain = shared or (min(_screened(search), key=_score),)
+    chain = _extended(search, chain, 1)
+    if not chain[-1].white:
+        last = chain[-1]
+        full = search.through(last.role.main, last.others, MOST_EFFECTS)
+        chain = _extended(search, (*chain[:-1], min(last, full, key=_score)), MOST_EFFECTS)
+    return ExplainedOutput(search.output, search.parts, chain)
+
+
+def _extended(search: _Search, chain: tuple[Through, ...], most: int) -> tuple[Through, ...]:
+    """A chain with effects at further inputs, as long as they reduce the error."""
+    while not chain[-1].white and len(chain) < len(search.seen) and chain[-1].found is not None:
+        others = (*chain[-1].others, chain[-1].found)
+        taken = [one.role.main for one in others]
+        following = [search.through(i, others, most) for i in search.seen if i not in taken]
+        best = min(following, key=_score)
+        if best.score > chain[-1].score - BIC_MARGIN or best.found is None:
+            break
+        chain = _in_turn(search, (*chain, best))
+    return chain
+
+
+def _score(through: Through) -> float:
+    return through.score
+
+
+def _screened(search: _Search) -> list[Through]:
+    """The output through each input that may have an effect, with at most one of them; the strongest input first."""
+    found = []
+    for main in search.seen:
+        if found and found[0].white and not _depends(search, found[0], main):
+            continue
+        found.append(search.through(main, (), 1))
+        if found[-1].white and len(found[-1].explanation.path) > 1:
+            break
+    return found
+
+
+def _depends(search: _Search, through: Through, main: int) -> bool:
+    """Whether the residual depends on another input."""
+    data, fit = through.explanation.data, through.explanation.best
+    other = replace(data, u=search.signals.data(main, search.output).u)
+    return explained_share(other, fit, data.y - fit.output) > DEPENDENT
+
+
+def _shared(search: _Search, known: list[AtInput]) -> tuple[Through, ...]:
+    """The output with the effects at its inputs that other outputs have shown, where they improve it."""
+    chain: tuple[Through, ...] = ()
+    for at in known:
+        main = at.role.main
+        if main not in search.seen or main in [one.role.main for one in chain]:
+            continue
+        others = tuple(one.found for one in chain if one.found is not None)
+        plain = search.through(main, others, 0)
+        fit = _with_effects(plain, at)
+        if fit is None or not is_improvement(plain.explanation.data, plain.explanation.best, fit):
+            continue
+        chain = (*chain, Through(plain.role, _forced(plain.role.data, plain.explanation, fit), others))
+        if chain[-1].white:
+            break
+    return chain
+
+
+def _with_effects(plain: Through, at: AtInput) -> Fit | None:
+    """The linear fit of an output with the effects at an input that another output has shown."""
+    base, data = plain.explanation.best, plain.explanation.data
+    hypothesis = base.hypothesis.with_effects((*base.hypothesis.effects, *at.effects))
+    theta = transfer_theta(base, hypothesis)
+    for effect in at.effects:
+        theta[hypothesis.slices[effect.key]] = at.fit.theta[at.fit.hypothesis.slices[effect.key]]
+    fit = fit_from(data, hypothesis, theta, iterations=25)
+    return fit if fit is not None and is_plausible(data, fit, len(at.effects)) else None
+
+
+def _forced(data: Data, plain: Explanation, fit: Fit) -> Explanation:
+    """An explanation by given effects, without a search."""
+    names = tuple(sorted(fit.hypothesis.names))
+    between = ({} for _ in range(len(names) - 1))
+    steps = (fit,) * len(names)
+    beside = unsimulated_effects(data, plain.data, plain.faults, fit)
+    levels = (plain.levels[0], *between, {names: fit})
+    return replace(plain, levels=levels, path=(plain.path[0], *steps), unsimulated=beside)
+
+
+def _in_turn(search: _Search, chain: tuple[Through, ...]) -> tuple[Through, ...]:
+    """A chain whose last two are found again in turn, each with the effects of the other one."""
+    first, second = chain[-2:]
+    for _ in range(2):
+        before = tuple(known for known in first.others if known.role.main != second.role.main)
+        others = before if second.found is None else (*before, second.found)
+        again = search.through(first.role.main, others, max(len(first.explanation.path) - 1, 1))
+        first, second = second, again
+    return (*chain[:-2], first, second)
