@@ -29,6 +29,8 @@ from labsid.gap.reports.sentences import is_probable, number_sentences
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.search.explanation import Explanation
+from labsid.gap.signals.diagnosis import diagnose_signals
+from labsid.gap.signals.result import SignalsDiagnosis
 from labsid.gap.simulations.baseline import (
     AnySimulation,
     Baseline,
@@ -75,7 +77,7 @@ def diagnose(
     seed: int = 0,
     evaluations: int | None = None,
     progress: Progress | None = None,
-) -> Diagnosis:
+) -> Diagnosis | SignalsDiagnosis:
     """Find where a simulation and a rig disagree, which effects cause it, and the share of the gap that they close.
 
     Parameters
@@ -121,8 +123,10 @@ def diagnose(
     BLAS runs on one thread, and as before afterwards: the matrices are small, and sums then have one order.
     """
     records = [record] if isinstance(record, Record) else record
-    for one in [*records, *([] if holdout is None else [holdout])]:
-        one_signal_each(one, "the diagnosis")
+    if any(one.several for one in records):
+        return _of_signals(records, simulation, free, holdout, order, exclude, seed, progress)
+    if holdout is not None:
+        one_signal_each(holdout, "the diagnosis of a record of one input and one output")
     simulation = as_simulation(simulation, records[0].Ts if records else 1.0, free)
     with threadpool_limits(1, "blas"), ExitStack() as stack:
         if progress is None and runs_in_notebook():
@@ -141,6 +145,34 @@ def diagnose(
         if undecided:
             prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
         return _in_units(_report(prepared, explanation, seed, progress), records[0].units)
+
+
+def _of_signals(
+    records: Sequence[Record],
+    simulation: AnySimulation | None,
+    free: Sequence[str],
+    holdout: Record | None,
+    order: int,
+    exclude: Sequence[tuple[float, float]],
+    seed: int,
+    progress: Progress | None,
+) -> SignalsDiagnosis:
+    """The diagnosis of a record of several signals; BLAS runs on one thread."""
+    if len(records) > 1:
+        raise ValueError(
+            f"got {len(records)} records of several signals; one can be diagnosed at a time. Give another run as the "
+            "holdout."
+        )
+    if simulation is not None or free:
+        raise ValueError(
+            "a given simulation of several signals cannot be diagnosed yet. Omit it, or choose one input and one output."
+        )
+    with threadpool_limits(1, "blas"), ExitStack() as stack:
+        if progress is None and runs_in_notebook():
+            progress = stack.enter_context(show_in_notebook())
+        return diagnose_signals(
+            records[0], holdout=holdout, order=order, exclude=exclude, seed=seed, progress=progress
+        )
 
 
 def _in_units(found: Diagnosis, units: tuple[str, ...]) -> Diagnosis:

@@ -28,11 +28,11 @@ def format_report(report: dict[str, Any]) -> str:
         the record; alternatives; the gap before and after; its location; the residual; faults in the samples; and the
         next experiment or the part of the rig to inspect.
     """
-    lines = [*_row("", sentences.verdict_sentence(report), indent=0), ""]
+    lines = [*titled_lines("", sentences.verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
-        lines += _effect(effect)
+        lines += effect_lines(effect)
     for number, finding in enumerate(sentences.record_sentences(report)):
-        lines += _row("" if number else "record", _printable(finding))
+        lines += titled_lines("" if number else "record", printable(finding))
     rows = [
         ("ambiguous", [sentences.ambiguity_sentence(report), sentences.reference_sentence(report)]),
         ("gap", [sentences.gap_sentence(report), sentences.baseline_sentence(report)]),
@@ -47,7 +47,7 @@ def format_report(report: dict[str, Any]) -> str:
         tried = sentences.joined([sentences.noun_without_article(name) for name in sentences.effects_tried(report)])
         rows.insert(1, ("tried", [f"{sentences.capitalised(tried)}."]))
     for title, texts in rows:
-        lines += _row(title, " ".join(_printable(text) for text in texts if text))
+        lines += titled_lines(title, " ".join(printable(text) for text in texts if text))
         lines += _records(report) if title == "gap" else []
     if report["verdict"] in ("none", "unknown"):
         lines += limits_lines(report)
@@ -63,26 +63,26 @@ def format_limits(found: dict[str, Any]) -> str:
     """
     record, verdict = found["record"], found["verdict"]
     what = "a record with the planned input" if found["planned"] else "the record"
-    name = _printable(record["name"] or "record")
-    lines = _row("", f"{name}: {record['samples']} samples, verdict {verdict}. What {what} can show:", indent=0)
+    name = printable(record["name"] or "record")
+    lines = titled_lines("", f"{name}: {record['samples']} samples, verdict {verdict}. What {what} can show:", indent=0)
     return "\n".join([*lines, *limits_lines(found)])
 
 
 def limits_lines(report: dict[str, Any]) -> list[str]:
     """What the record could have shown of each effect, in columns."""
     table = [COLUMNS, *limit_cells(report, str)]
-    lines = _row("limits", limits_sentence(report) or "")
+    lines = titled_lines("limits", limits_sentence(report) or "")
     columns = [i for i in range(len(COLUMNS)) if any(row[i] != NOT_SHOWN for row in table[1:])]
     wide = {i: max(len(row[i]) for row in table) for i in columns}
     if len(table) > 1:
-        lines += ["", *(_printable("  ".join(f"{row[i]:<{wide[i]}}" for i in columns).rstrip()) for row in table), ""]
-    return [*lines, *(line for text in hidden_sentences(report) for line in _row("", _printable(text)))]
+        lines += ["", *(printable("  ".join(f"{row[i]:<{wide[i]}}" for i in columns).rstrip()) for row in table), ""]
+    return [*lines, *(line for text in hidden_sentences(report) for line in titled_lines("", printable(text)))]
 
 
-def _effect(effect: dict[str, Any]) -> list[str]:
+def effect_lines(effect: dict[str, Any]) -> list[str]:
     """One cause, with its parameters in columns below."""
     title = "cause" if sentences.is_probable(effect) else "possible"
-    lines = _row(title, f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}")
+    lines = titled_lines(title, f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}")
     rows = [
         (
             parameter_label(effect["name"], name, entry),
@@ -100,14 +100,14 @@ def _records(report: dict[str, Any]) -> list[str]:
     rows = sentences.record_rows(report)
     if not rows:
         return []
-    table = [RECORD_COLUMNS, *(tuple(_printable(cell) for cell in row) for row in rows)]
+    table = [RECORD_COLUMNS, *(tuple(printable(cell) for cell in row) for row in rows)]
     wide = [max(len(row[i]) for row in table) for i in range(len(RECORD_COLUMNS))]
     lines = []
     for number, row in enumerate(table):
         title = "" if number else "records"
         cells = [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
         lines.append("  ".join([f"{title:<{INDENT}}{row[0]:<{wide[0]}}", *cells]))
-    return [*lines, *_row("", sentences.records_sentence(report) or "")]
+    return [*lines, *titled_lines("", sentences.records_sentence(report) or "")]
 
 
 def _experiment(report: dict[str, Any]) -> str | None:
@@ -115,7 +115,8 @@ def _experiment(report: dict[str, Any]) -> str | None:
     return None if text is None else f"Apply the input that --json writes as next_experiment. {text}"
 
 
-def _row(title: str, text: str, indent: int = INDENT) -> list[str]:
+def titled_lines(title: str, text: str, indent: int = INDENT) -> list[str]:
+    """Lines of a text behind its title, broken at the width of the report."""
     if not text:
         return []
     for unit in "%±":  # no line break between a number and its unit
@@ -124,6 +125,6 @@ def _row(title: str, text: str, indent: int = INDENT) -> list[str]:
     return [line.replace("\u00a0", " ") for line in lines]
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
     """`text` with control characters replaced by spaces: a file must not control the terminal."""
     return "".join(c if c.isprintable() else " " for c in text)

@@ -1,0 +1,159 @@
+"""The text report of a record of several signals, made from the JSON report alone."""
+
+from typing import Any
+
+from labsid.gap.reports import sentences
+from labsid.gap.reports.effect_texts import clause, noun
+from labsid.gap.reports.location_text import location_sentences
+from labsid.gap.reports.quantities import closed_percent, number, percent
+from labsid.gap.reports.text_report import INDENT, effect_lines, printable, titled_lines
+
+COLUMNS = ("rms error of", "before", "after", "noise", "closed")
+MIN_COUPLING = 0.005  # share of an output's response, from which an input is listed
+
+
+def format_signals(report: dict[str, Any]) -> str:
+    """Format the report of several signals as text.
+
+    Parameters
+    ----------
+    report : dict
+        In the layout ``labsid.gap/4``.
+
+    Returns
+    -------
+    str
+        Lines of at most 96 characters: the verdict; the causes, each with the signal at which it acts; the gap by
+        output; what moves what; where the gap of the worst output lies; the next experiment; findings.
+    """
+    lines = [*titled_lines("", verdict_sentence(report), indent=0), ""]
+    for effect in report["effects"]:
+        first, *others = effect_lines(effect)
+        lines += [*titled_lines(first[:INDENT].strip(), f"{first[INDENT:]}; {_place(effect)}"), *others]
+    rivals = [f"{noun(one['name'])}{_at(one['signal'])}" for one in report["ambiguous"]]
+    if rivals:
+        lines += titled_lines("ambiguous", f"The record does not rule out {sentences.joined(rivals, 'or')}.")
+    lines += titled_lines("gap", _gap_sentence(report))
+    lines += _outputs(report)
+    lines += titled_lines("signals", _coupling_sentence(report))
+    if report["verdict"] != "none":
+        lines += titled_lines("where", " ".join(_where(report)))
+    if report["next_experiment"] is not None:
+        said = sentences.experiment_sentence(report)
+        lines += titled_lines("next", f"Apply the inputs that --json writes as next_experiment. {said}")
+    for count, finding in enumerate(report["findings"]):
+        about = f"{finding['signal']}: " if finding["signal"] and finding["signal"] not in finding["text"] else ""
+        lines += titled_lines("" if count else "record", printable(f"{about}{finding['text']}"))
+    return "\n".join(printable(line) for line in lines)
+
+
+def verdict_sentence(report: dict[str, Any]) -> str:
+    """The verdict: each cause with its signal, and what remains."""
+    gap, effects = report["gap"], report["effects"]
+    if report["verdict"] == "none":
+        return (
+            f"There is no gap beyond noise: the rms error of a linear model fitted to the record is {_over_noise(gap, 'before')}."
+        )
+    probable = [effect for effect in effects if sentences.is_probable(effect)]
+    if not effects:
+        return (
+            f"None of the effects tried explains the gap: the rms error of the linear model is {_over_noise(gap, 'before')}."
+        )
+    share = "" if gap["closed"] is None else closed_percent(gap["closed"], gap["ci95"])
+    explain = f"explains {share} of the gap" if share else f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
+    if not probable:
+        return f"The cause of the gap is not known: what was added to the simulation {explain}, but may only imitate it."
+    said = [f"{_placed(effect)}{_qualified(effect)}" for effect in probable]
+    subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
+    text = f"{' '.join(f'{sentences.capitalised(one)}.' for one in said)} {sentences.capitalised(subject)} {explain}."
+    return f"{text} {_remaining(report)}".strip()
+
+
+def _placed(effect: dict[str, Any]) -> str:
+    """``At u2: `` or ``In the dynamics of y1: ``."""
+    if effect["signal"]:
+        return f"at {effect['signal']}: "
+    what = "Beside" if effect["path"] == "disturbance" else "In the dynamics of"
+    return f"{sentences.uncapitalised(what)} {sentences.joined(effect['outputs'])}: "
+
+
+def _qualified(effect: dict[str, Any]) -> str:
+    """The clause of an effect, with a qualification according to its probability."""
+    text, p = sentences.uncapitalised(clause(effect)), effect["probability"]
+    return text if p >= sentences.SURE else f"{'probably' if p >= sentences.LIKELY else 'possibly'} {text}"
+
+
+def _place(effect: dict[str, Any]) -> str:
+    """Where an effect acts, and on which outputs."""
+    outputs = sentences.joined(effect["outputs"])
+    return f"at {effect['signal']}, seen in {outputs}" if effect["signal"] else f"seen in {outputs}"
+
+
+def _at(signal: str | None) -> str:
+    return f" at {signal}" if signal else ""
+
+
+def _remaining(report: dict[str, Any]) -> str:
+    """What remains, if that is more than noise."""
+    if report["verdict"] not in ("partial", "unknown"):
+        return ""
+    left = report["unexplained"]
+    return f"Something else remains, most of it in {left['output']}."
+
+
+def _over_noise(gap: dict[str, Any], key: str) -> str:
+    """An error beside the noise."""
+    if "over_sd" not in gap:
+        return f"{number(gap[key])}, and the noise alone is {number(gap['noise_floor'])}"
+    return f"{number(gap[key])} times the noise of each output"
+
+
+def _gap_sentence(report: dict[str, Any]) -> str:
+    """The size of the gap over all outputs."""
+    gap = report["gap"]
+    where = "on held-out samples" if "holdout_traces" not in next(iter(report["outputs"].values())) else "on the holdout"
+    after = "" if gap["after"] == gap["before"] else f" before and {number(gap['after'])} after"
+    if "over_sd" not in gap:
+        return f"The rms error is {number(gap['before'])}{after}, {where}."
+    sd = gap["over_sd"]
+    relative = f"{percent(sd['before'])} of the standard deviation"
+    return f"Rms over all outputs {where}: {number(gap['before'])}{after}, in units of each output's noise; before, that is {relative}."
+
+
+def _outputs(report: dict[str, Any]) -> list[str]:
+    """The gap of each output, in columns."""
+    units = {one["name"]: one["unit"] for one in report["signals"]["outputs"]}
+    table = [COLUMNS]
+    for name, row in report["gap"]["outputs"].items():
+        closed = "–" if row["closed"] is None else closed_percent(row["closed"])
+        named = f"{name} ({units[name]})" if units.get(name) else name
+        table.append((printable(named), number(row["before"]), number(row["after"]), number(row["noise_floor"]), closed))
+    wide = [max(len(row[i]) for row in table) for i in range(len(COLUMNS))]
+    return [
+        "  ".join(
+            [f"{'' if count else 'outputs':<{INDENT}}{row[0]:<{wide[0]}}"]
+            + [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
+        )
+        for count, row in enumerate(table)
+    ]
+
+
+def _coupling_sentence(report: dict[str, Any]) -> str:
+    """Which inputs move each output, the strongest first."""
+    texts = []
+    for output in (one["name"] for one in report["signals"]["outputs"]):
+        own = sorted((one for one in report["couplings"] if one["to"] == output), key=lambda one: -one["share"])
+        listed = [f"{one['from']} {percent(one['share'])}" for one in own if one["share"] >= MIN_COUPLING]
+        texts.append(f"{output} is moved by {sentences.joined(listed)} (shares of its response)." if not texts else f"{output}: {sentences.joined(listed)}.")
+    return " ".join(texts)
+
+
+def _where(report: dict[str, Any]) -> list[str]:
+    """The outputs with the gap, and where it lies in the worst one."""
+    where = report["where"]
+    shares = {name: share for name, share in where["outputs"].items() if share >= MIN_COUPLING}
+    texts = []
+    if len(where["outputs"]) > 1:
+        listed = [f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda item: -item[1])]
+        texts.append(f"Of the gap, each in units of its noise: {sentences.joined(listed)}. In {where['output']}:")
+    return [*texts, *location_sentences(report)]

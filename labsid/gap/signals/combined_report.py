@@ -1,0 +1,285 @@
+"""One report of all signals from the reports of the outputs."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from labsid.gap.signals.preparation import Prepared
+from labsid.gap.signals.search import ExplainedOutput
+from labsid.gap.verdict.scores import NO_GAP, closed_share
+
+SCHEMA = "labsid.gap/4"
+MOST_RIVALS = 3
+KEPT = (  # of the report of an output
+    "verdict",
+    "gap",
+    "noise",
+    "where",
+    "unexplained",
+    "explanation",
+    "novelty",
+    "reference",
+    "screen",
+    "traces",
+    "holdout_traces",
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """The report of one output, explained through one input.
+
+    Attributes
+    ----------
+    output, main : int
+    report : dict
+        As of one input and one output.
+    sd : float
+        Standard deviation of the output.
+    """
+
+    output: int
+    main: int
+    report: dict[str, Any]
+    sd: float
+
+    @property
+    def gap_size(self) -> float:
+        """Rms error of the linear model over the noise."""
+        gap = self.report["gap"]
+        return float(gap["before"] / max(gap["noise_floor"], np.finfo(float).tiny))
+
+
+def combine(
+    prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Sequence[Part], holdout: Prepared | None
+) -> dict[str, Any]:
+    """Assemble the report of all signals.
+
+    Parameters
+    ----------
+    prepared : Prepared
+    explained : sequence of ExplainedOutput
+    parts : sequence of Part
+        By output, the last one of each explains everything that was found.
+    holdout : Prepared or None
+
+    Returns
+    -------
+    dict
+        JSON-ready, in the layout ``labsid.gap/4``.
+    """
+    signals = prepared.signals
+    last = {part.output: part for part in parts}
+    worst = max(last.values(), key=lambda part: part.gap_size)
+    effects = _effects(signals.inputs, signals.outputs, parts)
+    gap = _gap(signals.outputs, last)
+    nu = len(signals.inputs)
+    units = prepared.units
+    shares = _shares(signals.outputs, last)
+    verdict = _verdict(effects, last, gap)
+    return {
+        "schema": SCHEMA,
+        "verdict": verdict,
+        "signals": {
+            "inputs": [{"name": name, "unit": unit} for name, unit in zip(signals.inputs, units[:nu], strict=True)],
+            "outputs": [{"name": name, "unit": unit} for name, unit in zip(signals.outputs, units[nu:], strict=True)],
+        },
+        "effects": effects,
+        "ambiguous": _ambiguous(signals.inputs, signals.outputs, parts, effects),
+        "ranking": [
+            row | {"signal": signals.inputs[worst.main], "output": signals.outputs[worst.output]}
+            for row in worst.report["ranking"]
+        ],
+        "where": {
+            **worst.report["where"],
+            "path": effects[0]["path"] if effects else verdict,
+            "operating": [
+                cell | {"signal": _operating_name(str(cell["signal"]), worst, signals.inputs, signals.outputs)}
+                for cell in worst.report["where"]["operating"]
+            ],
+            "output": signals.outputs[worst.output],
+            "outputs": shares,
+        },
+        "gap": gap | {"holdout": worst.report["gap"]["holdout"]},
+        "noise": {signals.outputs[j]: part.report["noise"] for j, part in last.items()},
+        "reference": "outside" if any(part.report["reference"] == "outside" for part in last.values()) else "inside",
+        "unexplained": _unexplained(signals.outputs, last, gap),
+        "limits": [
+            row | {"signal": _signal(row.get("path"), part, signals.inputs, signals.outputs)}
+            for part in last.values()
+            for row in part.report["limits"]
+        ],
+        "next_experiment": _experiment(signals.inputs, worst, prepared),
+        "couplings": _couplings(signals.inputs, signals.outputs, explained),
+        "findings": [
+            *({"kind": finding.topic, "signal": None, "text": finding.text} for finding in prepared.findings),
+            *({"kind": "samples", "signal": None, "text": note} for note in prepared.notes),
+            *_still(signals.inputs, explained),
+            *(
+                {"kind": "samples", "signal": signals.outputs[j], "text": text}
+                for j, part in last.items()
+                for text in part.report["screen"]
+            ),
+        ],
+        "record": {"name": signals.name, "samples": len(signals), "Ts": signals.Ts},
+        "simulation": {"given": False, "output_only": False, "closed": False, "output": None, "model": None},
+        "numbers": [],
+        "outputs": {
+            signals.outputs[j]: {
+                "main": signals.inputs[part.main],
+                **{key: part.report[key] for key in KEPT if key in part.report},
+            }
+            for j, part in last.items()
+        },
+    }
+
+
+def _signal(path: str | None, part: Part, inputs: Sequence[str], outputs: Sequence[str]) -> str | None:
+    """The signal at which an effect of a path acts; None in the dynamics and for disturbances."""
+    return {"input": inputs[part.main], "output": outputs[part.output]}.get(path or "")
+
+
+def _effects(inputs: Sequence[str], outputs: Sequence[str], parts: Sequence[Part]) -> list[dict[str, Any]]:
+    """Every effect once, with the outputs that it changes, largest gap first; its numbers are those of that output."""
+    found: dict[tuple[str, str | None], dict[str, Any]] = {}
+    for part in sorted(parts, key=lambda part: -part.gap_size):
+        for effect in part.report["effects"]:
+            signal = _signal(effect["path"], part, inputs, outputs)
+            own = found.setdefault((effect["name"], signal), effect | {"signal": signal, "outputs": []})
+            if outputs[part.output] not in own["outputs"]:
+                own["outputs"].append(outputs[part.output])
+            if effect["probability"] > own["probability"]:
+                own |= {key: effect[key] for key in ("probability", "chance")}
+    return list(found.values())
+
+
+def _verdict(effects: Sequence[dict[str, Any]], last: dict[int, Part], gap: dict[str, Any]) -> str:
+    verdicts = {part.report["verdict"] for part in last.values()}
+    if not effects:
+        return "unknown" if verdicts - {"none"} else "none"
+    return "effect" if verdicts <= {"none", "effect"} else "partial"
+
+
+def _gap(outputs: Sequence[str], last: dict[int, Part]) -> dict[str, Any]:
+    """The gap by output, and of all: rms of the errors over each output's noise, if there are several."""
+    own = {outputs[j]: part.report["gap"] for j, part in last.items()}
+    sds = {outputs[j]: part.sd for j, part in last.items()}
+    by_output = {
+        name: {key: one[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {"sd": sds[name]}
+        for name, one in own.items()
+    }
+    if len(own) == 1:
+        (one,) = own.values()
+        return {key: one[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {
+            "outputs": by_output,
+            "mode": "free",
+        }
+    noise = {name: max(one["noise_floor"], np.finfo(float).tiny) for name, one in own.items()}
+    before, after = (
+        float(np.sqrt(np.mean([(one[key] / noise[name]) ** 2 for name, one in own.items()])))
+        for key in ("before", "after")
+    )
+    open_gap = [
+        max((one["before"] / noise[name]) ** 2 - 1.0, 0.0) if one["closed"] is not None else 0.0
+        for name, one in own.items()
+    ]
+    closed = closed_share(before**2, after**2, 1.0) if before**2 > NO_GAP and any(open_gap) else None
+    return {
+        "before": before,
+        "after": after,
+        "noise_floor": 1.0,
+        "closed": closed,
+        "ci95": None if closed is None else _interval(list(own.values()), open_gap),
+        "over_sd": {
+            key: float(np.sqrt(np.mean([(one[key] / sds[name]) ** 2 for name, one in own.items()])))
+            for key in ("before", "after", "noise_floor")
+        },
+        "outputs": by_output,
+        "mode": "free",
+    }
+
+
+def _interval(gaps: Sequence[dict[str, Any]], open_gap: Sequence[float]) -> list[float]:
+    """Interval of the closed share of all outputs, from theirs as if they were at the same end together."""
+    ends = []
+    for end in (0, 1):
+        left = [
+            size * (1.0 - (one["ci95"][end] if one["ci95"] else 0.0)) ** 2
+            for one, size in zip(gaps, open_gap, strict=True)
+        ]
+        ends.append(1.0 - float(np.sqrt(sum(left) / sum(open_gap))))
+    return ends
+
+
+def _shares(outputs: Sequence[str], last: dict[int, Part]) -> dict[str, float]:
+    """Share of each output in the gap, in units of its noise."""
+    sizes = {outputs[j]: max(part.gap_size**2 - 1.0, 0.0) for j, part in last.items()}
+    total = sum(sizes.values())
+    return {name: size / total if total else 0.0 for name, size in sizes.items()}
+
+
+def _unexplained(outputs: Sequence[str], last: dict[int, Part], gap: dict[str, Any]) -> dict[str, Any]:
+    """What is left, of the output that has most of it."""
+    left = {
+        j: part.report["gap"]["after"] / max(part.report["gap"]["noise_floor"], np.finfo(float).tiny)
+        for j, part in last.items()
+    }
+    most = max(left, key=lambda j: left[j])
+    share = 0.0 if gap["closed"] is None else 1.0 - gap["closed"]
+    return {**last[most].report["unexplained"], "share": share, "output": outputs[most]}
+
+
+def _ambiguous(
+    inputs: Sequence[str], outputs: Sequence[str], parts: Sequence[Part], effects: Sequence[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Alternatives that the record cannot exclude, each with its signal."""
+    from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+
+    named = {(one["name"], one["signal"]) for one in effects}
+    found: dict[tuple[str, str | None], None] = {}
+    for part in sorted(parts, key=lambda part: -part.gap_size):
+        for name in part.report["ambiguous"]:
+            one = (name, _signal(EFFECT_GUIDE[name].path, part, inputs, outputs))
+            if one not in named:
+                found.setdefault(one)
+    return [{"name": name, "signal": signal} for name, signal in list(found)[:MOST_RIVALS]]
+
+
+def _operating_name(signal: str, worst: Part, inputs: Sequence[str], outputs: Sequence[str]) -> str:
+    """Name of a signal of the worst output; `dy` is the rate of the output."""
+    output = outputs[worst.output]
+    return {"u": inputs[worst.main], "y": output, "dy": f"rate of {output}"}[signal]
+
+
+def _experiment(inputs: Sequence[str], worst: Part, prepared: Prepared) -> dict[str, Any] | None:
+    """The proposed input, with the other inputs at rest."""
+    found = worst.report["next_experiment"]
+    if found is None:
+        return None
+    rest = {name: [float(prepared.signals.u[0, i])] * len(found["u"]) for i, name in enumerate(inputs)}
+    return found | {"u": rest | {inputs[worst.main]: found["u"]}}
+
+
+def _couplings(
+    inputs: Sequence[str], outputs: Sequence[str], explained: Sequence[ExplainedOutput]
+) -> list[dict[str, Any]]:
+    """Which input moves which output, and its share of the variance of all responses."""
+    found = []
+    for one in explained:
+        power = np.where(one.parts.moves, one.parts.strength, 0.0) ** 2
+        for i in np.flatnonzero(one.parts.moves):
+            share = float(power[i] / power.sum())
+            found.append({"from": inputs[i], "to": outputs[one.output], "share": share})
+    return found
+
+
+def _still(inputs: Sequence[str], explained: Sequence[ExplainedOutput]) -> list[dict[str, Any]]:
+    """Inputs that move no output."""
+    moves = np.any([one.parts.moves for one in explained], axis=0)
+    return [
+        {"kind": "signals", "signal": name, "text": f"{name} moves no output by more than chance."}
+        for name, any_output in zip(inputs, moves, strict=True)
+        if not any_output
+    ]

@@ -1,0 +1,45 @@
+"""The result of a diagnosis of several signals."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from labsid.gap.model_file import ExportedModel
+from labsid.gap.reports.signals_text import format_signals
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class SignalsDiagnosis:
+    """Result of `diagnose` for a record of several signals; `print` shows the text of the command line.
+
+    Attributes
+    ----------
+    report : dict
+        In the layout ``labsid.gap/4``; ``--json`` writes it.
+    models : dict
+        By output: the simulation with the effects added.
+    """
+
+    report: dict[str, Any]
+    models: dict[str, ExportedModel]
+
+    @property
+    def verdict(self) -> str:
+        """``"none"``, ``"effect"``, ``"partial"`` or ``"unknown"``."""
+        return str(self.report["verdict"])
+
+    @property
+    def effects(self) -> dict[tuple[str, str | None], dict[str, dict[str, Any]]]:
+        """Parameters of the effects found, by name and signal."""
+        return {(effect["name"], effect["signal"]): effect["parameters"] for effect in self.report["effects"]}
+
+    def __str__(self) -> str:
+        return format_signals(self.report)
+
+    def __repr__(self) -> str:
+        named = ", ".join(
+            f"{one['name']} at {one['signal'] or 'the dynamics'} (p = {one['probability']:.2f})"
+            for one in self.report["effects"]
+        )
+        gap = self.report["gap"]
+        found = f"{self.verdict}: {named}" if named else self.verdict
+        return f"<SignalsDiagnosis: {found}; rms error {gap['before']:.3g} before, {gap['after']:.3g} after>"
