@@ -54,6 +54,8 @@ class Data:
         Converter step in the scaled output; zero where there is none.
     pieces : tuple of (int, int)
         With several records, joined end to end: first sample of each and the one after its last; else empty.
+    at_input : bool
+        Whether the search tries effects at the input only.
     lags : int
         The longest autoregression that the noise may have.
     complete : ndarray of bool, shape (N,)
@@ -70,6 +72,7 @@ class Data:
     by_free_run: bool = False
     lattice: float = 0.0
     pieces: tuple[tuple[int, int], ...] = ()
+    at_input: bool = False
     lags: int = field(init=False, repr=False)
     complete: np.ndarray = field(init=False, repr=False)
 

@@ -7,7 +7,7 @@ from operator import attrgetter
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.base import Effect
+from labsid.gap.effects.base import Effect, InputEffect
 from labsid.gap.effects.disturbance import Leak, LoadStep
 from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.effects.restarts import in_records
@@ -212,9 +212,12 @@ def _extensions(
 
 def _candidates(data: Data) -> tuple[tuple[Effect, ...], ...]:
     """The forms that are added, in a group for each name; with an initial state of their own in each record."""
+    groups = CANDIDATES
+    if data.at_input:
+        groups = tuple(group for group in groups if isinstance(group[0], InputEffect))
     if not data.pieces:
-        return CANDIDATES
-    return tuple(tuple(in_records(effect, data.pieces[1:]) for effect in group) for group in CANDIDATES)
+        return groups
+    return tuple(tuple(in_records(effect, data.pieces[1:]) for effect in group) for group in groups)
 
 
 def extended_fits(data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None) -> list[Fit]:

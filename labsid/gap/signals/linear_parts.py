@@ -1,18 +1,24 @@
 """The linear response of an output to each of several inputs: which of them move it, and how fast."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.further_inputs import FurtherInput
-from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.fitting import Fit, fit_from
+from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
-from labsid.gap.verdict.baseline_choice import OBSERVED_TIME_CONSTANTS
+from labsid.gap.verdict.baseline_choice import (
+    FASTEST_RATE,
+    OBSERVED_TIME_CONSTANTS,
+    fit_first_order,
+    is_observed,
+)
 
-SWEEPS = 3  # over all inputs, of fits to what the others leave
 OWN_PARAMETERS = 6  # of one input: two rates, two of the numerator, two of the initial state
 SEEN = 0.25  # rms of a response over that of the residual, from which an effect at its input can be seen
 
@@ -45,7 +51,7 @@ class LinearParts:
 
 
 def linear_parts(pairs: list[Data]) -> LinearParts:
-    """Fit the response of one output to each input in turn, to what the others leave.
+    """Fit the responses of one output to all inputs: one after the other, the largest first, and then together.
 
     Parameters
     ----------
@@ -55,37 +61,44 @@ def linear_parts(pairs: list[Data]) -> LinearParts:
     y, rows = pairs[0].y, pairs[0].rows
     responses = np.zeros((y.size, len(pairs)))
     rates = [(0.2, 0.01)] * len(pairs)
-    left = y - y[rows].mean()
-    waiting = list(range(len(pairs)))
-    while waiting:  # the input that explains most comes first
-        fits = {i: fit_baseline(replace(pairs[i], y=left)) for i in waiting}
-        best = min(waiting, key=lambda i: fits[i].cost)
-        responses[:, best], rates[best] = _response(fits[best], pairs[best]), fits[best].rates
+    order: list[int] = []
+    while len(order) < len(pairs):
         left = y - responses.sum(axis=1)
-        waiting.remove(best)
-    for _ in range(SWEEPS - 1 if len(pairs) > 1 else 0):
-        for i, pair in enumerate(pairs):
-            others = y - np.delete(responses, i, axis=1).sum(axis=1)
-            fit = fit_baseline(replace(pair, y=others))
-            responses[:, i], rates[i] = _response(fit, pair), fit.rates
-    e = y - responses.sum(axis=1)
+        fits = {i: _shown(replace(pair, y=left)) for i, pair in enumerate(pairs) if i not in order}
+        best = min(fits, key=lambda i: fits[i].cost)
+        responses[:, best], rates[best] = _response(fits[best], pairs[best]), _not_too_fast(fits[best])
+        order.append(best)
+    if len(pairs) > 1:
+        alone = [_shown(pair) for pair in pairs]
+        own = [_not_too_fast(fit) for fit in alone]
+        joint = [_together(pairs, order, start) for start in (rates, own, [own[order[0]]] * len(pairs))]
+        _, responses, rates, e = min(joint, key=lambda found: found.cost)
+    else:
+        e = y - fits[0].output
     power = np.var(e[rows])
     without = np.var((e[:, None] + responses)[rows], axis=0)
     count = int(rows.sum())
     gains = count * np.log(without / max(power, np.finfo(float).tiny))
+    if len(pairs) > 1 and not _is_observed(rates, y.size):  # slow poles may imitate what is no response
+        responses, rates = np.column_stack([_response(fit, pair) for fit, pair in zip(alone, pairs, strict=True)]), own
     strength = np.std(responses[rows], axis=0)
     moves = gains > OWN_PARAMETERS * np.log(count)
     moves[np.argmax(strength)] = True
-    shown = tuple(_shown(*one, y.size) for one in rates)
-    return LinearParts(moves, moves & (strength > SEEN * np.sqrt(power)), strength, shown)
+    return LinearParts(moves, moves & (strength > SEEN * np.sqrt(power)), strength, tuple(rates))
 
 
-def _shown(c: float, k: float, samples: int) -> tuple[float, float]:
-    """The rates, a pole that is too slow for the record replaced by the slowest one that it shows."""
-    slowest = OBSERVED_TIME_CONSTANTS / samples
+def _shown(data: Data) -> Fit:
+    """The fit of second order, or of first order if the record does not show the slowest pole."""
+    fit = fit_baseline(data)
+    return fit if is_observed(data, fit) else fit_first_order(data)
+
+
+def _not_too_fast(fit: Fit) -> tuple[float, float]:
+    """The rates of a fit, a pole without influence replaced by the fastest one that samples show."""
+    c, k = fit.rates
     if 0.25 * c * c < k:
-        return c, max(k, slowest**2)
-    slow, fast = (max(rate, slowest) for rate in real_rates(c, k))
+        return c, k
+    slow, fast = (min(rate, FASTEST_RATE) for rate in real_rates(c, k))
     return slow + fast, slow * fast
 
 
@@ -93,6 +106,42 @@ def _response(fit: Fit, pair: Data) -> FloatArray:
     """What the input moves, without offset and initial state."""
     design = fit.hypothesis.design(fit.theta, pair.u)
     return np.asarray(design.columns[:, :2] @ fit.gains[:2])
+
+
+def _is_observed(rates: list[tuple[float, float]], samples: int) -> bool:
+    """Whether the record is long enough to show the slowest pole."""
+    slowest = min(np.sqrt(k) if 0.25 * c * c < k else real_rates(c, k)[0] for c, k in rates)
+    return bool(slowest * samples >= OBSERVED_TIME_CONSTANTS)
+
+
+class _Joint(NamedTuple):
+    """The cost of a joint fit, the responses and their rates, and the error."""
+
+    cost: float
+    responses: FloatArray
+    rates: list[tuple[float, float]]
+    error: FloatArray
+
+
+def _together(pairs: list[Data], order: list[int], rates: list[tuple[float, float]]) -> _Joint:
+    """A fit of all responses together, started from the rates of each."""
+    first, *others = order
+    further = tuple(FurtherInput(str(i), rates[i], float(pairs[i].u[0]), pairs[i].u) for i in others)
+    structure = Hypothesis(further, len(further))
+    theta = np.zeros(len(structure.parameters))
+    theta[1:3] = np.log(rates[first])
+    fit = fit_from(pairs[first], structure, np.clip(theta, *structure.bounds), iterations=40)
+    if fit is None:
+        raise ValueError("no linear model can be simulated on this record. Check the signals.")
+    design = fit.hypothesis.design(fit.theta, pairs[first].u)
+    responses, found = np.zeros((pairs[0].samples, len(pairs))), list(rates)
+    responses[:, first], found[first] = design.columns[:, :2] @ fit.gains[:2], fit.rates
+    for effect, columns in zip(fit.hypothesis.additive, design.parts[1:], strict=True):
+        i = int(effect.variant)
+        responses[:, i] = columns[:, :2] @ fit.hypothesis.gains_of(fit.gains, effect)[:2]
+        c, k = np.multiply(rates[i], np.exp(fit.theta[fit.hypothesis.slices[effect.key]]))
+        found[i] = float(c), float(k)
+    return _Joint(fit.cost, responses, found, pairs[0].y - fit.output)
 
 
 def further_inputs(parts: LinearParts, main: int, signals: FloatArray, names: tuple[str, ...]) -> list[FurtherInput]:

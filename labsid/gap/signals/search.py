@@ -112,9 +112,14 @@ class _Search:
         return make_role(self.signals, self.output, main, self.parts, self.order, applied)
 
     def through(self, main: int, others: Sequence[AtInput], most: int) -> Through:
-        """The output explained through an input; the first fit of its path has no effects, at other inputs neither."""
+        """The output explained through an input; the first fit of its path has no effects, at other inputs neither.
+
+        A single effect in the dynamics or at the output is searched through the strongest input only.
+        """
         role = self.role(main, others)
-        found = explain_record(role.data, role.base, self.progress, most)[0]
+        only = most == 1 and main != self.parts.strongest
+        found = explain_record(replace(role.data, at_input=only), role.base, self.progress, most)[0]
+        found = replace(found, data=replace(found.data, at_input=False))
         if others:
             plain = self.through(main, (), 0).explanation.best
             found = replace(found, path=(plain, *(found.path[1:] or found.path)))
@@ -179,20 +184,20 @@ def _explain_output(search: _Search, known: list[AtInput]) -> ExplainedOutput:
     if shared and shared[-1].white:
         return ExplainedOutput(search.output, search.parts, shared)
     chain = shared or (min(_screened(search), key=_score),)
-    chain = _extended(search, chain, 1)
+    chain = _extended(search, chain)
     if not chain[-1].white:
         last = chain[-1]
         full = search.through(last.role.main, last.others, MOST_EFFECTS)
-        chain = _extended(search, (*chain[:-1], min(last, full, key=_score)), MOST_EFFECTS)
+        chain = _extended(search, (*chain[:-1], min(last, full, key=_score)))
     return ExplainedOutput(search.output, search.parts, chain)
 
 
-def _extended(search: _Search, chain: tuple[Through, ...], most: int) -> tuple[Through, ...]:
+def _extended(search: _Search, chain: tuple[Through, ...]) -> tuple[Through, ...]:
     """A chain with effects at further inputs, as long as they reduce the error."""
     while not chain[-1].white and len(chain) < len(search.seen) and chain[-1].found is not None:
         others = (*chain[-1].others, chain[-1].found)
         taken = [one.role.main for one in others]
-        following = [search.through(i, others, most) for i in search.seen if i not in taken]
+        following = [search.through(i, others, 1) for i in search.seen if i not in taken]
         best = min(following, key=_score)
         if best.score > chain[-1].score - BIC_MARGIN or best.found is None:
             break
