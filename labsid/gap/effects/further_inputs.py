@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import section
@@ -16,7 +16,7 @@ REACH = 5.0  # of the logarithm of a rate from its start value
 
 @dataclass(frozen=True, slots=True)
 class FurtherInput(AdditiveEffect):
-    """The response of second-order linear dynamics to one further input, added ahead of the sensor.
+    """The response of linear dynamics to one further input, added ahead of the sensor.
 
     Attributes
     ----------
@@ -25,6 +25,8 @@ class FurtherInput(AdditiveEffect):
         Name of the input.
     rates : tuple of float
         Coefficients c and k of s^2 + c s + k, in samples, about which they are fitted.
+    shared : bool
+        Whether its dynamics have the poles of those of the first input, a mode included.
     reference : float
         Operating point: the first sample of the input of the fitted record.
     signal : ndarray, shape (N,)
@@ -34,11 +36,14 @@ class FurtherInput(AdditiveEffect):
     name: ClassVar[str] = "further-input"
     rates: tuple[float, float] = (0.2, 0.01)
     reference: float = 0.0
+    shared: bool = False
     signal: FloatArray = field(default_factory=lambda: np.zeros(1), compare=False, repr=False)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Logarithms of both rates over their start values."""
+        """Logarithms of both rates over their start values, of dynamics of its own."""
+        if self.shared:
+            return ()
         return tuple(Parameter(f"log_{rate} {self.variant}", -REACH, REACH) for rate in "ck")
 
     @property
@@ -48,12 +53,12 @@ class FurtherInput(AdditiveEffect):
 
     @property
     def uses_plant(self) -> bool:
-        """It has dynamics of its own."""
-        return False
+        """Of shared poles."""
+        return self.shared
 
     @property
     def width(self) -> int:
-        """Two for the numerator, two for the initial state."""
+        """Two for the numerator and two for the initial state; of shared poles, two numerators."""
         return 4
 
     @property
@@ -63,16 +68,23 @@ class FurtherInput(AdditiveEffect):
 
     @property
     def state_columns(self) -> tuple[int, ...]:
-        """Those of the initial state."""
-        return (2, 3)
+        """Those of an initial state; that of shared poles belongs to the first input."""
+        return () if self.shared else (2, 3)
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
-        """The response, shape (samples, 4); past its end the signal holds its last value."""
-        c, k = np.multiply(self.rates, np.exp(own))
+        """The response, shape (samples, width); past its end the signal holds its last value."""
         signal = self.signal[:samples]
         if signal.size < samples:
             signal = np.append(signal, np.full(samples - signal.size, signal[-1]))
-        return section(float(c), float(k), np.asarray(signal - self.reference, np.float64))
+        w = np.asarray(signal - self.reference, np.float64)
+        if not self.shared:
+            c, k = np.multiply(self.rates, np.exp(own))
+            return section(float(c), float(k), w)
+        pairs = [plant.linear_rates(rates)]
+        if plant.mode:
+            frequency, damping = (float(np.exp(rates[plant.index(f"log_{name}")])) for name in ("frequency", "damping"))
+            pairs.append((2.0 * damping * frequency, frequency**2))
+        return beside([section(c, k, w)[:, :2].copy() for c, k in pairs])
 
 
 def with_signals(hypothesis: Any, signals: dict[str, FloatArray]) -> Any:

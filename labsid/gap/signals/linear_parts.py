@@ -126,7 +126,7 @@ class _Joint(NamedTuple):
 def _together(pairs: list[Data], order: list[int], rates: list[tuple[float, float]]) -> _Joint:
     """A fit of all responses together, started from the rates of each."""
     first, *others = order
-    further = tuple(FurtherInput(str(i), rates[i], float(pairs[i].u[0]), pairs[i].u) for i in others)
+    further = tuple(FurtherInput(str(i), rates[i], float(pairs[i].u[0]), signal=pairs[i].u) for i in others)
     structure = Hypothesis(further, len(further))
     theta = np.zeros(len(structure.parameters))
     theta[1:3] = np.log(rates[first])
@@ -144,7 +144,9 @@ def _together(pairs: list[Data], order: list[int], rates: list[tuple[float, floa
     return _Joint(fit.cost, responses, found, pairs[0].y - fit.output)
 
 
-def further_inputs(parts: LinearParts, main: int, signals: FloatArray, names: tuple[str, ...]) -> list[FurtherInput]:
+def further_inputs(
+    parts: LinearParts, main: int, signals: FloatArray, names: tuple[str, ...], shared: bool = False
+) -> list[FurtherInput]:
     """The responses to all inputs that move the output but the main one.
 
     Parameters
@@ -154,9 +156,11 @@ def further_inputs(parts: LinearParts, main: int, signals: FloatArray, names: tu
     signals : ndarray, shape (N, nu)
         Scaled inputs after their actuators.
     names : tuple of str
+    shared : bool
+        Whether they have the poles of the response to the main input.
     """
     return [
-        FurtherInput(names[i], parts.rates[i], float(signals[0, i]), np.ascontiguousarray(signals[:, i]))
+        FurtherInput(names[i], parts.rates[i], float(signals[0, i]), shared, np.ascontiguousarray(signals[:, i]))
         for i in np.flatnonzero(parts.moves)
         if i != main
     ]

@@ -10,7 +10,9 @@ from labsid.gap.effects.further_inputs import FurtherInput
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale, scaled
 from labsid.gap.signals.linear_parts import LinearParts, further_inputs
-from labsid.gap.simulations.baseline import Baseline, make_baseline
+from labsid.gap.simulations.baseline import Baseline, linear_structure, make_baseline
+
+COUPLED_ORDER = 4  # of two coupled systems of second order
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,6 +96,7 @@ def make_role(
     main: int,
     parts: LinearParts,
     order: int,
+    coupled: FloatArray | None = None,
     applied: Mapping[int, FloatArray] | None = None,
 ) -> Role:
     """See an output through one input.
@@ -106,6 +109,8 @@ def make_role(
         Of the output.
     order : int
         Of the linear model.
+    coupled : ndarray, optional
+        Parameters of the poles that the outputs share, as of `coupled_poles`.
     applied : mapping of int to ndarray, optional
         Scaled inputs after the actuator effects that were found at them, of other inputs than `main`.
     """
@@ -113,8 +118,10 @@ def make_role(
     inputs = signals.scaled_inputs()
     for i, w in (applied or {}).items():
         inputs[:, i] = w
-    further = further_inputs(parts, main, inputs, signals.inputs)
-    base = make_baseline(data, signals.t, None, order)
+    further = further_inputs(parts, main, inputs, signals.inputs, coupled is not None)
+    base = make_baseline(data, signals.t, None, order if coupled is None else COUPLED_ORDER)
+    if coupled is not None:
+        base = replace(base, structure=linear_structure(COUPLED_ORDER), alternative=None, start=coupled)
     alternative = None if base.alternative is None else _beside(base.alternative, further)
     return Role(output, main, data, replace(base, structure=_beside(base.structure, further), alternative=alternative))
 

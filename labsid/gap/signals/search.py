@@ -7,13 +7,15 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import InputEffect
-from labsid.gap.fits.fitting import Fit, fit_from
+from labsid.gap.fits.fitting import Fit, fit_from, mean_square
+from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.residual_tests import explained_share
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import BIC_MARGIN, Progress, is_improvement, residual_is_white
 from labsid.gap.search.candidates import is_plausible
 from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, unsimulated_effects
 from labsid.gap.search.forms import transfer_theta
+from labsid.gap.signals.coupled_poles import coupled_starts, have_poles_in_common, may_be_coupled
 from labsid.gap.signals.linear_parts import LinearParts, linear_parts
 from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.simulations.structure_choice import explain_record
@@ -74,11 +76,8 @@ class Through:
 
     @property
     def score(self) -> float:
-        """BIC of the free-run error: the innovations of a slow residual say little of which input is concerned."""
-        fit = self.explanation.best
-        count = int(self.explanation.data.rows.sum())
-        power = np.mean((self.explanation.data.y - fit.output)[self.explanation.data.rows] ** 2)
-        return float(count * np.log(power) + fit.n_free * np.log(count))
+        """BIC of the free-run error."""
+        return free_run_bic(self.explanation.data, self.explanation.best)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,11 +104,12 @@ class _Search:
     output: int
     order: int
     progress: Progress | None
+    coupled: FloatArray | None = None
 
     def role(self, main: int, others: Sequence[AtInput] = ()) -> Role:
         inputs = self.signals.scaled_inputs()
         applied = {one.role.main: one.applied(inputs[:, one.role.main]) for one in others}
-        return make_role(self.signals, self.output, main, self.parts, self.order, applied)
+        return make_role(self.signals, self.output, main, self.parts, self.order, self.coupled, applied)
 
     def through(self, main: int, others: Sequence[AtInput], most: int) -> Through:
         """The output explained through an input; the first fit of its path has no effects, at other inputs neither.
@@ -150,15 +150,65 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     """
     nu, ny = len(signals.inputs), len(signals.outputs)
     parts = [linear_parts([signals.data(i, j) for i in range(nu)]) for j in range(ny)]
-    searches = [_Search(signals, own, j, order, _of_output(progress, j, ny)) for j, own in enumerate(parts)]
-    plain = {one.output: one.through(one.seen[0], (), 0) for one in searches}
-    gaps = {j: _gap(through) for j, through in plain.items()}
+    if not may_be_coupled(signals, parts):
+        return _explained(signals, parts, order, progress)
+    apart = _base_fits(signals, parts, order, [None] * ny)
+    if all(residual_is_white(data, fit) for data, fit in apart):
+        return _explained(signals, parts, order, progress)
+    starts = coupled_starts(signals, parts, order)
+    if starts is not None:
+        together = _base_fits(signals, parts, order, starts)
+        if _total(together) < _total(apart) - BIC_MARGIN and have_poles_in_common(together):
+            return _explained(signals, parts, order, progress, starts)
+    found = _explained(signals, parts, order, progress)
+    if starts is None or all(one.through[-1].white for one in found):
+        return found
+    other = _explained(signals, parts, order, progress, starts)
+    fits = [(one.through[-1].explanation.data, one.through[-1].explanation.best) for one in other]
+    better = sum(one.through[-1].score for one in other) < sum(one.through[-1].score for one in found) - BIC_MARGIN
+    return other if better and have_poles_in_common(fits) else found
+
+
+def _base_fits(
+    signals: Signals, parts: Sequence[LinearParts], order: int, starts: Sequence[FloatArray | None]
+) -> list[tuple[Data, Fit]]:
+    """The linear fit of every output through its strongest input."""
+    roles = [make_role(signals, j, own.strongest, own, order, starts[j]) for j, own in enumerate(parts)]
+    return [(role.data, fit_baseline(role.data, role.base.structure, role.base.start)) for role in roles]
+
+
+def _total(fits: Sequence[tuple[Data, Fit]]) -> float:
+    """BIC of the free-run errors of all outputs."""
+    return sum(free_run_bic(data, fit) for data, fit in fits)
+
+
+def free_run_bic(data: Data, fit: Fit) -> float:
+    """BIC of the free-run error: the innovations of a slow residual say little of which input is concerned."""
+    count = int(data.rows.sum())
+    return float(count * np.log(mean_square(data, fit)) + fit.n_free * np.log(count))
+
+
+def _explained(
+    signals: Signals,
+    parts: Sequence[LinearParts],
+    order: int,
+    progress: Progress | None,
+    starts: Sequence[FloatArray | None] | None = None,
+) -> list[ExplainedOutput]:
+    """Explain every output, those with the largest gap first; with poles that the outputs share from `starts`."""
+    ny = len(parts)
+    starts = starts or [None] * ny
+    searches = [
+        _Search(signals, own, j, order, _of_output(progress, j, ny), starts[j]) for j, own in enumerate(parts)
+    ]
+    gaps = {j: _gap(fit) for j, (_, fit) in enumerate(_base_fits(signals, parts, order, starts))}
     found: dict[int, ExplainedOutput] = {}
     known: list[AtInput] = []
     for one in sorted(searches, key=lambda one: -gaps[one.output]):
         explained = _explain_output(one, known)
         found[one.output] = explained
-        known += [at for at in (through.found for through in explained.through) if at is not None and not _has(known, at)]
+        at_inputs = (through.found for through in explained.through)
+        known += [at for at in at_inputs if at is not None and not _has(known, at)]
     return [found[j] for j in range(ny)]
 
 
@@ -168,9 +218,8 @@ def _of_output(progress: Progress | None, j: int, ny: int) -> Progress | None:
     return lambda what, share: progress(f"output {j + 1} of {ny}, {what}", share)
 
 
-def _gap(through: Through) -> float:
+def _gap(fit: Fit) -> float:
     """Free-run error of the linear model over its innovations."""
-    fit = through.explanation.best
     return float(np.sqrt(fit.free_run / max(fit.noise.sigma2, np.finfo(float).tiny)))
 
 

@@ -1,0 +1,92 @@
+"""Whether the outputs share the poles of two coupled systems of second order, as two joints do."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.gap.effects.further_inputs import FurtherInput
+from labsid.gap.fits.fitting import Fit, Problem, finish, fit_from
+from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.record.data import Data
+from labsid.gap.signals.linear_parts import LinearParts
+from labsid.gap.signals.roles import Role, Signals, make_role
+
+FREQUENCIES = 0.4, 0.6, 1.5, 2.5  # of the second pair over the first one: start values
+DAMPINGS = 0.05, 0.3
+SAME = 1.1  # mean square error with the poles of another output over that with poles of its own
+
+
+def may_be_coupled(signals: Signals, parts: Sequence[LinearParts]) -> bool:
+    """Whether every one of several outputs is moved by several inputs."""
+    return len(signals.outputs) > 1 and all(own.moves.sum() > 1 for own in parts)
+
+
+def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -> list[FloatArray] | None:
+    """Parameters of four poles by output, that its responses to all inputs have in common; None without a fit.
+
+    Parameters
+    ----------
+    signals : Signals
+    parts : sequence of LinearParts
+        By output.
+    order : int
+        Of the responses otherwise.
+
+    Returns
+    -------
+    list of ndarray or None
+        As of the linear structure of fourth order.
+    """
+    starts = []
+    for j, own in enumerate(parts):
+        apart = make_role(signals, j, own.strongest, own, order)
+        plain = fit_baseline(apart.data, apart.base.structure)
+        fit = _fitted(make_role(signals, j, own.strongest, own, order, np.zeros(0)), plain)
+        if fit is None:
+            return None
+        starts.append(fit.theta)
+    return starts
+
+
+def have_poles_in_common(fits: Sequence[tuple[Data, Fit]]) -> bool:
+    """Whether the linear dynamics of all outputs have the same poles: each is fitted as well with those of another one.
+
+    A mode of one actuator or one sensor does not act through every input on every output.
+    """
+    best = max(fits, key=lambda one: one[1].free_run)[1]
+    poles = best.theta[best.hypothesis.slices["plant"]]
+    for data, fit in fits:
+        theta = fit.theta.copy()
+        at = fit.hypothesis.slices["plant"]
+        if fit is best or at.stop - at.start != poles.size:
+            continue
+        theta[at] = poles
+        point = Problem(data, fit.hypothesis).point(theta)
+        if point is None or finish(data, fit.hypothesis, point).free_run > SAME * fit.free_run:
+            return False
+    return True
+
+
+def _fitted(role: Role, plain: Fit) -> Fit | None:
+    """The fit of fourth order, from the poles of each input of the fit `plain` with poles for each."""
+    structure = role.base.structure
+    pairs = [plain.rates]
+    for effect in plain.hypothesis.additive:
+        if isinstance(effect, FurtherInput):
+            c, k = np.multiply(effect.rates, np.exp(plain.theta[plain.hypothesis.slices[effect.key]]))
+            pairs.append((float(c), float(k)))
+    names = [parameter.name for parameter in structure.parameters]
+    found = []
+    for c, k in pairs[:2]:
+        for ratio in FREQUENCIES:
+            for damping in DAMPINGS:
+                theta = np.zeros(len(names))
+                theta[names.index("log_c")], theta[names.index("log_k")] = np.log(c), np.log(k)
+                theta[names.index("log_frequency")] = 0.5 * np.log(k) + np.log(ratio)
+                theta[names.index("log_damping")] = np.log(damping)
+                fit = fit_from(role.data, structure, np.clip(theta, *structure.bounds), iterations=15)
+                if fit is not None:
+                    found.append(fit)
+    best = min(found, key=lambda fit: fit.cost, default=None)
+    return None if best is None else fit_from(role.data, structure, best.theta, iterations=40)
