@@ -1,6 +1,6 @@
 """The steps from the columns of a log to evenly sampled signals; each says what it did."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,29 +20,40 @@ from labsid.records.even_times import (
 )
 from labsid.records.reading import Reading
 from labsid.records.resampling import band_limited_at, decimate, even_grid, held_at, hold, is_held, longest_hold
-from labsid.records.signals import Signals, name_places, stretches
+from labsid.records.several_signals import names_of
+from labsid.records.signals import Signals, is_input, name_places, stretches
 from labsid.records.stamp_order import select_run, sorted_rows, without_repeats
 from labsid.records.stamps import in_seconds
 
 REGULAR_WITHIN = 0.01  # largest deviation of an interval from the median one, as a share of it
-INPUTS = ("u", "reference")
+
+
+def signal_keys(chosen: Chosen) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Keys of inputs and outputs in `Signals.values`: u and y, of several u1, u2, ... and y1, y2, ..."""
+    return names_of("u", (), len(chosen.inputs)), names_of("y", (), len(chosen.outputs))
 
 
 def signals_of(chosen: Chosen, how: Reading) -> Signals:
     """Times in seconds and the signals of the chosen columns, before anything is done to them."""
-    u, y = chosen.u, chosen.y
-    values = {"u": u.numbers, "y": y.numbers} | {column.name: column.numbers for column in chosen.others}
+    inputs, outputs = signal_keys(chosen)
+    columns = dict(zip((*inputs, *outputs), (*chosen.inputs, *chosen.outputs), strict=True))
+    names = {key: column.name for key, column in columns.items()} if chosen.named else {}
+    columns |= {column.name: column for column in chosen.others}
+    values = {key: column.numbers for key, column in columns.items()}
+    signals = Signals(None, values, chosen.notes, names=names)
     if chosen.t is not None:
         stamps = in_seconds(chosen.t, how.time_unit)
-        return Signals(stamps.t, values, (*chosen.notes, *stamps.notes))
-    if u.stamps is None or y.stamps is None or how.Ts is not None:
-        return Signals(None, values, chosen.notes)
-    both = in_seconds(stamps_column(np.concatenate([u.stamps, y.stamps])))
-    t_u, t_y = both.t[: u.stamps.size], both.t[u.stamps.size :]
-    notes = (*chosen.notes, *both.notes)
-    if np.array_equal(t_u, t_y):
-        return Signals(t_u, values, notes)
-    return _together(t_u, u.numbers, t_y, y.numbers, how).said(*notes)
+        return replace(signals, t=stamps.t).said(*stamps.notes)
+    own = {key: column.stamps for key, column in columns.items() if column.stamps is not None}
+    if len(own) < len(columns) or how.Ts is not None:
+        return signals
+    both = in_seconds(stamps_column(np.concatenate(list(own.values()))))
+    parts = np.split(both.t, np.cumsum([x.size for x in own.values()])[:-1])
+    times = dict(zip(own, parts, strict=True))
+    signals = signals.said(*both.notes)
+    if all(np.array_equal(t, parts[0]) for t in parts):
+        return replace(signals, t=parts[0])
+    return _together(signals, times, how)
 
 
 def even_signals(signals: Signals, how: Reading) -> Signals:
@@ -78,41 +89,85 @@ def even_signals(signals: Signals, how: Reading) -> Signals:
     return signals
 
 
-def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, how: Reading) -> Signals:
-    """Two signals with times of their own: the input held, the output where it was measured."""
-    if min(t_u.size, t_y.size) < 2:
-        raise ValueError(f"each signal must have at least 2 samples; got {t_u.size} of u and {t_y.size} of y.")
-    start, stop = max(t_u[0], t_y[0]), min(t_u[-1], t_y[-1])
+def _together(signals: Signals, times: Mapping[str, FloatArray], how: Reading) -> Signals:
+    """Signals with times of their own: inputs held, outputs where they were measured."""
+    if min(t.size for t in times.values()) < 2:
+        got = " and ".join(f"{t.size} of {signals.called(key)}" for key, t in times.items())
+        raise ValueError(f"each signal must have at least 2 samples; got {got}.")
+    start, stop = max(t[0] for t in times.values()), min(t[-1] for t in times.values())
     if how.resample is not None:
         t = even_grid(start, stop, how.resample)
-        values, notes = _resampled(t, {"u": (t_u, u), "y": (t_y, y)})
-        return Signals(t, values, notes)
+        values, notes = _resampled(t, {key: (times[key], x) for key, x in signals.values.items()}, signals)
+        return replace(signals, t=t, values=values).said(*notes)
+    inputs, outputs = [key for key in times if is_input(key)], [key for key in times if not is_input(key)]
+    step_y = float(np.median(np.diff(times[outputs[0]])))
+    steps = {key: float(np.median(np.diff(times[key]))) for key in inputs}
+    is_fast = step_y <= 1.5 * min(steps.values())
+    for keys in (outputs, [] if is_fast else inputs):
+        for key in keys[1:]:
+            if not np.array_equal(times[key], times[keys[0]]):
+                raise ValueError(
+                    f"{signals.called(key)} and {signals.called(keys[0])} have different times. Bring all signals to "
+                    f"one sampling time with resample (--resample {step_y:g})."
+                )
+    if is_fast:
+        return _inputs_at_outputs(signals, times, inputs, outputs, start)
+    return _outputs_at_inputs(signals, times, inputs, outputs, start, stop)
+
+
+def _inputs_at_outputs(
+    signals: Signals, times: Mapping[str, FloatArray], inputs: Sequence[str], outputs: Sequence[str], start: float
+) -> Signals:
+    """Each input held at the times of the outputs, which are at least as fast."""
+    t_y, y = times[outputs[0]], signals.called(outputs[0])
+    inside, notes, values = t_y >= start, [], {}
+    for key in inputs:
+        t_u = times[key]
+        step = float(np.median(np.diff(t_u)))
+        if np.diff(t_u).max() <= 1.5 * step:  # a command that is sent when it changes is held on
+            inside &= t_y < t_u[-1] + step
+        notes.append(f"{signals.called(key)} has times of its own, {step:g} s apart; held at those of {y}")
+    t = t_y[inside]
+    if t.size < 2:
+        t_u, u = times[inputs[0]], signals.called(inputs[0])
+        raise ValueError(f"{u} is there from {t_u[0]:g} to {t_u[-1]:g} s and {y} from {t_y[0]:g} to {t_y[-1]:g} s.")
+    for key, x in signals.values.items():
+        values[key] = held_at(t, times[key], x) if key in inputs else x[inside]
+    left_out = _left_out(int(np.sum(~inside)), y, signals.called(inputs[0]))
+    return replace(signals, t=t, values=values).said(*notes, *left_out)
+
+
+def _outputs_at_inputs(
+    signals: Signals,
+    times: Mapping[str, FloatArray],
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    start: float,
+    stop: float,
+) -> Signals:
+    """Outputs at the nearest samples of the inputs, which are faster; missing between them."""
+    t_u, t_y, u, y = times[inputs[0]], times[outputs[0]], signals.called(inputs[0]), signals.called(outputs[0])
     step_u, step_y = float(np.median(np.diff(t_u))), float(np.median(np.diff(t_y)))
-    if step_y <= 1.5 * step_u:
-        is_sampled = float(np.diff(t_u).max()) <= 1.5 * step_u  # a command that is sent when it changes is held on
-        inside = (t_y >= start) & (t_y < t_u[-1] + step_u if is_sampled else True)
-        t = t_y[inside]
-        if t.size < 2:
-            raise ValueError(f"u is there from {t_u[0]:g} to {t_u[-1]:g} s and y from {t_y[0]:g} to {t_y[-1]:g} s.")
-        notes = (f"u has times of its own, {step_u:g} s apart; held at those of y", *_left_out(int(np.sum(~inside))))
-        return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, notes)
     place = np.clip(np.searchsorted(t_u, t_y), 1, t_u.size - 1)
     place -= t_y - t_u[place - 1] < t_u[place] - t_y
     off = np.abs(t_u[place] - t_y)
-    if np.any((off > MAX_JITTER * step_u) & (t_y >= start) & (t_y <= stop)):
+    near = off <= MAX_JITTER * step_u
+    if np.any(~near & (t_y >= start) & (t_y <= stop)):
         raise ValueError(
-            f"u has a sample every {step_u:g} s and y every {step_y:g} s, not at the same times. Bring both to one "
+            f"{u} has a sample every {step_u:g} s and {y} every {step_y:g} s, not at the same times. Bring both to one "
             f"sampling time with resample (--resample {step_y:g})."
         )
-    sparse = np.full(t_u.size, np.nan)
-    sparse[place[off <= MAX_JITTER * step_u]] = y[off <= MAX_JITTER * step_u]
-    note = f"y has times of its own, {step_y:g} s apart; missing between them"
-    return Signals(t_u, {"u": u, "y": sparse}, (note, *_left_out(int(np.sum(off > MAX_JITTER * step_u)))))
+    values = dict(signals.values)
+    for key in outputs:
+        values[key] = np.full(t_u.size, np.nan)
+        values[key][place[near]] = signals.values[key][near]
+    notes = [f"{signals.called(key)} has times of its own, {step_y:g} s apart; missing between them" for key in outputs]
+    return replace(signals, t=t_u, values=values).said(*notes, *_left_out(int(np.sum(~near)), y, u))
 
 
-def _left_out(count: int) -> tuple[str, ...]:
+def _left_out(count: int, y: str, u: str) -> tuple[str, ...]:
     samples = "1 sample" if count == 1 else f"{count} samples"
-    return (f"{samples} of y before the first of u or after its last left out",) if count else ()
+    return (f"{samples} of {y} before the first of {u} or after its last left out",) if count else ()
 
 
 def _cut(signals: Signals, how: Reading) -> Signals:
@@ -197,24 +252,25 @@ def _resample(signals: Signals, Ts: float) -> Signals:
     if any(t.size < 4 for t in known):
         raise ValueError("resample needs at least 4 samples of each signal.")
     t = even_grid(max(x[0] for x in known), min(x[-1] for x in known), Ts)
-    values, notes = _resampled(t, {name: (signals.t, x) for name, x in signals.values.items()})
+    values, notes = _resampled(t, {name: (signals.t, x) for name, x in signals.values.items()}, signals)
     return replace(signals, t=t, values=values).said(*notes)
 
 
 def _resampled(
-    t: FloatArray, signals: Mapping[str, tuple[FloatArray, FloatArray]]
+    t: FloatArray, samples: Mapping[str, tuple[FloatArray, FloatArray]], signals: Signals
 ) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
     Ts = float(t[1] - t[0])
     values, notes = {}, [f"resampled to {Ts:.9g} s, {t.size} samples"]
-    for name, (stamps, x) in signals.items():
-        if name in INPUTS and is_held(x):
-            values[name] = held_at(t, stamps, x)
+    for key, (stamps, x) in samples.items():
+        name = signals.called(key)
+        if is_input(key) and is_held(x):
+            values[key] = held_at(t, stamps, x)
             notes.append(f"{name} held between its samples: a change acts up to one sample late, as a delay would")
         elif _coincide(t, stamps[np.isfinite(x)]):
-            values[name] = held_at(t, stamps, x)
+            values[key] = held_at(t, stamps, x)
             notes.append(f"{name} taken at its own samples")
         else:
-            values[name] = band_limited_at(t, stamps, x)
+            values[key] = band_limited_at(t, stamps, x)
             notes.append(f"{name} interpolated, band-limited to {0.4 / Ts:.3g} Hz: what is faster is lost")
     return values, tuple(notes)
 
@@ -226,9 +282,9 @@ def _coincide(t: FloatArray, stamps: FloatArray) -> bool:
 
 def _inputs_held(signals: Signals) -> Signals:
     """Fill missing samples of an input that is held between its changes."""
-    for name in INPUTS:
-        x = signals.values.get(name)
-        if x is None or not np.isnan(x).any() or not is_held(x):
+    for key in filter(is_input, tuple(signals.values)):
+        x, name = signals.values[key], signals.called(key)
+        if not np.isnan(x).any() or not is_held(x):
             continue
         missing = np.isnan(x)
         filled = hold(x)
@@ -237,7 +293,7 @@ def _inputs_held(signals: Signals) -> Signals:
         note = f"{name} held at its last value in {int(missing.sum())} samples without one"
         if changed:
             note += f"; after {changed} of these gaps it differs, so that the change may have been earlier"
-        signals = replace(signals, values={**signals.values, name: filled}).said(note)
+        signals = replace(signals, values={**signals.values, key: filled}).said(note)
     return signals
 
 
