@@ -8,15 +8,15 @@ The sign convention of ``a`` for the whole package:
 so that eq. (4) reads ``y(k) = phi'(k) theta`` with ``theta = [-a1, ..., -an, b1, ..., bn]``.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, freeze
-from labsid.lab.regressor import build_phi
-from labsid.least_squares.solve import LeastSquares, solve_least_squares
+from labsid.lab.equation import fit_equation
+from labsid.least_squares.solve import LeastSquares
 from labsid.model_structures.realisation import controllable_form, input_ss, input_tf, transfer_function
 from labsid.model_structures.structures import PolynomialModel, Regression
 
@@ -176,26 +176,8 @@ def fit_arx(
     -----
     UNSW lab, exercise 2a and 2b (order 2) and the post-lab exercise, eq. (9) (order 1).
     """
-    regression = build_phi(u, y, order, start, stop)
-    if measured is not None and not measured.all():
-        regression = _complete_rows(regression, measured)
-    fit = solve_least_squares(regression.Phi, regression.Y)
-    return ArxFit(arx_from_theta(fit.theta, Ts), regression, fit)
-
-
-def _complete_rows(regression: Regression, measured: NDArray[np.bool_]) -> Regression:
-    """Only the rows whose outputs were all measured."""
-    order = regression.order
-    complete = np.concatenate([np.ones(order, bool), measured])
-    complete = np.all([complete[order - lag : order - lag + measured.size] for lag in range(order + 1)], axis=0)
-    rows = complete[regression.start : regression.stop]
-    if rows.sum() < regression.Phi.shape[1]:
-        raise ValueError(
-            f"of {rows.size} rows of Phi only {rows.sum()} have all their outputs, too few for the "
-            f"{regression.Phi.shape[1]} unknowns of order {order}. Read the log at the sampling time of its output "
-            "(--resample), or lower the order."
-        )
-    return replace(regression, Phi=regression.Phi[rows], Y=regression.Y[rows])
+    found = fit_equation(as_signal("u", u), y, order, start, stop, measured)
+    return ArxFit(arx_from_theta(found.fit.theta, Ts), found.regression, found.fit)
 
 
 def to_tf(model: ArxModel) -> "control.TransferFunction":
