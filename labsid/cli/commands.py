@@ -94,6 +94,9 @@ def identify_command(
     how: "Reading",
     order: Annotated[int, typer.Option(help="Order of the model.")] = 2,
     start: Annotated[int, typer.Option(help="First sample that gets a row of Phi, from 0.")] = 2,
+    coupled: Annotated[
+        bool, typer.Option("--coupled", help="With several outputs: each depends on the past of the others, too.")
+    ] = False,
     json_file: JsonFile = None,
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the model here, for `labsid gap --sim`.")
@@ -105,8 +108,20 @@ def identify_command(
     from labsid.lab.arx import to_gap_model
     from labsid.lab.identification import identify, to_json_dict
     from labsid.records.record import read_record
+    from labsid.records.several_signals import one_signal_each
 
     loaded = read_record(record, how)
+    if model is not None:
+        one_signal_each(loaded, "--model")
+    if loaded.several:
+        from labsid.cli.system_text import system_text
+        from labsid.lab import system_identification
+
+        system = system_identification.identify_system(loaded, order, start, coupled)
+        if json_file is not None:
+            write_json(json_file, system_identification.to_json_dict(system))
+        print(system_text(system))
+        return
     result = identify(loaded, order=order, start=start)
     if json_file is not None:
         write_json(json_file, to_json_dict(result))

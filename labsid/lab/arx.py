@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, freeze
+from labsid.lab.arx_system import ArxSystem, system_ss, system_tf
 from labsid.lab.equation import fit_equation
 from labsid.least_squares.solve import LeastSquares
 from labsid.model_structures.realisation import controllable_form, input_ss, input_tf, transfer_function
@@ -180,23 +181,24 @@ def fit_arx(
     return ArxFit(arx_from_theta(found.fit.theta, Ts), found.regression, found.fit)
 
 
-def to_tf(model: ArxModel) -> "control.TransferFunction":
+def to_tf(model: ArxModel | ArxSystem) -> "control.TransferFunction":
     """Convert the model to a transfer function of python-control, eq. (1).
 
     Parameters
     ----------
-    model : ArxModel
+    model : ArxModel or ArxSystem
 
     Returns
     -------
     control.TransferFunction
-        ``(b1 z^(n-1) + ... + bn) / (z^n + a1 z^(n-1) + ... + an)``, offset-free input to offset-free output.
+        ``(b1 z^(n-1) + ... + bn) / (z^n + a1 z^(n-1) + ... + an)``, offset-free input to offset-free output; of a
+        system with several signals one for each pair.
 
     Notes
     -----
     UNSW lab, eq. (1), exercise 2c.
     """
-    return input_tf(model.polynomials)
+    return system_tf(model) if isinstance(model, ArxSystem) else input_tf(model.polynomials)
 
 
 def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -220,12 +222,13 @@ def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray,
     return controllable_form(*transfer_function(model.polynomials))
 
 
-def to_ss(model: ArxModel) -> "control.StateSpace":
+def to_ss(model: ArxModel | ArxSystem) -> "control.StateSpace":
     """Convert the model to a state-space system of python-control in the canonical form of eq. (2).
 
     Parameters
     ----------
-    model : ArxModel
+    model : ArxModel or ArxSystem
+        A system with several signals has the form of `ArxSystem.state_space`.
 
     Returns
     -------
@@ -235,7 +238,7 @@ def to_ss(model: ArxModel) -> "control.StateSpace":
     -----
     UNSW lab, eq. (2), exercise 2c. ``control.tf2ss`` orders the states in reverse.
     """
-    return input_ss(model.polynomials)
+    return system_ss(model) if isinstance(model, ArxSystem) else input_ss(model.polynomials)
 
 
 def to_gap_model(model: ArxModel) -> dict[str, Any]:
