@@ -114,7 +114,7 @@ def identify_command(
     if model is not None:
         one_signal_each(loaded, "--model")
     if loaded.several:
-        from labsid.cli.system_text import system_text
+        from labsid.cli.system_console import system_text
         from labsid.lab import system_identification
 
         system = system_identification.identify_system(loaded, order, start, coupled)

@@ -101,7 +101,7 @@ def fit_subspace(
     past_y, future_y = _windows(y, rows)
     whole = np.vstack(_windows(there, rows)).all(axis=0)
     stacked = np.vstack([future_u, past_u, past_y, future_y])[:, whole]
-    L = np.linalg.qr(stacked.T, mode="r").T
+    L = np.transpose(np.asarray(np.linalg.qr(stacked.T, mode="r")))
     before, after = rows * nu, rows * (2 * nu + ny)
     left, s, _ = np.linalg.svd(L[after:, before:after], full_matrices=False)
     observability = left[:, :order] * np.sqrt(s[:order])

@@ -230,7 +230,7 @@ def fit_arx_system(
     equations = []
     for i, name in enumerate(outputs):
         others = [y[:, m] for m in range(len(outputs)) if m != i and coupled]
-        complete = there.all(axis=1) if coupled else there[:, i]
+        complete = np.all(there, axis=1) if coupled else there[:, i]
         try:
             equations.append(fit_equation(joined([*others, *u.T]), y[:, i], order, start, stop, complete))
         except ValueError as error:

@@ -19,6 +19,7 @@ from labsid.lab.findings import (
 from labsid.lab.offset import find_signal_offsets
 from labsid.lab.regressor import build_phi
 from labsid.records.formats import RawRecord
+from labsid.records.several_signals import SeveralSignals
 
 _PROPORTIONAL = 1e-9  # largest deviation from a straight line, as a share of the range: rounding of the log
 
@@ -56,7 +57,7 @@ def about_several_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     return findings if faults else [*findings, *_about_excitation(raw)]
 
 
-def signal_faults(raw: RawRecord) -> list[tuple[str, str]]:
+def signal_faults(raw: SeveralSignals) -> list[tuple[str, str]]:
     """Why no model of several signals can be fitted: constant ones, proportional ones, too few samples.
 
     Parameters
@@ -72,11 +73,11 @@ def signal_faults(raw: RawRecord) -> list[tuple[str, str]]:
     return [*_constant(raw), *_proportional(raw), *_too_few(raw)]
 
 
-def _named(raw: RawRecord) -> tuple[tuple[Sequence[str], FloatArray], tuple[Sequence[str], FloatArray]]:
+def _named(raw: SeveralSignals) -> tuple[tuple[Sequence[str], FloatArray], tuple[Sequence[str], FloatArray]]:
     return (raw.inputs, raw.input_columns.T), (raw.outputs, raw.output_columns.T)
 
 
-def _constant(raw: RawRecord) -> Iterator[tuple[str, str]]:
+def _constant(raw: SeveralSignals) -> Iterator[tuple[str, str]]:
     for kind, (names, columns) in zip(("input", "output"), _named(raw), strict=True):
         for name, x in zip(names, columns, strict=True):
             if not np.ptp(x):
@@ -88,7 +89,7 @@ def _constant(raw: RawRecord) -> Iterator[tuple[str, str]]:
                 )
 
 
-def _proportional(raw: RawRecord) -> Iterator[tuple[str, str]]:
+def _proportional(raw: SeveralSignals) -> Iterator[tuple[str, str]]:
     (inputs, u), (outputs, y) = _named(raw)
     for (name, x), (other, z) in combinations(zip((*inputs, *outputs), (*u, *y), strict=True), 2):
         slope = _slope(x, z)
@@ -117,7 +118,7 @@ def _slope(x: FloatArray, z: FloatArray) -> float | None:
     return slope if deviation <= _PROPORTIONAL * float(np.ptp(z)) else None
 
 
-def _too_few(raw: RawRecord) -> Iterator[tuple[str, str]]:
+def _too_few(raw: SeveralSignals) -> Iterator[tuple[str, str]]:
     half, unknowns = len(raw.u) // 2, 1 + len(raw.inputs)
     if half - 1 < unknowns:
         yield (
@@ -172,7 +173,7 @@ def _about_excitation(raw: RawRecord) -> Iterator[Finding]:
             yield Finding("ok", "excitation", text)
 
 
-def _inputs(raw: RawRecord) -> str:
+def _inputs(raw: SeveralSignals) -> str:
     return "1 input" if len(raw.inputs) == 1 else f"{len(raw.inputs)} inputs"
 
 

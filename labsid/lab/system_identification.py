@@ -155,7 +155,9 @@ def to_json_dict(identification: SystemIdentification) -> dict[str, Any]:
 
 def _numbers(values: FloatArray) -> list[Any]:
     """Lists with None in place of what is not finite, which JSON has no number for."""
-    return np.where(np.isfinite(values), values, None).tolist()  # type: ignore[arg-type]
+    found = values.astype(object)
+    found[~np.isfinite(values)] = None
+    return found.tolist()
 
 
 def _check_rows(record: Record, order: int, start: int, half: int, coupled: bool) -> None:
