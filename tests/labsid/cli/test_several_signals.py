@@ -64,6 +64,13 @@ def test_identify(labsid, log, tmp_path, options):
     assert ("-a1   T2" in out.partition("theta of T1")[2].partition("theta of T2")[0]) == bool(options)
 
 
+def test_check_without_columns_says_what_to_type_for_all_signals(labsid, log):
+    status, out, err = labsid("check", log)
+    assert status == 2
+    assert "or, with all signals: labsid check heaters.csv --inputs Q1,Q2,r --outputs T1,T2" in out
+    assert "no columns t,u,y" in err
+
+
 def test_a_record_that_is_written_is_read_with_the_options_that_it_names(labsid, log, tmp_path):
     out = tmp_path / "record.csv"
     status, said, _ = labsid("record", log, *COLUMNS, "--out", out)
