@@ -23,7 +23,7 @@ _ROOMS = {
     "labsid.lab.excitation": ("excitation_order", "prbs"),
     "labsid.lab.simulation": ("estimate_initial_state", "predict_one_step", "simulate"),
     "labsid.lab.verification": ("Verification", "mse", "verify"),
-    "labsid.lab.record_verification": ("verify_on_record",),
+    "labsid.lab.record_verification": ("verify_on_record", "verify_system_on_record"),
     "labsid.lab.identification": ("Identification", "identify"),
     "labsid.lab.system_identification": ("SystemIdentification", "identify_system"),
     "labsid.lab.step_response": ("fit_step_response",),

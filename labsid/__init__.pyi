@@ -27,6 +27,7 @@ from labsid.lab.offset import find_offsets as find_offsets
 from labsid.lab.offset import remove_offsets as remove_offsets
 from labsid.lab.record_check import check_record as check_record
 from labsid.lab.record_verification import verify_on_record as verify_on_record
+from labsid.lab.record_verification import verify_system_on_record as verify_system_on_record
 from labsid.lab.regressor import build_phi as build_phi
 from labsid.lab.simulation import estimate_initial_state as estimate_initial_state
 from labsid.lab.simulation import predict_one_step as predict_one_step

@@ -137,7 +137,7 @@ def to_json_dict(identification: SystemIdentification) -> dict[str, Any]:
         "order": model.order,
         "coupled": model.coupled,
         "theta": by_output([fit.theta.tolist() for fit in fits]),
-        "stderr": by_output([fit.stderr.tolist() for fit in fits]),
+        "stderr": by_output([_numbers(fit.stderr) for fit in fits]),
         "a": model.a.tolist(),
         "b": model.b.tolist(),
         "poles": [[float(pole.real), float(pole.imag)] for pole in model.poles],
@@ -149,7 +149,7 @@ def to_json_dict(identification: SystemIdentification) -> dict[str, Any]:
             "second_half_estimated": by_output(_numbers(runs.mse_second_half_estimated)),
             "without_input": by_pair(runs.mse_without),
         },
-        "condition_number": by_output([float(fit.condition_number) for fit in fits]),
+        "condition_number": by_output(_numbers(np.array([fit.condition_number for fit in fits]))),
     }
 
 

@@ -8,7 +8,9 @@ from scipy.signal import lfilter
 
 from labsid.estimation.subspace import fit_subspace
 from labsid.lab.arx import fit_arx
+from labsid.lab.arx_system import fit_arx_system
 from labsid.lab.identification import identify
+from labsid.lab.record_verification import verify_system_on_record
 from labsid.lab.system_identification import identify_system, to_json_dict
 from labsid.lab.system_verification import mse_by_output, verify_system
 from labsid.lab.verification import verify
@@ -169,3 +171,27 @@ def test_heaters_that_never_change_are_named(shared_data):
     step = load_record(folder / "tclab-step.csv", inputs="Q1", outputs="T1,T2", repeated="first")
     found = identify_system(step, order=1, start=1)
     assert found.model.static_gain[0, 0] == pytest.approx(0.7, abs=0.1)
+
+
+@pytest.fixture(scope="module")
+def arms(shared_data):
+    names = [",".join(f"{what}_{joint}" for joint in range(1, 7)) for what in ("torque", "angle")]
+    folder = shared_data / "several-signals"
+    return [load_record(folder / f"arm-{run}.csv", inputs=names[0], outputs=names[1]) for run in (1, 2)]
+
+
+def test_coupled_joints_follow_a_second_run_better_than_joint_by_joint(arms):
+    """Five joints: the sixth hardly moves, and no linear model follows it."""
+    first, second = arms
+
+    def errors(one, other, coupled):
+        """Fit to all of one run, free run of the other."""
+        u_offset, y_offset = one.input_columns.mean(axis=0), one.output_columns.mean(axis=0)
+        u, y = one.input_columns - u_offset, one.output_columns - y_offset
+        model = fit_arx_system(u, y, one.Ts, 2, coupled=coupled, inputs=one.inputs, outputs=one.outputs).model
+        return np.sqrt(verify_system_on_record(replace(model, u_offset=u_offset, y_offset=y_offset), other).mse)
+
+    coupled = errors(first, second, coupled=True)
+    alone = np.array([errors(first.pair(k, k), second.pair(k, k), coupled=False)[0] for k in range(6)])
+    assert np.all(coupled[:5] < 0.7 * alone[:5])
+    assert np.all(coupled[:5] < 0.31 * second.y[50:].std(axis=0)[:5])
