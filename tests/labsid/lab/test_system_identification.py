@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from labsid.estimation.subspace import fit_subspace
@@ -12,7 +14,7 @@ from labsid.lab.arx_system import fit_arx_system
 from labsid.lab.identification import identify
 from labsid.lab.record_verification import verify_system_on_record
 from labsid.lab.system_identification import identify_system, to_json_dict
-from labsid.lab.system_verification import mse_by_output, verify_system
+from labsid.lab.system_verification import verify_system
 from labsid.lab.verification import verify
 from labsid.records.record import Record, load_record
 
@@ -118,11 +120,17 @@ def test_what_is_refused_names_the_column(changes, options, message):
         identify_system(make_record(0.02, **changes), **options)
 
 
-def test_one_output_without_measurement_has_no_error():
-    y = np.ones((4, 2))
-    found = mse_by_output(y, y + 2, np.array([[True, False]] * 4))
-    assert found[0] == 4.0
-    assert np.isnan(found[1])
+@given(st.lists(st.floats(0.01, 100), min_size=4, max_size=4), st.lists(st.floats(-1e3, 1e3), min_size=4, max_size=4))
+def test_units_and_zero_points_of_the_signals_do_not_matter(scale, shift):
+    scale, shift = np.array(scale), np.array(shift)
+    plain = identify_system(make_record(0.0), order=1)
+    record = make_record(0.0)
+    moved = replace(record, u=record.u * scale[:2] + shift[:2], y=record.y * scale[2:] + shift[2:])
+    found = identify_system(moved, order=1)
+    expected = plain.model.b * (scale[2:, np.newaxis] / scale[:2])[:, :, np.newaxis]
+    np.testing.assert_allclose(found.model.b / expected, 1.0, rtol=1e-3)
+    np.testing.assert_allclose(found.model.y_offset, plain.model.y_offset * scale[2:] + shift[2:], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(found.model.poles, plain.model.poles, atol=1e-6)
 
 
 # The records of `shared/data/several-signals` -------------------------------------------------------------
