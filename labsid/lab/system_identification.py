@@ -58,7 +58,8 @@ def identify_system(record: Record, order: int = 2, start: int = 2, coupled: boo
     order : int
         Order of the equation of each output.
     start : int
-        First sample k with a row in Phi; below `order`, the lags before sample 0 are taken as zero.
+        First sample k with a row in Phi; below `order`, the lags before sample 0 are taken as zero, if the record
+        shows a rest.
     coupled : bool
         Whether the equation of each output holds the past of the other outputs; see `fit_arx_system`.
 
@@ -86,6 +87,7 @@ def identify_system(record: Record, order: int = 2, start: int = 2, coupled: boo
     measured = ~np.isnan(record.output_columns)
     offsets = find_signal_offsets(filled.input_columns, filled.output_columns, half)
     u, y = filled.input_columns - offsets.u_offset, filled.output_columns - offsets.y_offset
+    start = start if offsets.status == "rest" else max(start, order)
     names = {"inputs": record.inputs, "outputs": record.outputs}
     found = fit_arx_system(u, y, record.Ts, order, start, half, measured, coupled, **names)
     for name, equation in zip(record.outputs, found.equations, strict=True):

@@ -254,6 +254,8 @@ def test_inputs_with_clocks_of_their_own_are_held_at_the_outputs():
     np.testing.assert_allclose(found.values["y2"], np.sin(found.t))
     assert [note.split(" has")[0] for note in found.notes] == ["fan", "valve"]
     assert found.t.size == 100
+    (note,) = signals_with_clocks((t_y, 0.4 * np.arange(26), t_y, t_y)).notes
+    assert note == "valve has times of its own, 0.4 s apart; held at those of level"
 
 
 def test_slower_outputs_are_missing_between_their_samples():
