@@ -177,8 +177,11 @@ def test_heaters_that_never_change_are_named(shared_data):
     with pytest.raises(ValueError, match=r"the input Q1 is constant \(50\)"):
         identify_system(load_record(folder / "tclab-two-heaters.csv", inputs="Q1,Q2", outputs="T1,T2"))
     step = load_record(folder / "tclab-step.csv", inputs="Q1", outputs="T1,T2", repeated="first")
-    found = identify_system(step, order=1, start=1)
-    assert found.model.static_gain[0, 0] == pytest.approx(0.7, abs=0.1)
+    alone, coupled = (identify_system(step, order=1, start=1, coupled=coupled) for coupled in (False, True))
+    assert coupled.model.static_gain[:, 0] == pytest.approx([0.68, 0.2], abs=0.02)  # 34.8 and 10.3 degrees from 50 %
+    errors = [np.sqrt(found.verification.mse_second_half_carried) for found in (alone, coupled)]
+    assert np.all(errors[1] < [0.6, 0.5])
+    assert np.all(errors[1] < 0.25 * errors[0])  # the heat reaches the second sensor by way of the first
 
 
 @pytest.fixture(scope="module")
