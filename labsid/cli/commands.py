@@ -11,7 +11,7 @@ import typer
 
 from labsid import __version__
 from labsid.cli.gap_commands import gap
-from labsid.cli.options import JsonFile, RecordPath, RecordPaths, reads_log
+from labsid.cli.options import JsonFile, RecordPath, RecordPaths, reads_signals
 from labsid.cli.student_commands import lab_command, submit_command
 
 if TYPE_CHECKING:  # a slow import
@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-@reads_log
+@reads_signals
 def check_command(record: RecordPath, *, how: "Reading", json_file: JsonFile = None) -> None:
     """Describe a record and report its faults; of a log whose header does not say it, the columns."""
     from labsid._files import write_json
@@ -87,13 +87,16 @@ def check_command(record: RecordPath, *, how: "Reading", json_file: JsonFile = N
         raise ValueError(refusal(record, checked.faults))
 
 
-@reads_log
+@reads_signals
 def identify_command(
     record: RecordPath,
     *,
     how: "Reading",
     order: Annotated[int, typer.Option(help="Order of the model.")] = 2,
     start: Annotated[int, typer.Option(help="First sample that gets a row of Phi, from 0.")] = 2,
+    coupled: Annotated[
+        bool, typer.Option("--coupled", help="With several outputs: each depends on the past of the others, too.")
+    ] = False,
     json_file: JsonFile = None,
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the model here, for `labsid gap --sim`.")
@@ -105,8 +108,20 @@ def identify_command(
     from labsid.lab.arx import to_gap_model
     from labsid.lab.identification import identify, to_json_dict
     from labsid.records.record import read_record
+    from labsid.records.several_signals import one_signal_each
 
     loaded = read_record(record, how)
+    if model is not None:
+        one_signal_each(loaded, "--model")
+    if loaded.several:
+        from labsid.cli.system_console import system_text
+        from labsid.lab import system_identification
+
+        system = system_identification.identify_system(loaded, order, start, coupled)
+        if json_file is not None:
+            write_json(json_file, system_identification.to_json_dict(system))
+        print(system_text(system))
+        return
     result = identify(loaded, order=order, start=start)
     if json_file is not None:
         write_json(json_file, to_json_dict(result))
@@ -115,7 +130,7 @@ def identify_command(
     print(identification_text(result))
 
 
-@reads_log
+@reads_signals
 def record_command(
     records: RecordPaths,
     *,
@@ -125,7 +140,7 @@ def record_command(
     """Write what is read of a log as a plain record with t,u,y, which says from what and how it was read."""
     from labsid._files import check_writable, write_file
     from labsid.records.record import read_record, reading_notes
-    from labsid.records.record_file import record_text
+    from labsid.records.record_file import names_note, record_text
 
     several = len(records) > 1
     if several and len({path.stem for path in records}) < len(records):
@@ -139,7 +154,7 @@ def record_command(
         check_writable(target)
         write_file(target, record_text(loaded, path.name).encode())
         print(f"wrote {target}: {len(loaded)} samples, one every {loaded.Ts:.9g} s")
-        for note in reading_notes(loaded):
+        for note in (*reading_notes(loaded), *names_note(loaded)):
             print(f"note: {note}")
 
 

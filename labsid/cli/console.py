@@ -39,7 +39,7 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]") -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from labsid.records.contents import suggested_options
+    from labsid.records.contents import options_of_several, suggested_options
 
     table = Table("column", "unit", "samples", "every", "from", "to", "missing", "looks like", "why", box=None)
     for one in summaries:
@@ -58,7 +58,9 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]") -> None:
     with console.capture() as capture:
         console.print(table)
     print("\n".join(line.rstrip() for line in capture.get().splitlines()))
-    print(f"\nType: labsid check {shlex.join([name, *suggested_options(summaries)])}\n")
+    print(f"\nType: labsid check {shlex.join([name, *suggested_options(summaries)])}")
+    several = options_of_several(summaries)
+    print(f"or, with all signals: labsid check {shlex.join([name, *several])}\n" if several else "")
 
 
 def identification_text(identification: "Identification") -> str:

@@ -44,6 +44,13 @@ Decimate = Annotated[
 ]
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result to this file.")]
 
+Inputs = Annotated[
+    str | None,
+    typer.Option(metavar="NAMES", help="Columns of several inputs, by name or number, such as Q1,Q2."),
+]
+Outputs = Annotated[str | None, typer.Option(metavar="NAMES", help="Columns of several outputs, such as T1,T2.")]
+Reference = Annotated[str | None, typer.Option(metavar="NAME", help="Column of the set point of a closed loop.")]
+
 _OF_A_LOG: dict[str, tuple[Any, Any]] = {
     "columns": (Columns, None),
     "Ts": (SamplingTime, None),
@@ -58,25 +65,46 @@ _OF_A_LOG: dict[str, tuple[Any, Any]] = {
 }
 
 
+_OF_SIGNALS: dict[str, tuple[Any, Any]] = {
+    "inputs": (Inputs, None),
+    "outputs": (Outputs, None),
+    "reference": (Reference, None),
+}
+
+
 def reads_log(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of a log, in the place of its parameter `how`.
+    """Give a command the options of a log with one input and one output, in the place of its parameter `how`.
 
     Parameters
     ----------
     command : callable
         Its parameter `how` is a `labsid.records.reading.Reading`.
     """
+    return _with_options(command, _OF_A_LOG)
+
+
+def reads_signals(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of a log with any number of inputs and outputs; see `reads_log`.
+
+    Parameters
+    ----------
+    command : callable
+    """
+    return _with_options(command, _OF_A_LOG | _OF_SIGNALS)
+
+
+def _with_options(command: Callable[..., None], options: dict[str, tuple[Any, Any]]) -> Callable[..., None]:
     own = inspect.signature(command)
     added = [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
-        for name, (kind, default) in _OF_A_LOG.items()
+        for name, (kind, default) in options.items()
     ]
 
     @wraps(command)
-    def with_options(*arguments: Any, **options: Any) -> None:
+    def with_options(*arguments: Any, **given: Any) -> None:
         from labsid.records.reading import Reading
 
-        command(*arguments, how=Reading(**{name: options.pop(name) for name in _OF_A_LOG}), **options)
+        command(*arguments, how=Reading(**{name: given.pop(name) for name in options}), **given)
 
     kept = [parameter for name, parameter in own.parameters.items() if name != "how"]
     with_options.__signature__ = own.replace(parameters=[*kept, *added])  # type: ignore[attr-defined]

@@ -8,15 +8,16 @@ The sign convention of ``a`` for the whole package:
 so that eq. (4) reads ``y(k) = phi'(k) theta`` with ``theta = [-a1, ..., -an, b1, ..., bn]``.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labsid._arrays import FloatArray, as_signal, freeze
-from labsid.lab.regressor import build_phi
-from labsid.least_squares.solve import LeastSquares, solve_least_squares
+from labsid.lab.arx_system import ArxSystem, system_ss, system_tf
+from labsid.lab.equation import fit_equation
+from labsid.least_squares.solve import LeastSquares
 from labsid.model_structures.realisation import controllable_form, input_ss, input_tf, transfer_function
 from labsid.model_structures.structures import PolynomialModel, Regression
 
@@ -176,45 +177,28 @@ def fit_arx(
     -----
     UNSW lab, exercise 2a and 2b (order 2) and the post-lab exercise, eq. (9) (order 1).
     """
-    regression = build_phi(u, y, order, start, stop)
-    if measured is not None and not measured.all():
-        regression = _complete_rows(regression, measured)
-    fit = solve_least_squares(regression.Phi, regression.Y)
-    return ArxFit(arx_from_theta(fit.theta, Ts), regression, fit)
+    found = fit_equation(as_signal("u", u), y, order, start, stop, measured)
+    return ArxFit(arx_from_theta(found.fit.theta, Ts), found.regression, found.fit)
 
 
-def _complete_rows(regression: Regression, measured: NDArray[np.bool_]) -> Regression:
-    """Only the rows whose outputs were all measured."""
-    order = regression.order
-    complete = np.concatenate([np.ones(order, bool), measured])
-    complete = np.all([complete[order - lag : order - lag + measured.size] for lag in range(order + 1)], axis=0)
-    rows = complete[regression.start : regression.stop]
-    if rows.sum() < regression.Phi.shape[1]:
-        raise ValueError(
-            f"of {rows.size} rows of Phi only {rows.sum()} have all their outputs, too few for the "
-            f"{regression.Phi.shape[1]} unknowns of order {order}. Read the log at the sampling time of its output "
-            "(--resample), or lower the order."
-        )
-    return replace(regression, Phi=regression.Phi[rows], Y=regression.Y[rows])
-
-
-def to_tf(model: ArxModel) -> "control.TransferFunction":
+def to_tf(model: ArxModel | ArxSystem) -> "control.TransferFunction":
     """Convert the model to a transfer function of python-control, eq. (1).
 
     Parameters
     ----------
-    model : ArxModel
+    model : ArxModel or ArxSystem
 
     Returns
     -------
     control.TransferFunction
-        ``(b1 z^(n-1) + ... + bn) / (z^n + a1 z^(n-1) + ... + an)``, offset-free input to offset-free output.
+        ``(b1 z^(n-1) + ... + bn) / (z^n + a1 z^(n-1) + ... + an)``, offset-free input to offset-free output; of a
+        system with several signals one for each pair.
 
     Notes
     -----
     UNSW lab, eq. (1), exercise 2c.
     """
-    return input_tf(model.polynomials)
+    return system_tf(model) if isinstance(model, ArxSystem) else input_tf(model.polynomials)
 
 
 def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -238,12 +222,13 @@ def canonical_form(model: ArxModel) -> tuple[FloatArray, FloatArray, FloatArray,
     return controllable_form(*transfer_function(model.polynomials))
 
 
-def to_ss(model: ArxModel) -> "control.StateSpace":
+def to_ss(model: ArxModel | ArxSystem) -> "control.StateSpace":
     """Convert the model to a state-space system of python-control in the canonical form of eq. (2).
 
     Parameters
     ----------
-    model : ArxModel
+    model : ArxModel or ArxSystem
+        A system with several signals has the form of `ArxSystem.state_space`.
 
     Returns
     -------
@@ -253,7 +238,7 @@ def to_ss(model: ArxModel) -> "control.StateSpace":
     -----
     UNSW lab, eq. (2), exercise 2c. ``control.tf2ss`` orders the states in reverse.
     """
-    return input_ss(model.polynomials)
+    return system_ss(model) if isinstance(model, ArxSystem) else input_ss(model.polynomials)
 
 
 def to_gap_model(model: ArxModel) -> dict[str, Any]:

@@ -69,24 +69,25 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     u, y = raw.u, raw.y
     if np.all(u == u[0]):
         text = f"the input is constant ({u[0]:g}). It excites nothing, so no model can be identified."
-        return [Finding("refused", "input", text), *_about_output(raw, None)]
+        return [Finding("refused", "input", text), *about_output(raw, None)]
     if np.all(y == y[0]):
         text = f"the output is constant ({y[0]:g}). There is nothing to model."
-        return [_about_input(u), Finding("refused", "output", text)]
+        return [about_input(u), Finding("refused", "output", text)]
     offsets, plateaus = find_offsets(u, y), repeated_plateaus(u, y)
     return [
-        _about_input(u),
-        *_about_command(raw, Ts),
-        _about_feedback(raw),
+        about_input(u),
+        *about_command(raw, Ts),
+        about_feedback(raw),
         about_rest(u, y, offsets, Ts),
         *([] if plateaus is None else [about_plateaus(plateaus)]),
-        *_about_output(raw, offsets),
+        *about_output(raw, offsets),
         *about_filter(raw, Ts),
         _about_excitation(u, y, offsets),
     ]
 
 
-def _about_input(u: FloatArray) -> Finding:
+def about_input(u: FloatArray) -> Finding:
+    """Levels of a staircase and how long they are held, or range and limits of an input that moves more."""
     starts, lengths = runs(u)
     levels = np.unique(u)
     span = float(np.ptp(u))
@@ -111,7 +112,7 @@ def _about_input(u: FloatArray) -> Finding:
     return Finding("ok", "input", text)
 
 
-def _about_command(raw: RawRecord, Ts: float | None) -> list[Finding]:
+def about_command(raw: RawRecord, Ts: float | None) -> list[Finding]:
     """Whether the log of the input is coarse, and whether the rig gets what is logged; `raw` as for `about_signals`."""
     findings = []
     step = log_step(raw.u)
@@ -133,7 +134,7 @@ def _about_command(raw: RawRecord, Ts: float | None) -> list[Finding]:
     return findings
 
 
-def _about_feedback(raw: RawRecord) -> Finding:
+def about_feedback(raw: RawRecord) -> Finding:
     """Whether the input depends on the output; `raw` as for `about_signals`."""
     if raw.reference is not None:
         text = (
@@ -199,7 +200,7 @@ def about_plateaus(plateaus: Plateaus) -> Finding:
     return Finding("note", "plateaus", text)
 
 
-def _about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
+def about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
     """Range, noise, converter step and held values; of the measured output, if it was logged."""
     y, sensor = raw.y, raw.y_measured
     if sensor is None or sensor.size != y.size or not is_sound(sensor):

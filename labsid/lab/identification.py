@@ -89,7 +89,7 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     k = start .. N // 2 - 1, less those with an output that is missing from the record,
     which begins with its first output and ends with its last one.
     """
-    record = between_outputs(one_signal_each(record, "identify"))
+    record = between_outputs(one_signal_each(record, "identify (identify_system takes several)"))
     half = len(record) // 2
     if order < 1:
         raise ValueError(f"order must be at least 1; got {order}.")

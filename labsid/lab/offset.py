@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from labsid._arrays import FloatArray, as_signal, as_signals
+from labsid._arrays import FloatArray, as_signal, as_signals, freeze
+from labsid.records.resampling import is_held
 
 SETTLING_BAND = 0.02  # share of the range of y: the usual 2 % band of the settling time
 STEADY_TAIL = 0.01  # share of the range of y: largest rise of the tail after a start-up
@@ -35,6 +36,33 @@ class Offsets:
     settled: tuple[int, int]
     first_period: int
     status: Literal["settled", "not settled", "too short"] = "settled"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SignalOffsets:
+    """The operating point of a record of several signals.
+
+    Attributes
+    ----------
+    u_offset : ndarray, shape (nu,)
+    y_offset : ndarray, shape (ny,)
+    first : int
+        Place of the input that changes first.
+    outputs : tuple of Offsets
+        Of each output, with that input.
+    status : {"rest", "means"}
+        "rest": from the period before any input changes, as in the lab. "means": there is no such period, because the
+        inputs move from sample to sample; the means of the stretch that is fitted.
+    """
+
+    u_offset: FloatArray
+    y_offset: FloatArray
+    first: int
+    outputs: tuple[Offsets, ...]
+    status: Literal["rest", "means"]
+
+    def __post_init__(self) -> None:
+        freeze(self, u_offset=self.u_offset, y_offset=self.y_offset)
 
 
 def first_period_length(u: ArrayLike) -> int:
@@ -164,6 +192,41 @@ def find_offsets(u: ArrayLike, y: ArrayLike) -> Offsets:
         k0, is_settled = _settled_from(y[:n], float(np.ptp(y)))
         status = "settled" if is_settled else "not settled"
     return Offsets(float(u[0]), float(np.mean(y[k0:n])), (k0, n), n, status)
+
+
+def find_signal_offsets(u: ArrayLike, y: ArrayLike, stop: int | None = None) -> SignalOffsets:
+    """Find the offsets of a record of several signals: `find_offsets` for each output, or means.
+
+    Parameters
+    ----------
+    u : array_like, shape (N, nu)
+        Inputs as recorded, of which at least one changes.
+    y : array_like, shape (N, ny)
+        Outputs as recorded, without missing samples.
+    stop : int, optional
+        End of the stretch whose means are taken; default: all samples.
+
+    Returns
+    -------
+    SignalOffsets
+
+    Raises
+    ------
+    ValueError
+        If no input changes.
+
+    Notes
+    -----
+    The first period ends where the first input changes. It has fewer than 8 samples and the inputs are not held
+    between changes: such a record has no rest to take the offsets from.
+    """
+    u, y = np.asarray(u, np.float64), np.asarray(y, np.float64)
+    changes = [np.flatnonzero(column != column[0]) for column in u.T]
+    first = min(range(len(changes)), key=lambda j: changes[j][0] if changes[j].size else len(u))
+    found = tuple(find_offsets(u[:, first], column) for column in y.T)
+    if found[0].status == "too short" and not all(map(is_held, u.T)):
+        return SignalOffsets(u[:stop].mean(axis=0), y[:stop].mean(axis=0), first, found, "means")
+    return SignalOffsets(u[0], np.array([one.y_offset for one in found]), first, found, "rest")
 
 
 def remove_offsets(u: ArrayLike, y: ArrayLike, offsets: Offsets) -> tuple[FloatArray, FloatArray]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.lab.findings import Finding, about_signals
+from labsid.lab.several_findings import about_several_signals
 from labsid.records.formats import RawRecord, cut_signals
 from labsid.records.record import LARGEST, OUTPUTS, Fault, bridge_gaps, find_faults, is_sound
 from labsid.records.signal_quality import runs
@@ -52,9 +53,9 @@ class RecordCheck:
         if warnings:
             count = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
             return f"usable for the lab: yes, with {count}: {_first_sentence(warnings[0].text)}"
-        return (
-            "usable for the lab: yes, because it starts at rest, is sampled regularly and excites a second-order model"
-        )
+        rests = any(finding.topic == "rest" and finding.level == "ok" for finding in self.findings)
+        what = "starts at rest, is sampled" if rests else "is sampled"
+        return f"usable for the lab: yes, because it {what} regularly and excites a second-order model"
 
 
 def check_record(raw: RawRecord) -> RecordCheck:
@@ -72,16 +73,19 @@ def check_record(raw: RawRecord) -> RecordCheck:
     faults = find_faults(raw)
     Ts = _usual_interval(raw)
     findings = [*_about_sampling(raw, Ts), *_about_missing(raw)]
-    findings += [Finding("note", "values", f"{note}.") for note in missing_note(raw.y, raw.t)]
+    outputs = list(zip(raw.outputs, raw.output_columns.T, strict=True))
+    findings += [Finding("note", "values", f"{note}.") for name, y in outputs for note in missing_note(y, raw.t, name)]
     # These findings list several places, a fault only the first.
     covered = {finding.topic for finding in findings if finding.level == "refused"}
     findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in covered]
-    measured = raw.y[~np.isnan(raw.y)]
-    if raw.u.size == raw.y.size and measured.size >= 5 and is_sound(raw.u) and is_sound(measured):
+    measured = [y[~np.isnan(y)] for _, y in outputs]
+    is_described = len(raw.u) == len(raw.y) and min(y.size for y in measured) >= 5
+    if is_described and is_sound(raw.u) and all(map(is_sound, measured)):
         whole = cut_signals(raw, span_of_outputs(raw.y))
-        findings += about_signals(replace(whole, y=bridge_gaps(whole.y)), Ts)
+        whole = replace(whole, y=bridge_gaps(whole.y))
+        findings += about_several_signals(whole, Ts) if raw.several else about_signals(whole, Ts)
     notes = [Finding("note", "file", f"{note}.") for note in (*raw.notes, *jitter_note(raw.jitter, Ts))]
-    return RecordCheck(raw.name, int(raw.u.size), Ts, faults, (*notes, *findings))
+    return RecordCheck(raw.name, len(raw.u), Ts, faults, (*notes, *findings))
 
 
 def to_json_dict(check: RecordCheck) -> dict[str, Any]:
@@ -117,7 +121,7 @@ def _usual_interval(raw: RawRecord) -> float | None:
 
 
 def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
-    size = f"{raw.u.size} samples"
+    size = f"{len(raw.u)} samples"
     if Ts is None:
         return []
     if raw.t is None or raw.t.size < 2 or not is_sound(raw.t):
@@ -148,7 +152,8 @@ def _about_missing(raw: RawRecord) -> list[Finding]:
     """Stretches in which values are NaN or infinite; an output may be missing, which the notes of the record say."""
     findings = []
     for name, column in raw.columns.items():
-        bad = np.isinf(column) if name in OUTPUTS and not np.isnan(column).all() else ~np.isfinite(column)
+        is_output = name in (*raw.outputs, *OUTPUTS[1:])
+        bad = np.isinf(column) if is_output and not np.isnan(column).all() else ~np.isfinite(column)
         if not bad.any():
             continue
         starts, lengths = runs(bad.astype(float))

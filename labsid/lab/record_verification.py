@@ -6,9 +6,12 @@ import numpy as np
 
 from labsid._arrays import FloatArray, freeze
 from labsid.lab.arx import ArxModel
+from labsid.lab.arx_system import ArxSystem
 from labsid.lab.offset import Offsets, find_offsets
 from labsid.lab.simulation import simulate
+from labsid.lab.system_verification import mse_by_output
 from labsid.lab.verification import mse
+from labsid.model_structures.state_space import estimate_state, simulate_states
 from labsid.records.record import Record
 from labsid.records.several_signals import one_signal_each
 
@@ -75,11 +78,7 @@ def verify_on_record(model: ArxModel, record: Record) -> RecordVerification:
     verifies the dynamics and the gain; `level_shift` is the change of level. The comparison starts at a sample at
     which the process is at rest, like the model.
     """
-    if not np.isclose(record.Ts, model.Ts, rtol=1e-6, atol=0):
-        raise ValueError(
-            f"record and model must have one sampling time; got {record.Ts:g} s and {model.Ts:g} s. "
-            "Identify a model at the record's sampling time."
-        )
+    _check_sampling_time(record, model.Ts)
     one_signal_each(record, "the comparison with another record")
     offsets = find_offsets(record.u, record.y)
     start = offsets.settled[0]
@@ -97,3 +96,84 @@ def verify_on_record(model: ArxModel, record: Record) -> RecordVerification:
         mse=mse(y, y_sim),
         level_shift=offsets.y_offset - expected,
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SystemRecordVerification:
+    """Comparison of a model of several signals with another record.
+
+    Attributes
+    ----------
+    start : int
+        First sample scored; the state is estimated from the samples before it.
+    y_sim : ndarray, shape (N, ny)
+        Simulated outputs, in the units of the record.
+    error : ndarray, shape (N, ny)
+        ``y - y_sim``; NaN where an output is missing.
+    mse : ndarray, shape (ny,)
+        Mean squared error of each output from sample `start` on.
+    """
+
+    start: int
+    y_sim: FloatArray
+    error: FloatArray
+    mse: FloatArray
+
+    def __post_init__(self) -> None:
+        freeze(self, y_sim=self.y_sim, error=self.error, mse=self.mse)
+
+
+def verify_system_on_record(model: ArxSystem, record: Record, start: int = 50) -> SystemRecordVerification:
+    """Apply the inputs of another record to a system and compare the outputs.
+
+    Parameters
+    ----------
+    model : ArxSystem
+        Identified from one record.
+    record : Record
+        Another record of the same process, with the same signals and sampling time.
+    start : int
+        Samples from which the initial state is estimated, and which are not scored.
+
+    Returns
+    -------
+    SystemRecordVerification
+
+    Raises
+    ------
+    ValueError
+        If signals or sampling times differ, the record is too short, or the output of an unstable model overflows.
+
+    Notes
+    -----
+    Unlike `verify_on_record`, it keeps the operating point of the model, because a record of several signals need not
+    show one.
+    """
+    _check_sampling_time(record, model.Ts)
+    if (record.inputs, record.outputs) != (model.inputs, model.outputs):
+        raise ValueError(
+            f"record and model must have the same signals; got {', '.join(record.signal_names)} and "
+            f"{', '.join((*model.inputs, *model.outputs))}. Read the record with the inputs and outputs of the model."
+        )
+    if len(record) < 2 * start:
+        raise ValueError(f"the record must have at least {2 * start} samples, twice start; got {len(record)}.")
+    there = ~np.isnan(record.output_columns)
+    u = record.input_columns - model.u_offset
+    y = np.where(there, record.output_columns, model.y_offset) - model.y_offset
+    states = model.state_space
+    x0 = estimate_state(states, u[:start], y[:start], there[:start])
+    y_sim = simulate_states(states, u, x0)
+    return SystemRecordVerification(
+        start=start,
+        y_sim=y_sim + model.y_offset,
+        error=np.where(there, y - y_sim, np.nan),
+        mse=mse_by_output(y[start:], y_sim[start:], there[start:]),
+    )
+
+
+def _check_sampling_time(record: Record, Ts: float) -> None:
+    if not np.isclose(record.Ts, Ts, rtol=1e-6, atol=0):
+        raise ValueError(
+            f"record and model must have one sampling time; got {record.Ts:g} s and {Ts:g} s. "
+            "Identify a model at the record's sampling time."
+        )

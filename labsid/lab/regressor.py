@@ -14,10 +14,12 @@ def build_phi(
 
     Parameters
     ----------
-    u, y : array_like, shape (N,)
-        Offset-free input and output.
+    u : array_like, shape (N,), or (N, nu) with several inputs
+        Offset-free inputs.
+    y : array_like, shape (N,)
+        Offset-free output.
     order : int
-        Order of the model; a row has 2 * order entries.
+        Order of the model; a row has (1 + nu) * order entries.
     start : int, optional
         First sample k with a row; default: `order`, the first for which every lag was recorded. Below that, the
         lags before sample 0 are taken as zero: the rig at rest at its operating point.
@@ -27,7 +29,7 @@ def build_phi(
     Returns
     -------
     Regression
-        Row k - start of Phi is ``[y(k-1) .. y(k-order), u(k-1) .. u(k-order)]``.
+        Row k - start of Phi is ``[y(k-1) .. y(k-order), u(k-1) .. u(k-order)]``, with a block of lags for each input.
 
     Raises
     ------

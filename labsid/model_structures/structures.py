@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals, freeze
 from labsid.least_squares.solve import LeastSquares, solve_least_squares
+from labsid.records.several_signals import names_of, signal_columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +224,7 @@ def build_equations(
     ----------
     structure : Structure
     u : array_like, shape (N,), or None
-        Input; None for AR and ARMA.
+        Input; None for AR and ARMA. With several, shape (N, nu), a block of lags for each.
     y : array_like, shape (N,)
         Output.
     e : array_like, shape (N,), optional
@@ -256,8 +257,10 @@ def build_equations(
             continue
         if x is None:
             raise ValueError(f"{name} must be given: the {structure.kind} structure has coefficients of it.")
-        signal = as_signals(1, **{name: x, "y": y})[0]
-        columns += [_lagged(signal, lag) for lag in lags]
+        signals = signal_columns(x)
+        for label, column in zip(names_of(name, (), len(signals)), signals, strict=True):
+            checked = as_signals(1, **{label: column, "y": y})[0]
+            columns += [_lagged(checked, lag) for lag in lags]
     start = structure.longest_lag if start is None else start
     stop = y.size if stop is None else stop
     if not 0 <= start < stop <= y.size:
@@ -265,9 +268,9 @@ def build_equations(
             f"start and stop must satisfy 0 <= start < stop <= {y.size} (the number of samples); got start {start} and "
             f"stop {stop}. Give a longer record or a smaller model."
         )
-    if stop - start < structure.parameters:
+    if stop - start < len(columns):
         raise ValueError(
-            f"the model has {structure.parameters} unknowns and needs at least as many rows; got {stop - start} "
+            f"the model has {len(columns)} unknowns and needs at least as many rows; got {stop - start} "
             f"(samples {start} to {stop - 1}). Give more samples or a smaller model."
         )
     return Regression(np.column_stack(columns)[start:stop], y[start:stop], structure, start, stop)
@@ -310,7 +313,7 @@ def fit_structure(
             f"nc must be 0 for linear least squares; got {structure.nc}. The noise is not measured: use pseudo-linear "
             "regression or maximum likelihood."
         )
-    regression = build_equations(structure, u, y, start=start)
+    regression = build_equations(structure, None if u is None else as_signal("u", u), y, start=start)
     fit = solve_least_squares(regression.Phi, regression.Y)
     return StructureFit(model_from_theta(structure, fit.theta, Ts), regression, fit)
 

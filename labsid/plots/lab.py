@@ -19,6 +19,7 @@ from labsid.plots.style import (
     make_headroom,
     new_figure,
 )
+from labsid.records.several_signals import one_signal_each
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,6 +105,7 @@ def figure_5(record: Record) -> Figure:
     -----
     UNSW lab, step 1b.
     """
+    one_signal_each(record, "Fig. 5")
     figure = new_figure()
     upper, lower = figure.subplots(2, 1)
     if record.y_measured is not None and record.y_noise_reduced is not None:

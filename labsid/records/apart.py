@@ -16,6 +16,7 @@ from labsid.records.choice import Chosen, UnknownColumns, choose
 from labsid.records.column import Column
 from labsid.records.contents import ColumnSummary, summarize
 from labsid.records.library_formats import LibraryFormat, open_library_log
+from labsid.records.reading import Reading
 
 MEMORY = 2**30  # bytes of data of the process, where the system has limits
 SECONDS = 300.0
@@ -23,7 +24,7 @@ _KEPT_SIZE = 2**29  # bytes of the columns that come back
 _INSTALL = 'pip install "labsid[logs]"'
 
 
-def choose_apart(path: Path, kind: LibraryFormat, columns: str | None, Ts: float | None) -> Chosen:
+def choose_apart(path: Path, kind: LibraryFormat, how: Reading) -> Chosen:
     """Open a log in a process of its own and read the columns of a record; see `labsid.records.choice.choose`.
 
     Raises
@@ -34,14 +35,16 @@ def choose_apart(path: Path, kind: LibraryFormat, columns: str | None, Ts: float
         If it is damaged, lacks the columns, or takes too much memory or time.
     """
     with tempfile.TemporaryDirectory(prefix="labsid-") as folder:
-        told = _run(path, kind, {"columns": columns, "Ts": Ts}, Path(folder))
+        told = _run(path, kind, {"how": asdict(how)}, Path(folder))
         with np.load(Path(folder) / "columns.npz", allow_pickle=False) as arrays:
             read = [
                 Column(one["name"], arrays[f"v{k}"], one["unit"], arrays[f"s{k}"] if one["stamped"] else None)
                 for k, one in enumerate(told["columns"])
             ]
     t = read.pop(0) if told["timed"] else None
-    return Chosen(t, read[0], read[1], tuple(read[2:]), tuple(told["notes"]))
+    nu, ny = told["inputs"], told["outputs"]
+    inputs, outputs, others = read[:nu], read[nu : nu + ny], read[nu + ny :]
+    return Chosen(t, tuple(inputs), tuple(outputs), tuple(others), told["named"], tuple(told["notes"]))
 
 
 def describe_apart(path: Path, kind: LibraryFormat) -> list[ColumnSummary]:
@@ -90,8 +93,9 @@ def _answer(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
     log = open_library_log(path, task["module"])
     if "describe" in task:
         return {"summaries": [asdict(one) for one in summarize(log)]}
-    chosen = choose(log, task["columns"], task["Ts"])
-    columns = [column for column in (chosen.t, chosen.u, chosen.y, *chosen.others) if column is not None]
+    chosen = choose(log, Reading(**task["how"]))
+    signals = (*chosen.inputs, *chosen.outputs, *chosen.others)
+    columns = signals if chosen.t is None else (chosen.t, *signals)
     arrays = {f"v{k}": column.values for k, column in enumerate(columns)}
     arrays |= {f"s{k}": column.stamps for k, column in enumerate(columns) if column.stamps is not None}
     if sum(array.nbytes for array in arrays.values()) > _KEPT_SIZE:
@@ -100,6 +104,9 @@ def _answer(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {
         "columns": [{"name": one.name, "unit": one.unit, "stamped": one.stamps is not None} for one in columns],
         "timed": chosen.t is not None,
+        "inputs": len(chosen.inputs),
+        "outputs": len(chosen.outputs),
+        "named": chosen.named,
         "notes": chosen.notes,
     }
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -102,13 +102,7 @@ def _read(log: Log, places: Sequence[int]) -> list[Column | ColumnSummary]:
 
 def suggested_options(summaries: Sequence[ColumnSummary]) -> list[str]:
     """What to type: the only time, input and output; capitals where there are several or none."""
-    often = Counter(one.name for one in summaries)
-    summaries = [one if often[one.name] == 1 else replace(one, name=str(k + 1)) for k, one in enumerate(summaries)]
-    times = [one.name for one in summaries if one.role == "time"]
-    roles = {"INPUT": [], "OUTPUT": []}  # type: dict[str, list[str]]
-    for one in summaries:
-        if one.role in ("input", "output"):
-            roles[one.role.upper()].append(one.name)
+    times, roles = _roles(summaries)
     if not roles["INPUT"] and len(roles["OUTPUT"]) == 2:
         roles = {"INPUT": [], "OUTPUT": []}
     own = any(one.interval for one in summaries)
@@ -116,6 +110,31 @@ def suggested_options(summaries: Sequence[ColumnSummary]) -> list[str]:
     if not times:
         return ["--columns", ",".join(named), *([] if own else ["--Ts", "SECONDS"])]
     return ["--columns", ",".join([times[0] if len(times) == 1 else "TIME", *named])]
+
+
+def options_of_several(summaries: Sequence[ColumnSummary]) -> list[str]:
+    """What to type to read all inputs and outputs; nothing if there is only one of each, or none of one."""
+    times, roles = _roles(summaries)
+    inputs, outputs = roles["INPUT"], roles["OUTPUT"]
+    if not (inputs and outputs) or len(inputs) + len(outputs) == 2:
+        return []
+    own = any(one.interval for one in summaries)
+    more = [] if times or own else ["--Ts", "SECONDS"]
+    return ["--inputs", ",".join(inputs), "--outputs", ",".join(outputs), *more]
+
+
+def _roles(summaries: Sequence[ColumnSummary]) -> tuple[list[str], dict[str, list[str]]]:
+    """Names of the times, and of inputs and outputs; numbers where a name does not tell a column from the others."""
+    often = Counter(one.name for one in summaries)
+    names = [
+        one.name if often[one.name] == 1 and "," not in one.name else str(k + 1) for k, one in enumerate(summaries)
+    ]
+    times = [name for name, one in zip(names, summaries, strict=True) if one.role == "time"]
+    roles: dict[str, list[str]] = {"INPUT": [], "OUTPUT": []}
+    for name, one in zip(names, summaries, strict=True):
+        if one.role in ("input", "output"):
+            roles[one.role.upper()].append(name)
+    return times, roles
 
 
 def _summary(column: Column) -> ColumnSummary:

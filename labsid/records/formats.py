@@ -1,7 +1,7 @@
 """The formats of logs: one module each, and the one function that reads any of them."""
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -20,7 +20,9 @@ from labsid.records.library_formats import OBJECTS, LibraryFormat, library_forma
 from labsid.records.mat_file import is_mat5, open_mat
 from labsid.records.numpy_file import NUMPY_MAGIC, open_numpy
 from labsid.records.reading import Reading
-from labsid.records.steps import even_signals, signals_of
+from labsid.records.several_signals import SeveralSignals, joined, units_of
+from labsid.records.signals import Signals
+from labsid.records.steps import even_signals, signal_keys, signals_of
 from labsid.records.text_file import open_text
 
 AnyRecord = TypeVar("AnyRecord", bound=Any)
@@ -28,14 +30,14 @@ _SIGNALS = ("t", "u", "y", "y_measured", "y_noise_reduced", "reference")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RawRecord:
+class RawRecord(SeveralSignals):
     """The signals of a file, not validated: lengths may differ, values may be NaN, times may be out of order.
 
     Attributes
     ----------
     t : ndarray, shape (Nt,), or None
         Times in seconds; None if the file has none.
-    u, y : ndarray, shapes (Nu,) and (Ny,)
+    u, y : ndarray, shapes (Nu,) and (Ny,), of several signals (Nu, nu) and (Ny, ny)
         Input and the requested output.
     Ts : float or None
         Sampling time in seconds, as given by the caller.
@@ -47,8 +49,10 @@ class RawRecord:
         What was assumed and done in reading the file.
     jitter : float
         Root-mean-square deviation of the file's time stamps from `t`, in sampling times.
-    units : tuple of (str, str)
-        Units of input and output, as the file names them; empty where it does not.
+    units : tuple of str
+        Units of inputs and outputs, as the file names them; empty where it does not.
+    inputs, outputs : tuple of str
+        Names of inputs and outputs.
     """
 
     t: FloatArray | None
@@ -61,10 +65,13 @@ class RawRecord:
     name: str = ""
     notes: tuple[str, ...] = ()
     jitter: float = 0.0
-    units: tuple[str, str] = ("", "")
+    units: tuple[str, ...] = ("", "")
+    inputs: tuple[str, ...] = ("u",)
+    outputs: tuple[str, ...] = ("y",)
 
     def __post_init__(self) -> None:
         freeze(self, **self._present())
+        object.__setattr__(self, "units", units_of(self.units, self.signal_names))
 
     @property
     def columns(self) -> dict[str, FloatArray]:
@@ -74,7 +81,9 @@ class RawRecord:
             if name in present and np.array_equal(present[name], self.y, equal_nan=True):
                 del present[name]
                 break
-        return present
+        signals = zip(self.signal_names, (*self.input_columns.T, *self.output_columns.T), strict=True)
+        t = {"t": self.t} if self.t is not None else {}
+        return t | dict(signals) | {name: x for name, x in present.items() if name not in ("t", "u", "y")}
 
     def _present(self) -> dict[str, FloatArray]:
         return {name: getattr(self, name) for name in _SIGNALS if getattr(self, name) is not None}
@@ -106,6 +115,9 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
         with _file_of(path) as file:
             chosen = _chosen(file, how)
             signals = even_signals(signals_of(chosen, how), how)
+        values = dict(signals.values)
+        inputs, outputs = ({key: values.pop(key) for key in keys} for keys in signal_keys(chosen))
+        u, y = _of_equal_length(inputs, signals), _of_equal_length(outputs, signals)
     except UnknownColumns as error:
         raise UnknownColumns(f"{path.name}: {error}") from None
     except ValueError as error:
@@ -113,13 +125,25 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
     every = how.decimate or 1
     return RawRecord(
         t=signals.t,
-        **signals.values,
+        u=u,
+        y=y,
+        **values,
         Ts=None if how.Ts is None else how.Ts * every,
         name=path.stem,
         notes=signals.notes,
         jitter=signals.jitter,
-        units=(chosen.u.unit, chosen.y.unit),
+        units=tuple(column.unit for column in (*chosen.inputs, *chosen.outputs)),
+        inputs=tuple(map(signals.called, inputs)),
+        outputs=tuple(map(signals.called, outputs)),
     )
+
+
+def _of_equal_length(columns: Mapping[str, FloatArray], signals: Signals) -> FloatArray:
+    """The columns of u or y side by side."""
+    if len({x.size for x in columns.values()}) > 1:
+        got = ", ".join(f"{signals.called(key)} has {x.size}" for key, x in columns.items())
+        raise ValueError(f"columns must have equal length; {got}. Cut them to the same samples.")
+    return np.asarray(joined(list(columns.values())))
 
 
 def cut_signals(record: AnyRecord, rows: slice) -> AnyRecord:
@@ -162,8 +186,8 @@ def _chosen(path: Path, how: Reading) -> Chosen:
     log = _open(path, how)
     if isinstance(log, LibraryFormat):
         _refuse_output(how)
-        return choose_apart(path, log, how.columns, how.Ts)
-    return choose(log, how.columns, how.Ts)
+        return choose_apart(path, log, how)
+    return choose(log, how)
 
 
 def _open(path: Path, how: Reading) -> Log | LibraryFormat:
@@ -177,7 +201,7 @@ def _open(path: Path, how: Reading) -> Log | LibraryFormat:
     if content.startswith((b"# Created by Octave", b"# name:")):
         raise ValueError("it is in the text format of Octave. Save it again with save -v7 FILE.mat t u y.")
     if path.suffix.lower() == ".mat" or is_mat5(content):
-        log = open_mat(content, how.output, how.columns is None)
+        log = open_mat(content, how.output, how.columns is None and how.inputs is None and how.outputs is None)
         return OBJECTS if log is None else log
     _refuse_output(how)
     if content.startswith(NUMPY_MAGIC) or path.suffix.lower() in (".npz", ".npy"):

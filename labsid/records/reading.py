@@ -27,6 +27,9 @@ class Reading:
         Times in seconds.
     resample : float or None
     decimate : int or None
+    inputs, outputs : str or None
+        Columns of several signals, with commas between them.
+    reference : str or None
 
     Raises
     ------
@@ -44,12 +47,20 @@ class Reading:
     until: float | None = None
     resample: float | None = None
     decimate: int | None = None
+    inputs: str | None = None
+    outputs: str | None = None
+    reference: str | None = None
 
     def __post_init__(self) -> None:
         for name, allowed in (("output", OUTPUTS), ("repeated", REPEATS), ("time_unit", tuple(SECONDS))):
             value = getattr(self, name)
             if value is not None and value not in allowed:
                 raise ValueError(f"{name} must be {' or '.join(allowed)}; got {value!r}.")
+        if (self.inputs or self.outputs) and "," in (self.columns or ""):
+            raise ValueError(
+                f"columns must name the times alone where inputs or outputs are named; got {self.columns!r}. Leave it "
+                "out, or give one input and one output as columns t,u,y."
+            )
         for name in ("Ts", "resample"):
             value = getattr(self, name)
             if value is not None and not 0 < value < np.inf:

@@ -13,7 +13,14 @@ from labsid._arrays import FloatArray, as_equal_signals, as_signal, freeze, froz
 from labsid.records.direction import look_swapped
 from labsid.records.formats import RawRecord, cut_signals, read_raw
 from labsid.records.reading import Reading
-from labsid.records.several_signals import check_names, joined, names_of, place_of, signal_columns
+from labsid.records.several_signals import (
+    SeveralSignals,
+    check_names,
+    joined,
+    names_of,
+    signal_columns,
+    units_of,
+)
 from labsid.records.signal_quality import digits_of, runs
 from labsid.records.signals import jitter_note, missing_note, span_of_outputs
 from labsid.records.steps import REGULAR_WITHIN
@@ -30,7 +37,7 @@ OUTPUTS = ("y", "y_measured", "y_noise_reduced")  # NaN where a sample is missin
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Record:
+class Record(SeveralSignals):
     """Inputs and outputs of one experiment, sampled at regular times.
 
     The constructor validates the signals and stores read-only copies.
@@ -108,57 +115,12 @@ class Record:
         object.__setattr__(self, "Ts", Ts)
         object.__setattr__(self, "inputs", inputs)
         object.__setattr__(self, "outputs", outputs)
-        object.__setattr__(self, "units", _units(self.units, inputs, outputs))
-
-    @property
-    def several(self) -> bool:
-        """Whether there is more than one input or more than one output."""
-        return len(self.inputs) + len(self.outputs) > 2
-
-    @property
-    def input_columns(self) -> FloatArray:
-        """The inputs, shape (N, nu), also for one."""
-        return self.u.reshape(len(self), -1)
-
-    @property
-    def output_columns(self) -> FloatArray:
-        """The outputs, shape (N, ny), also for one."""
-        return self.y.reshape(len(self), -1)
+        object.__setattr__(self, "units", units_of(self.units, (*inputs, *outputs)))
 
     @property
     def missing(self) -> NDArray[np.bool_]:
         """Samples without an output, shape of `y`: to be simulated through, but neither fitted nor scored."""
         return np.isnan(self.y)
-
-    def pair(self, input: int | str, output: int | str) -> "Record":
-        """The record of one input and one output, without the other signals.
-
-        Parameters
-        ----------
-        input, output : int or str
-            Name of the signal, or its place, from 0.
-
-        Returns
-        -------
-        Record
-            Called ``NAME: input -> output``, with the units of both.
-
-        Raises
-        ------
-        ValueError
-            If there is no such signal.
-        """
-        j, i = place_of(input, self.inputs, "input"), place_of(output, self.outputs, "output")
-        name, of_output = f"{self.inputs[j]} -> {self.outputs[i]}", len(self.inputs) + i
-        return replace(
-            self,
-            u=self.input_columns[:, j],
-            y=self.output_columns[:, i],
-            name=f"{self.name}: {name}" if self.name else name,
-            units=(self.units[j], self.units[of_output]),
-            inputs=(self.inputs[j],),
-            outputs=(self.outputs[i],),
-        )
 
     def __len__(self) -> int:
         return int(self.t.size)
@@ -167,7 +129,7 @@ class Record:
         columns = [*self.input_columns.T, *(y[~np.isnan(y)] for y in self.output_columns.T)]
         ranges = [
             f"{name} {digits_of(x.min(), np.ptp(x))}..{digits_of(x.max(), np.ptp(x))}"
-            for name, x in zip((*self.inputs, *self.outputs), columns, strict=True)
+            for name, x in zip(self.signal_names, columns, strict=True)
         ]
         missing = zip(np.isnan(self.output_columns).sum(axis=0), self.outputs, strict=True)
         without = [f"{count} without {name}" for count, name in missing if count]
@@ -194,6 +156,9 @@ def load_record(
     until: float | None = None,
     resample: float | None = None,
     decimate: int | None = None,
+    inputs: str | None = None,
+    outputs: str | None = None,
+    reference: str | None = None,
 ) -> Record:
     """Read a record from a log of any format in the table of ``labsid/records/README.md``.
 
@@ -205,7 +170,8 @@ def load_record(
     output : {"noise-reduced", "measured"}
         Which output of the lab's ``LogData`` becomes `y`: column 2 or column 1 of ``LogData.signals(1).values``.
     columns : str, optional
-        Names or numbers (from 1) of the columns to use: ``"t,u,y"``, or two for ``"u,y"`` with `Ts`.
+        Names or numbers (from 1) of the columns to use: ``"t,u,y"``, or two for ``"u,y"`` with `Ts`. With `inputs` or
+        `outputs` the column of the times, where its name does not say it.
     Ts : float, optional
         Sampling time in seconds of a log without times. With times: the samples are even, and stamps that deviate
         from even times by up to 0.4 of the sampling time are noise.
@@ -222,6 +188,11 @@ def load_record(
         output band-limited, an input that is held between its changes held.
     decimate : int, optional
         Keep every n-th sample, after a low-pass filter on all signals.
+    inputs, outputs : str, optional
+        Names or numbers of the columns of several signals: ``"Q1,Q2"``; by default those that the header calls u or u1,
+        u2, ... and y or y1, y2, ... The name of a matrix stands for its columns.
+    reference : str, optional
+        The column of the set point of a closed loop.
 
     Returns
     -------
@@ -240,7 +211,9 @@ def load_record(
     -----
     Step 1a of the UNSW lab: ``t = LogData.time`` and so on. `labsid check` describes a refused file.
     """
-    how = Reading(columns, Ts, output, time_unit, repeated, select, since, until, resample, decimate)
+    how = Reading(
+        columns, Ts, output, time_unit, repeated, select, since, until, resample, decimate, inputs, outputs, reference
+    )
     return read_record(path, how)
 
 
@@ -253,7 +226,7 @@ def read_record(path: str | PathLike[str], how: Reading) -> Record:
     t = raw.t
     if t is None:
         assert raw.Ts is not None  # find_faults refuses a record that has neither
-        t = frozen_array(np.arange(raw.u.size) * raw.Ts)
+        t = frozen_array(np.arange(len(raw.u)) * raw.Ts)
     return Record(
         t=t,
         u=raw.u,
@@ -266,6 +239,8 @@ def read_record(path: str | PathLike[str], how: Reading) -> Record:
         jitter=raw.jitter,
         notes=raw.notes,
         units=raw.units,
+        inputs=raw.inputs,
+        outputs=raw.outputs,
     )
 
 
@@ -319,7 +294,7 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
     faults = []
     for name, column in raw.columns.items():
         try:
-            as_signal(name, _filled(column) if name in OUTPUTS else column, at_least=2)
+            as_signal(name, _filled(column) if name in (*raw.outputs, *OUTPUTS[1:]) else column, at_least=2)
         except ValueError as error:
             faults.append(Fault("values", str(error)))
         else:
@@ -330,11 +305,12 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
         text = f"columns must have equal length; {got}. Cut them to the same samples."
         faults.append(Fault("lengths", text))
     faults += _sampling_faults(raw)
-    if not faults and look_swapped(*_complete(raw)):
+    if not faults and not raw.several and look_swapped(*_complete(raw)):
         levels = np.unique(raw.y[np.isfinite(raw.y)]).size
+        (u,), (y,) = raw.inputs, raw.outputs
         text = (
-            f"u and y look swapped: y holds {levels} exact levels, while u moves after each change of y as an "
-            "output does. Name the columns the other way round."
+            f"{u} and {y} look swapped: {y} holds {levels} exact levels, while {u} moves after each change of {y} as "
+            "an output does. Name the columns the other way round."
         )
         faults.append(Fault("signals", text))
     return tuple(faults)
@@ -435,19 +411,6 @@ def _check_several(record: Record, extra: Sequence[str]) -> None:
     for name in extra:
         if name in OUTPUTS:
             raise ValueError(f"{name} belongs to a record of one input and one output; got several. Leave it out.")
-
-
-def _units(given: Sequence[str], inputs: Sequence[str], outputs: Sequence[str]) -> tuple[str, ...]:
-    """A unit for each input, then for each output; all empty if none is given."""
-    names = (*inputs, *outputs)
-    if not any(given):
-        return ("",) * len(names)
-    if len(given) != len(names):
-        raise ValueError(
-            f"units must hold one unit for each of the {len(names)} signals {', '.join(names)}; got {len(given)}: "
-            f"{', '.join(map(repr, given))}. Give '' for an unknown one."
-        )
-    return tuple(given)
 
 
 def _filled(values: ArrayLike) -> ArrayLike:

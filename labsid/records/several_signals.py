@@ -1,24 +1,81 @@
 """The signals of a record: columns of u and y, and their names."""
 
 from collections.abc import Sequence
-from typing import Protocol, TypeVar
+from dataclasses import replace
+from typing import Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from labsid._arrays import FloatArray
 
-class _Named(Protocol):
-    """A record, as far as its names go."""
+
+class SeveralSignals:
+    """The signals of a record by columns, whether there is one input and one output or more.
+
+    A base of frozen data classes with the fields `name`, `u`, `y`, `units`, `inputs` and `outputs`.
+    """
+
+    __slots__ = ()
+    name: str
+    u: FloatArray
+    y: FloatArray
+    units: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
 
     @property
-    def name(self) -> str: ...
+    def several(self) -> bool:
+        """Whether there is more than one input or more than one output."""
+        return len(self.inputs) + len(self.outputs) > 2
+
     @property
-    def inputs(self) -> tuple[str, ...]: ...
+    def signal_names(self) -> tuple[str, ...]:
+        """Names of the inputs, then of the outputs; the order of `units`."""
+        return (*self.inputs, *self.outputs)
+
     @property
-    def outputs(self) -> tuple[str, ...]: ...
+    def input_columns(self) -> FloatArray:
+        """The inputs, shape (N, nu), also for one."""
+        return self.u.reshape(-1, len(self.inputs))
+
+    @property
+    def output_columns(self) -> FloatArray:
+        """The outputs, shape (N, ny), also for one."""
+        return self.y.reshape(-1, len(self.outputs))
+
+    def pair(self, input: int | str, output: int | str) -> Self:
+        """The record of one input and one output, without the other signals.
+
+        Parameters
+        ----------
+        input, output : int or str
+            Name of the signal, or its place, from 0.
+
+        Returns
+        -------
+        Record or RawRecord
+            Called ``NAME: input -> output``, with the units of both.
+
+        Raises
+        ------
+        ValueError
+            If there is no such signal.
+        """
+        j, i = place_of(input, self.inputs, "input"), place_of(output, self.outputs, "output")
+        name, of_output = f"{self.inputs[j]} -> {self.outputs[i]}", len(self.inputs) + i
+        return replace(  # type: ignore[type-var]
+            self,
+            u=self.input_columns[:, j],
+            y=self.output_columns[:, i],
+            name=f"{self.name}: {name}" if self.name else name,
+            units=(self.units[j], self.units[of_output]),
+            inputs=(self.inputs[j],),
+            outputs=(self.outputs[i],),
+        )
 
 
-AnyNamed = TypeVar("AnyNamed", bound=_Named)
+AnySignals = TypeVar("AnySignals", bound=SeveralSignals)
 
 
 def signal_columns(values: ArrayLike) -> tuple[ArrayLike, ...]:
@@ -91,6 +148,30 @@ def check_names(inputs: Sequence[str], outputs: Sequence[str]) -> None:
         raise ValueError(f"{both[0]!r} is named as an input and as an output. Leave it out of one of them.")
 
 
+def units_of(given: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
+    """A unit for each signal; all empty if none is given.
+
+    Parameters
+    ----------
+    given : sequence of str
+    names : sequence of str
+        Names of the inputs, then of the outputs.
+
+    Raises
+    ------
+    ValueError
+        If there is not one unit for each signal.
+    """
+    if not any(given):
+        return ("",) * len(names)
+    if len(given) != len(names):
+        raise ValueError(
+            f"units must hold one unit for each of the {len(names)} signals {', '.join(names)}; got {len(given)}: "
+            f"{', '.join(map(repr, given))}. Give '' for an unknown one."
+        )
+    return tuple(given)
+
+
 def place_of(signal: int | str, names: Sequence[str], kind: str) -> int:
     """Place of a signal that is given by its name or by its place, from 0.
 
@@ -114,7 +195,7 @@ def place_of(signal: int | str, names: Sequence[str], kind: str) -> int:
     )
 
 
-def one_signal_each(record: AnyNamed, what: str) -> AnyNamed:
+def one_signal_each(record: AnySignals, what: str) -> AnySignals:
     """Refuse a record of several inputs or outputs, for what is defined for one of each.
 
     Parameters
@@ -128,7 +209,7 @@ def one_signal_each(record: AnyNamed, what: str) -> AnyNamed:
     ValueError
         If the record holds several inputs or outputs.
     """
-    if len(record.inputs) + len(record.outputs) > 2:
+    if record.several:
         u, y = record.inputs[0], record.outputs[0]
         raise ValueError(
             f"{what} takes one input and one output; {record.name or 'the record'} has the inputs "

@@ -1,7 +1,7 @@
 """Times and signals of a log on the way to a record, and the names of places in them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,16 +17,23 @@ class Signals:
     t : ndarray, shape (N,), or None
         Times in seconds; None if the log has none.
     values : dict of str to ndarray, shape (N,)
-        ``u``, ``y`` and others; NaN where a value is missing.
+        ``u``, ``y`` and others, with several ``u1``, ``u2`` and so on; NaN where a value is missing.
     notes : tuple of str
     jitter : float
         Root-mean-square deviation of the stamps from `t`, in sampling times.
+    names : dict of str to str
+        What the notes call a signal, if not by its key in `values`.
     """
 
     t: FloatArray | None
     values: Mapping[str, FloatArray]
     notes: tuple[str, ...] = ()
     jitter: float = 0.0
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    def called(self, key: str) -> str:
+        """Name of a signal in notes and messages."""
+        return self.names.get(key, key)
 
     def rows(self, rows: np.ndarray) -> "Signals":
         """Only these rows, or the rows in this order."""
@@ -36,6 +43,11 @@ class Signals:
     def said(self, *notes: str) -> "Signals":
         """With more notes."""
         return replace(self, notes=(*self.notes, *notes))
+
+
+def is_input(key: str) -> bool:
+    """Whether a signal is a command: an input, or the reference."""
+    return key.startswith("u") or key == "reference"
 
 
 def name_places(stretches: Sequence[Sequence[int]]) -> str:

@@ -1,12 +1,12 @@
 """The steps from the columns of a log to evenly sampled signals; each says what it did."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.records.choice import Chosen
+from labsid.records.clocks import bring_together, resampled
 from labsid.records.column import stamps_column
 from labsid.records.even_times import (
     MAX_BY_WORD,
@@ -19,30 +19,41 @@ from labsid.records.even_times import (
     resolution,
 )
 from labsid.records.reading import Reading
-from labsid.records.resampling import band_limited_at, decimate, even_grid, held_at, hold, is_held, longest_hold
-from labsid.records.signals import Signals, name_places, stretches
+from labsid.records.resampling import decimate, even_grid, hold, is_held, longest_hold
+from labsid.records.several_signals import names_of
+from labsid.records.signals import Signals, is_input, name_places, stretches
 from labsid.records.stamp_order import select_run, sorted_rows, without_repeats
 from labsid.records.stamps import in_seconds
 
 REGULAR_WITHIN = 0.01  # largest deviation of an interval from the median one, as a share of it
-INPUTS = ("u", "reference")
+
+
+def signal_keys(chosen: Chosen) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Keys of inputs and outputs in `Signals.values`: u and y, of several u1, u2, ... and y1, y2, ..."""
+    return names_of("u", (), len(chosen.inputs)), names_of("y", (), len(chosen.outputs))
 
 
 def signals_of(chosen: Chosen, how: Reading) -> Signals:
     """Times in seconds and the signals of the chosen columns, before anything is done to them."""
-    u, y = chosen.u, chosen.y
-    values = {"u": u.numbers, "y": y.numbers} | {column.name: column.numbers for column in chosen.others}
+    inputs, outputs = signal_keys(chosen)
+    columns = dict(zip((*inputs, *outputs), (*chosen.inputs, *chosen.outputs), strict=True))
+    names = {key: column.name for key, column in columns.items()} if chosen.named else {}
+    columns |= {column.name: column for column in chosen.others}
+    values = {key: column.numbers for key, column in columns.items()}
+    signals = Signals(None, values, chosen.notes, names=names)
     if chosen.t is not None:
         stamps = in_seconds(chosen.t, how.time_unit)
-        return Signals(stamps.t, values, (*chosen.notes, *stamps.notes))
-    if u.stamps is None or y.stamps is None or how.Ts is not None:
-        return Signals(None, values, chosen.notes)
-    both = in_seconds(stamps_column(np.concatenate([u.stamps, y.stamps])))
-    t_u, t_y = both.t[: u.stamps.size], both.t[u.stamps.size :]
-    notes = (*chosen.notes, *both.notes)
-    if np.array_equal(t_u, t_y):
-        return Signals(t_u, values, notes)
-    return _together(t_u, u.numbers, t_y, y.numbers, how).said(*notes)
+        return replace(signals, t=stamps.t).said(*stamps.notes)
+    own = {key: column.stamps for key, column in columns.items() if column.stamps is not None}
+    if len(own) < len(columns) or how.Ts is not None:
+        return signals
+    both = in_seconds(stamps_column(np.concatenate(list(own.values()))))
+    parts = np.split(both.t, np.cumsum([x.size for x in own.values()])[:-1])
+    times = dict(zip(own, parts, strict=True))
+    signals = signals.said(*both.notes)
+    if all(np.array_equal(t, parts[0]) for t in parts):
+        return replace(signals, t=parts[0])
+    return bring_together(signals, times, how)
 
 
 def even_signals(signals: Signals, how: Reading) -> Signals:
@@ -76,43 +87,6 @@ def even_signals(signals: Signals, how: Reading) -> Signals:
     if how.decimate is not None:
         signals = _decimated(signals, how.decimate)
     return signals
-
-
-def _together(t_u: FloatArray, u: FloatArray, t_y: FloatArray, y: FloatArray, how: Reading) -> Signals:
-    """Two signals with times of their own: the input held, the output where it was measured."""
-    if min(t_u.size, t_y.size) < 2:
-        raise ValueError(f"each signal must have at least 2 samples; got {t_u.size} of u and {t_y.size} of y.")
-    start, stop = max(t_u[0], t_y[0]), min(t_u[-1], t_y[-1])
-    if how.resample is not None:
-        t = even_grid(start, stop, how.resample)
-        values, notes = _resampled(t, {"u": (t_u, u), "y": (t_y, y)})
-        return Signals(t, values, notes)
-    step_u, step_y = float(np.median(np.diff(t_u))), float(np.median(np.diff(t_y)))
-    if step_y <= 1.5 * step_u:
-        is_sampled = float(np.diff(t_u).max()) <= 1.5 * step_u  # a command that is sent when it changes is held on
-        inside = (t_y >= start) & (t_y < t_u[-1] + step_u if is_sampled else True)
-        t = t_y[inside]
-        if t.size < 2:
-            raise ValueError(f"u is there from {t_u[0]:g} to {t_u[-1]:g} s and y from {t_y[0]:g} to {t_y[-1]:g} s.")
-        notes = (f"u has times of its own, {step_u:g} s apart; held at those of y", *_left_out(int(np.sum(~inside))))
-        return Signals(t, {"u": held_at(t, t_u, u), "y": y[inside]}, notes)
-    place = np.clip(np.searchsorted(t_u, t_y), 1, t_u.size - 1)
-    place -= t_y - t_u[place - 1] < t_u[place] - t_y
-    off = np.abs(t_u[place] - t_y)
-    if np.any((off > MAX_JITTER * step_u) & (t_y >= start) & (t_y <= stop)):
-        raise ValueError(
-            f"u has a sample every {step_u:g} s and y every {step_y:g} s, not at the same times. Bring both to one "
-            f"sampling time with resample (--resample {step_y:g})."
-        )
-    sparse = np.full(t_u.size, np.nan)
-    sparse[place[off <= MAX_JITTER * step_u]] = y[off <= MAX_JITTER * step_u]
-    note = f"y has times of its own, {step_y:g} s apart; missing between them"
-    return Signals(t_u, {"u": u, "y": sparse}, (note, *_left_out(int(np.sum(off > MAX_JITTER * step_u)))))
-
-
-def _left_out(count: int) -> tuple[str, ...]:
-    samples = "1 sample" if count == 1 else f"{count} samples"
-    return (f"{samples} of y before the first of u or after its last left out",) if count else ()
 
 
 def _cut(signals: Signals, how: Reading) -> Signals:
@@ -197,38 +171,15 @@ def _resample(signals: Signals, Ts: float) -> Signals:
     if any(t.size < 4 for t in known):
         raise ValueError("resample needs at least 4 samples of each signal.")
     t = even_grid(max(x[0] for x in known), min(x[-1] for x in known), Ts)
-    values, notes = _resampled(t, {name: (signals.t, x) for name, x in signals.values.items()})
+    values, notes = resampled(t, {name: (signals.t, x) for name, x in signals.values.items()}, signals)
     return replace(signals, t=t, values=values).said(*notes)
-
-
-def _resampled(
-    t: FloatArray, signals: Mapping[str, tuple[FloatArray, FloatArray]]
-) -> tuple[dict[str, FloatArray], tuple[str, ...]]:
-    Ts = float(t[1] - t[0])
-    values, notes = {}, [f"resampled to {Ts:.9g} s, {t.size} samples"]
-    for name, (stamps, x) in signals.items():
-        if name in INPUTS and is_held(x):
-            values[name] = held_at(t, stamps, x)
-            notes.append(f"{name} held between its samples: a change acts up to one sample late, as a delay would")
-        elif _coincide(t, stamps[np.isfinite(x)]):
-            values[name] = held_at(t, stamps, x)
-            notes.append(f"{name} taken at its own samples")
-        else:
-            values[name] = band_limited_at(t, stamps, x)
-            notes.append(f"{name} interpolated, band-limited to {0.4 / Ts:.3g} Hz: what is faster is lost")
-    return values, tuple(notes)
-
-
-def _coincide(t: FloatArray, stamps: FloatArray) -> bool:
-    """Whether a signal has a sample at each of these times, and none between them."""
-    return stamps.size == t.size and bool(np.abs(stamps - t).max() <= 1e-3 * (t[1] - t[0]))
 
 
 def _inputs_held(signals: Signals) -> Signals:
     """Fill missing samples of an input that is held between its changes."""
-    for name in INPUTS:
-        x = signals.values.get(name)
-        if x is None or not np.isnan(x).any() or not is_held(x):
+    for key in filter(is_input, tuple(signals.values)):
+        x, name = signals.values[key], signals.called(key)
+        if not np.isnan(x).any() or not is_held(x):
             continue
         missing = np.isnan(x)
         filled = hold(x)
@@ -237,7 +188,7 @@ def _inputs_held(signals: Signals) -> Signals:
         note = f"{name} held at its last value in {int(missing.sum())} samples without one"
         if changed:
             note += f"; after {changed} of these gaps it differs, so that the change may have been earlier"
-        signals = replace(signals, values={**signals.values, name: filled}).said(note)
+        signals = replace(signals, values={**signals.values, key: filled}).said(note)
     return signals
 
 

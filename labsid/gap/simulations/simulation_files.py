@@ -17,6 +17,7 @@ from labsid.gap.simulations.fmu_export import read_fmu_content
 from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput, resample
 from labsid.records.record import Record, between_outputs, bridge_gaps
+from labsid.records.several_signals import one_signal_each
 from labsid.simulators.mjcf.sources import MjcfSource, parse_mjcf
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator
@@ -138,6 +139,7 @@ def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
     ValueError
         If the source is no simulation that can be run, or one with another sampling time.
     """
+    one_signal_each(record, "this simulation")
     measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
     chosen, content = ports.of(source), read_fmu_content(source)
     if content is None and is_source(chosen):

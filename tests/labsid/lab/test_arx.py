@@ -184,3 +184,8 @@ def test_the_model_is_read_only():
 def test_models_that_are_none(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_several_inputs_are_for_a_system():
+    with pytest.raises(ValueError, match=r"u must be one signal .*; got shape \(20, 2\)"):
+        fit_arx(np.ones((20, 2)), np.ones(20), 1.0)

@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 
 from labsid.lab.offset import (
     find_offsets,
+    find_signal_offsets,
     first_period_length,
     mean_of_first_period,
     mid_range,
@@ -231,3 +232,31 @@ def test_lengths_must_agree():
 def test_one_sample_is_too_few():
     with pytest.raises(ValueError, match="u must have at least 2 samples; got 1"):
         first_period_length([2.0])
+
+
+# Several signals ------------------------------------------------------------------------------------------
+
+
+def test_offsets_of_several_signals_are_those_of_the_lab_until_the_first_input_changes():
+    rng = np.random.default_rng(1)
+    u = np.column_stack([np.repeat([1.0, 2.0], [60, 40]), np.repeat([5.0, 4.0], [30, 70])])
+    y = 3.0 + 0.01 * rng.standard_normal((100, 2)) + np.repeat([[0.0], [1.0]], [30, 70], axis=0)
+    found = find_signal_offsets(u, y)
+    assert (found.status, found.first) == ("rest", 1)
+    np.testing.assert_array_equal(found.u_offset, [1.0, 5.0])
+    for column, offset, one in zip(y.T, found.y_offset, found.outputs, strict=True):
+        assert offset == find_offsets(u[:, 1], column).y_offset == one.y_offset
+        assert one.first_period == 30
+
+
+def test_inputs_that_move_from_the_start_have_means_and_steps_at_once_the_first_sample():
+    rng = np.random.default_rng(2)
+    u, y = rng.standard_normal((100, 2)) + 7, rng.standard_normal((100, 1))
+    found = find_signal_offsets(u, y, stop=50)
+    assert found.status == "means"
+    np.testing.assert_array_equal(found.u_offset, u[:50].mean(axis=0))
+    np.testing.assert_array_equal(found.y_offset, y[:50].mean(axis=0))
+    step = find_signal_offsets(np.repeat([[0.0], [50.0]], [2, 98], axis=0), y)
+    assert (step.status, step.u_offset[0], step.outputs[0].status) == ("rest", 0.0, "too short")
+    with pytest.raises(ValueError, match="u must change at least once"):
+        find_signal_offsets(np.ones((100, 2)), y)

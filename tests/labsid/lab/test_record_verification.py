@@ -1,11 +1,14 @@
 """Fig. 4 on another record."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from labsid.lab.arx import ArxModel
+from labsid.lab.arx_system import simulate_system, system_from_thetas
 from labsid.lab.identification import identify
-from labsid.lab.record_verification import verify_on_record
+from labsid.lab.record_verification import verify_on_record, verify_system_on_record
 from labsid.lab.simulation import simulate
 from labsid.records.record import Record, load_record
 
@@ -60,3 +63,44 @@ def test_record_and_model_must_have_one_sampling_time():
     record = Record(t=np.arange(5.0), u=np.arange(5.0), y=np.arange(5.0), Ts=1.0)
     with pytest.raises(ValueError, match="record and model must have one sampling time; got 1 s and"):
         verify_on_record(MODEL, record)
+
+
+# Several signals ------------------------------------------------------------------------------------------
+
+SYSTEM = system_from_thetas([[0.9, 0.3, 0.1], [0.7, 0.0, 0.5]], 1, 0.5, ("a", "b"), ("c", "d"))
+
+
+def several(**changes):
+    rng = np.random.default_rng(1)
+    u = rng.standard_normal((200, 2))
+    y = simulate_system(SYSTEM, u, [2.0, -1.0]) + np.array([5, 6])
+    given = {"t": 0.5 * np.arange(200), "u": u + np.array([1, 2]), "y": y, "Ts": 0.5}
+    return Record(**(given | {"inputs": ("a", "b"), "outputs": ("c", "d")} | changes))
+
+
+def test_a_system_follows_another_record_from_a_state_of_its_own():
+    model = replace(SYSTEM, u_offset=[1, 2], y_offset=[5, 6])
+    y = several().y.copy()
+    y[100:120, 0] = np.nan
+    found = verify_system_on_record(model, several(y=y))
+    assert found.mse.max() < 1e-20
+    assert np.isnan(found.error).sum() == 20
+    np.testing.assert_allclose(found.y_sim, several().y, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "start", "message"),
+    [
+        ({"t": np.arange(200.0), "Ts": 1.0}, 50, r"must have one sampling time; got 1 s and 0\.5 s"),
+        ({"inputs": ("b", "a")}, 50, r"must have the same signals; got b, a, c, d and a, b, c, d\. Read the record"),
+        ({}, 150, r"the record must have at least 300 samples, twice start; got 200"),
+    ],
+)
+def test_a_record_that_does_not_fit_the_system(changes, start, message):
+    with pytest.raises(ValueError, match=message):
+        verify_system_on_record(SYSTEM, several(**changes), start)
+
+
+def test_a_model_of_one_signal_each_takes_no_record_of_several():
+    with pytest.raises(ValueError, match="comparison with another record takes one input and one output"):
+        verify_on_record(ArxModel([1, -0.9], [0.1], 0.5), several())

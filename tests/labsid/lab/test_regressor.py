@@ -107,3 +107,14 @@ def test_nan_is_named_with_its_place():
     y[3] = np.nan
     with pytest.raises(ValueError, match="y must be finite; got nan at sample 3"):
         build_phi(U, y)
+
+
+def test_each_input_has_a_block_of_lags():
+    u, y = np.arange(20.0).reshape(10, 2), np.arange(10.0) ** 2
+    Phi = build_phi(u, y, 2).Phi
+    first, second = build_phi(u[:, 0], y, 2).Phi, build_phi(u[:, 1], y, 2).Phi
+    np.testing.assert_array_equal(Phi, np.column_stack([first, second[:, 2:]]))
+    with pytest.raises(ValueError, match=r"u2 must be finite; got nan at sample 3"):
+        build_phi(np.where(u == 7, np.nan, u), y, 2)
+    with pytest.raises(ValueError, match=r"the model has 6 unknowns and needs at least as many rows; got 5"):
+        build_phi(u, y, 2, stop=7)

@@ -568,3 +568,86 @@ def test_text_needs_no_library():
         "scipy",
     }
     assert heavy & set(done.stdout.split()) == set()
+
+
+# Several signals ----------------------------------------------------------------------------------------------
+
+SEVERAL = {"t": T, "fan": U, "valve": np.roll(U, 7), "level": Y, "flow": np.cos(T), "goal": 2 * U}
+
+
+def write_excel(path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in [list(SEVERAL), *np.column_stack(list(SEVERAL.values())).tolist()]:
+        book.active.append(row)
+    book.save(path)
+
+
+def write_parquet(path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    pq.write_table(pa.table(SEVERAL), path)
+
+
+def write_hdf5(path):
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        for name, x in SEVERAL.items():
+            file[name] = x
+
+
+def write_tdms(path):
+    import nptdms
+
+    with nptdms.TdmsWriter(path) as writer:
+        writer.write_segment([nptdms.ChannelObject("run", name, x) for name, x in SEVERAL.items()])
+
+
+def write_mdf(path):
+    import asammdf
+
+    signals = [asammdf.Signal(x, T, name=name) for name, x in SEVERAL.items() if name != "t"]
+    with asammdf.MDF() as mdf:
+        mdf.append(signals)
+        mdf.save(path)
+
+
+def write_mat(path):
+    import scipy.io
+
+    scipy.io.savemat(path, SEVERAL)
+
+
+def write_json(path):
+    path.write_text(json.dumps({name: x.tolist() for name, x in SEVERAL.items()}))
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "package"),
+    [
+        ("a.json", write_json, "json"),
+        ("a.mat", write_mat, "scipy"),
+        ("a.npz", lambda path: np.savez(path, **SEVERAL), "numpy"),
+        ("a.xlsx", write_excel, "python_calamine"),
+        ("a.parquet", write_parquet, "pyarrow"),
+        ("a.h5", write_hdf5, "h5py"),
+        ("a.tdms", write_tdms, "nptdms"),
+        ("a.mf4", write_mdf, "asammdf"),
+    ],
+)
+def test_several_signals_in_every_format(tmp_path, name, write, package):
+    pytest.importorskip(package)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        write(tmp_path / name)
+    record = load_record(tmp_path / name, inputs="valve,fan", outputs="level,flow", reference="goal")
+    assert (record.inputs, record.outputs) == (("valve", "fan"), ("level", "flow"))
+    np.testing.assert_allclose(record.u, np.column_stack([SEVERAL["valve"], U]))
+    np.testing.assert_allclose(record.y, np.column_stack([Y, SEVERAL["flow"]]))
+    np.testing.assert_allclose(record.reference, 2 * U)
+    assert record.Ts == pytest.approx(0.1)
+    with pytest.raises(ValueError, match=r"'level' is named as an input and as an output"):
+        load_record(tmp_path / name, inputs="fan,level", outputs="level")

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from labsid.records.choice import Chosen
+from labsid.records.column import Column
 from labsid.records.even_times import fit_coarse_stamps, fit_dropped_rows
 from labsid.records.reading import Reading
 from labsid.records.record import load_record, reading_notes
 from labsid.records.resampling import band_limited_at, decimate, held_at, is_held
+from labsid.records.steps import signals_of
 
 N = 400
 K = np.arange(N)
@@ -184,3 +187,88 @@ def test_what_cannot_be_done_is_refused(write, options, message):
 
 def test_a_log_that_needs_nothing_says_nothing(write):
     assert reading_notes(load_record(write(T))) == ()
+
+
+# Several signals ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def write_several(write_text):
+    def rows(t, u, y):
+        lines = (",".join(map(repr, row)).replace("nan", "") for row in np.column_stack([t, u, y]).tolist())
+        return write_text("t,fan,valve,level,flow\n" + "\n".join(lines) + "\n")
+
+    return lambda t=T, u=(U, V), y=(Y, -2 * Y): rows(t, np.transpose(u), np.transpose(y))
+
+
+V = np.roll(U, 9)
+NAMES = {"inputs": "fan,valve", "outputs": "level,flow"}
+
+
+def test_each_of_several_signals_is_treated_as_one(write_several):
+    """Dropped rows, cutting and a low-pass filter: as for the record of any pair alone."""
+    there = np.setdiff1d(K, [5, 100, 101, 250])
+    path = write_several(T[there], (U[there], V[there]), (Y[there], -2 * Y[there]))
+    for options in (
+        {},
+        {"since": 2.0, "until": 30.0},
+        {"resample": 0.2},
+        {"since": 11.0, "until": 24.0, "decimate": 3},
+    ):
+        several = load_record(path, **NAMES, **options)
+        assert several.y.shape == (len(several), 2)
+        for u, y in (("fan", "level"), ("valve", "flow")):
+            one = load_record(path, columns=f"t,{u},{y}", **options)
+            np.testing.assert_array_equal(several.pair(u, y).u, one.u)
+            np.testing.assert_array_equal(several.pair(u, y).y, one.y)
+            assert several.Ts == one.Ts
+
+
+def test_notes_name_the_signal(write_several):
+    y = np.array([Y, -2 * Y])
+    y[1, 7:9] = np.nan
+    u = np.array([U, V])
+    u[1, 60] = np.nan
+    record = load_record(write_several(u=u, y=y), **NAMES)
+    assert reading_notes(record) == (
+        "valve held at its last value in 1 samples without one",
+        "flow is missing in 2 of 400 samples (7 to 8); these are neither fitted nor scored",
+    )
+    u[1] += np.sin(K)
+    with pytest.raises(ValueError, match=r"valve must be finite; got nan at sample 60"):
+        load_record(write_several(u=u, y=y), **NAMES)
+
+
+def signals_with_clocks(times, how=None):
+    """Signals with stamps of their own: two inputs and two outputs, sinusoids or levels of their times."""
+    columns = [
+        Column(name, np.floor(t) if name in ("fan", "valve") else np.sin(t), stamps=t)
+        for name, t in zip(("fan", "valve", "level", "flow"), times, strict=True)
+    ]
+    return signals_of(Chosen(None, tuple(columns[:2]), tuple(columns[2:]), named=True), how or Reading())
+
+
+def test_inputs_with_clocks_of_their_own_are_held_at_the_outputs():
+    t_y = 0.1 * np.arange(100)
+    found = signals_with_clocks((0.25 * np.arange(40), 0.4 * np.arange(26), t_y, t_y))
+    np.testing.assert_allclose(found.values["y2"], np.sin(found.t))
+    assert [note.split(" has")[0] for note in found.notes] == ["fan", "valve"]
+    assert found.t.size == 100
+    (note,) = signals_with_clocks((t_y, 0.4 * np.arange(26), t_y, t_y)).notes
+    assert note == "valve has times of its own, 0.4 s apart; held at those of level"
+
+
+def test_slower_outputs_are_missing_between_their_samples():
+    t_u, t_y = 0.1 * np.arange(100), 0.5 * np.arange(20)
+    found = signals_with_clocks((t_u, t_u, t_y, t_y))
+    assert np.isnan(found.values["y1"]).sum() == np.isnan(found.values["y2"]).sum() == 80
+    np.testing.assert_allclose(found.values["y2"][::5], np.sin(t_y))
+
+
+def test_outputs_with_different_clocks_are_resampled_or_refused():
+    t_u = 0.1 * np.arange(100)
+    times = (t_u, t_u, t_u, 0.25 * np.arange(40))
+    with pytest.raises(ValueError, match=r"flow and level have different times\. .* \(--resample 0\.1\)"):
+        signals_with_clocks(times)
+    found = signals_with_clocks(times, Reading(resample=0.5))
+    np.testing.assert_allclose(found.values["y2"][3:-3], np.sin(found.t)[3:-3], atol=0.03)
