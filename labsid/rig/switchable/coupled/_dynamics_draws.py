@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.rig.switchable.coupled.placed import CoupledContext, PlacedEffect
+from labsid.rig.switchable.coupled.placed_effect import CoupledContext, PlacedEffect
 from labsid.rig.switchable.coupled.setup import CoupledSetup, with_states
 from labsid.rig.switchable.coupled.units import Units
 

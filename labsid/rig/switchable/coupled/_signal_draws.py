@@ -11,7 +11,7 @@ import numpy as np
 
 from labsid.rig.switchable._effect_draws import DRAWS, EffectContext
 from labsid.rig.switchable._motion import MASS
-from labsid.rig.switchable.coupled.placed import CoupledContext, PlacedEffect
+from labsid.rig.switchable.coupled.placed_effect import CoupledContext, PlacedEffect
 from labsid.rig.switchable.coupled.setup import CoupledSetup, Plant
 from labsid.rig.switchable.coupled.units import Units
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE, Actuator, Load, Setup, plain_motion

@@ -8,7 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.rig.switchable.coupled._dynamics_draws import DYNAMICS_DRAWS
 from labsid.rig.switchable.coupled._signal_draws import DISTURBANCE_DRAWS, INPUT_DRAWS, OUTPUT_DRAWS
 from labsid.rig.switchable.coupled.loop_rigs import LOOP_RIGS
-from labsid.rig.switchable.coupled.placed import CoupledContext, PlacedEffect
+from labsid.rig.switchable.coupled.placed_effect import CoupledContext, PlacedEffect
 from labsid.rig.switchable.coupled.plants import RIGS, coupled_time_scale
 from labsid.rig.switchable.coupled.setup import CoupledSetup
 from labsid.rig.switchable.coupled.simulation import plant_outputs, plant_states

@@ -12,7 +12,7 @@ from labsid.rig.switchable.coupled.simulation import moved_states
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE
 from labsid.rig.switchable.simulation import Noise, UnboundedOutputError, load_signals, logged_output, noise_samples
 
-LARGEST_ANGLE = 1e3
+LARGEST_ANGLE = 10.0
 """Output, over the amplitude of the reference, above which the loop counts as unstable."""
 
 

@@ -175,6 +175,24 @@ def linearised(plant: Plant) -> tuple[FloatArray, FloatArray, FloatArray]:
     return plant.A + plant.flow, plant.B, plant.C
 
 
+def within_limits(plant: Plant, x: FloatArray) -> FloatArray:
+    """The states, limited to those between the end stops, below the brims and above the bottoms of the tanks.
+
+    Parameters
+    ----------
+    plant : Plant
+    x : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    bottom = np.full(x.size, -np.inf)
+    bent = plant.curvature > 0.0
+    bottom[bent] = -1.0 / plant.curvature[bent]
+    return np.clip(x, np.maximum(plant.stop_low, bottom), np.minimum(plant.stop_high, plant.brim))
+
+
 def with_states(setup: CoupledSetup, count: int) -> CoupledSetup:
     """Append states that nothing acts on.
 

@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray, freeze
 from labsid.rig.switchable.actuator import actuator_output, backlash_output
 from labsid.rig.switchable.coupled._motion import move_coupled
-from labsid.rig.switchable.coupled.setup import CoupledSetup, linearised
+from labsid.rig.switchable.coupled.setup import CoupledSetup, linearised, within_limits
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE
 from labsid.rig.switchable.simulation import (
     Noise,
@@ -45,7 +45,9 @@ class CoupledRun:
 
 
 def simulate_coupled(setup: CoupledSetup, v: FloatArray, noises: Sequence[Noise]) -> CoupledRun:
-    """Simulate a rig and log its outputs; it begins at the steady state that its first inputs have without effects.
+    """Simulate a rig and log its outputs.
+
+    It begins at the steady state that its first inputs have without effects, or at the limits that it then exceeds.
 
     Parameters
     ----------
@@ -116,7 +118,7 @@ def plant_states(setup: CoupledSetup, v: FloatArray) -> FloatArray:
     begin, end = (np.column_stack([pair[side] for pair in acting]) for side in (0, 1))
     load, _, _ = load_signals(setup.load, v.shape[0])
     A, B, _ = linearised(setup.plant)
-    return moved_states(setup, np.linalg.solve(A, -B @ v[0]), begin, end, load)[:-1]
+    return moved_states(setup, within_limits(setup.plant, np.linalg.solve(A, -B @ v[0])), begin, end, load)[:-1]
 
 
 def moved_states(
