@@ -10,14 +10,15 @@ from labsid.blind.draws import log_uniform
 from labsid.blind.exercised import is_exercised
 from labsid.blind.experiment import OrdinaryCase
 from labsid.blind.output_error import discrete_poles, projected_residual
+from labsid.blind.placed_effects import placed_label
 from labsid.blind.several_inputs import linear_error
-from labsid.blind.signals import FEWEST_SAMPLES, MOST_SAMPLES, NOISE_SHARES, placed_label, record_files
+from labsid.blind.signals import FEWEST_SAMPLES, MOST_SAMPLES, NOISE_SHARES, signal_files
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, NEGLIGIBLE_RATIO, find_strength
 from labsid.rig.ordinary.record_files import OrdinaryRecord
 from labsid.rig.switchable.coupled.effects import draw_placed_effect
 from labsid.rig.switchable.coupled.loop_rigs import UNBOUNDED_RIGS, Controller, draw_loop_rig
 from labsid.rig.switchable.coupled.loop_simulation import LoopRun, simulate_loop
-from labsid.rig.switchable.coupled.placed import CoupledContext, PlacedEffect
+from labsid.rig.switchable.coupled.placed_effect import CoupledContext, PlacedEffect
 from labsid.rig.switchable.coupled.plants import coupled_poles
 from labsid.rig.switchable.coupled.setup import CoupledSetup, Plant, linearised
 from labsid.rig.switchable.coupled.units import draw_units
@@ -178,7 +179,7 @@ def _complete(
     }
     made = OrdinaryRecord(
         answers=(tuple(one["name"] for one in effects),),
-        files=record_files(("r", "u", "y"), t, columns, options),
+        files=signal_files(("r", "u", "y"), t, columns, options),
         truth=truth,
         options=options,
     )

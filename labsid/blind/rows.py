@@ -24,6 +24,7 @@ from labsid.blind.honest import draw_honest
 from labsid.blind.joints import draw_joint
 from labsid.blind.loops import draw_loop
 from labsid.blind.output_error import discrete_poles, fit_linear
+from labsid.blind.placed_effects import SIGNAL_ROWS
 from labsid.blind.signals import draw_signals_clear, draw_signals_hard, draw_signals_none
 from labsid.blind.strength import (
     CLEAR_RATIOS,
@@ -396,7 +397,7 @@ ROWS: dict[str, Draw] = {
 }
 """The order determines the seeds: a new row comes last."""
 
-ON_REQUEST = ("signals", "signals-hard", "signals-none", "loop")
+ON_REQUEST: tuple[str, ...] = SIGNAL_ROWS
 """Rows that are made only if they are named, until the diagnosis reads several signals and references."""
 
 DEFAULT_ROWS = tuple(row for row in ROWS if row not in ON_REQUEST)

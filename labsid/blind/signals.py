@@ -12,16 +12,17 @@ from labsid.blind.draws import draw_mild_colour, draw_noise_colour, log_uniform
 from labsid.blind.exercised import is_exercised
 from labsid.blind.experiment import OrdinaryCase
 from labsid.blind.output_error import discrete_poles
+from labsid.blind.placed_effects import placed_label
 from labsid.blind.several_inputs import linear_error
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, NEGLIGIBLE_RATIO, find_strength
 from labsid.rig.ordinary.record_files import OrdinaryRecord, table_text
 from labsid.rig.switchable.coupled.effects import EFFECTS, coupled_context, draw_placed_effect, rigs_with
 from labsid.rig.switchable.coupled.inputs import draw_inputs
-from labsid.rig.switchable.coupled.placed import PlacedEffect
+from labsid.rig.switchable.coupled.placed_effect import PlacedEffect
 from labsid.rig.switchable.coupled.plants import RIGS, coupled_poles, coupled_time_scale, draw_coupled_rig
 from labsid.rig.switchable.coupled.setup import CoupledSetup
 from labsid.rig.switchable.coupled.simulation import plant_states, simulate_coupled
-from labsid.rig.switchable.coupled.units import Units, draw_units
+from labsid.rig.switchable.coupled.units import draw_units
 from labsid.rig.switchable.inputs import RICH_INPUTS
 from labsid.rig.switchable.setup import STEPS_PER_SAMPLE
 from labsid.rig.switchable.simulation import Noise
@@ -32,9 +33,6 @@ NOISE_SHARES = (0.005, 0.03)
 
 SHARE_IN_TURN = 0.2
 """Share of the records in which one input moves at a time."""
-
-VISIBLE = 0.5
-"""Change of an output over its noise from which a diagnosis has to say that it is changed."""
 
 SPARE_DELAY = 4
 """Samples of delay of a linear model that must not reproduce a lag or a mode."""
@@ -164,7 +162,7 @@ def linear_gaps(experiment: CoupledExperiment, setup: CoupledSetup, thorough: bo
     return _scaled_gaps(experiment, setup, thorough=thorough)
 
 
-def record_files(
+def signal_files(
     header: Sequence[str], t: FloatArray, columns: Sequence[FloatArray], options: tuple[str, ...]
 ) -> dict[str, str]:
     """The record as a table, and the words of the command line that it needs.
@@ -184,34 +182,6 @@ def record_files(
     """
     files = {".csv": table_text(",".join(["t", *header]), "%.8g", t, *columns)}
     return files | ({".options": " ".join(options) + "\n"} if options else {})
-
-
-def placed_label(placed: PlacedEffect, setup: CoupledSetup, units: Units, changes: dict[str, float]) -> dict[str, Any]:
-    """Label of one effect.
-
-    Parameters
-    ----------
-    placed : PlacedEffect
-    setup : CoupledSetup
-        The rig with the effect.
-    units : Units
-    changes : dict
-        Rms change of each output by the effect, over its noise.
-
-    Returns
-    -------
-    dict
-        ``name``; ``signal``, and all right ``signals``; ``outputs`` that the effect changes, and those of them whose
-        change is ``visible``; ``parameters``.
-    """
-    return {
-        "name": placed.name,
-        "signal": placed.signal,
-        "signals": list(placed.signals),
-        "outputs": [name for name, change in changes.items() if change > 0.0],
-        "visible": [name for name, change in changes.items() if change > VISIBLE],
-        "parameters": placed.parameters(setup, units),
-    }
 
 
 def _draw_experiment(rng: np.random.Generator, rig: str, kinds: tuple[str, ...]) -> CoupledExperiment | None:
@@ -300,7 +270,7 @@ def _complete(
     }
     made = OrdinaryRecord(
         answers=(tuple(one["name"] for one in effects),),
-        files=record_files(header, t, [*u.T, *y.T], options),
+        files=signal_files(header, t, [*u.T, *y.T], options),
         truth=truth,
         options=options,
     )
