@@ -12,7 +12,7 @@ from labsid.blind.experiment import OrdinaryCase
 from labsid.blind.output_error import discrete_poles, projected_residual
 from labsid.blind.placed_effects import placed_label
 from labsid.blind.several_inputs import linear_error
-from labsid.blind.signals import FEWEST_SAMPLES, MOST_SAMPLES, NOISE_SHARES, signal_files
+from labsid.blind.signals import FEWEST_SAMPLES, MOST_LOUDER, MOST_SAMPLES, NOISE_SHARES, signal_files
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, NEGLIGIBLE_RATIO, find_strength
 from labsid.rig.ordinary.record_files import OrdinaryRecord
 from labsid.rig.switchable.coupled.effects import draw_placed_effect
@@ -72,7 +72,7 @@ def draw_loop(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | Non
     run = simulate_loop(setup, controller, r, noise)
     if not is_exercised(effect, setup, run.u[:, np.newaxis], run.states, run.clean[:, np.newaxis]):
         return None
-    if linear_loop_gap(plain, run) < HARD_RATIOS[0] * noise.sd:
+    if linear_loop_gap(plain, run) < HARD_RATIOS[0] * noise.sd or np.std(run.clean) > MOST_LOUDER * spread:
         return None
     return _complete(rng, plain, setup, controller, r, noise, name, placed)
 

@@ -28,8 +28,17 @@ from labsid.rig.switchable.setup import STEPS_PER_SAMPLE
 from labsid.rig.switchable.simulation import Noise
 
 FEWEST_SAMPLES, MOST_SAMPLES = 600, 2500
-NOISE_SHARES = (0.005, 0.03)
-"""Standard deviation of the noise of an output over that of the output without effects."""
+NOISE_SHARES = (0.0065, 0.0235)
+"""Standard deviation of the noise over that of the output without effects; with `_UNEQUAL` 0.5 to 3 %."""
+
+_UNEQUAL = 0.2
+"""Largest logarithm of the factor by which the noise of an output differs."""
+
+MOST_LOUDER = 2.0
+"""Largest standard deviation of an output over that without the effect."""
+
+MOST_ALIKE = 0.5
+"""Largest correlation of two inputs that count as independent."""
 
 SHARE_IN_TURN = 0.2
 """Share of the records in which one input moves at a time."""
@@ -103,6 +112,8 @@ def draw_signals(
         return None
     setup, sigma = placed.apply(experiment.plain, found[0]), found[1] * experiment.spread
     clean = _clean(setup, experiment.v)
+    if np.any(np.std(clean, axis=0) > MOST_LOUDER * np.std(_clean(experiment.plain, experiment.v), axis=0)):
+        return None
     states = plant_states(setup, experiment.v)[::STEPS_PER_SAMPLE]
     if not is_exercised(effect, setup, experiment.v, states, clean):
         return None
@@ -194,9 +205,9 @@ def _draw_experiment(rng: np.random.Generator, rig: str, kinds: tuple[str, ...])
     in_turn = bool(rng.random() < SHARE_IN_TURN)
     time = coupled_time_scale(plain.plant)
     v = draw_inputs(rng, kinds, len(plain.inputs), samples, time, in_turn)
-    if np.any(np.ptp(v, axis=0) < 0.5):
+    if np.any(np.ptp(v, axis=0) < 0.5) or abs(np.corrcoef(v.T)[0, 1]) > MOST_ALIKE:
         return None
-    spread = np.std(_clean(plain, v), axis=0) * np.exp(rng.uniform(-0.2, 0.2, len(plain.outputs)))
+    spread = np.std(_clean(plain, v), axis=0) * np.exp(rng.uniform(-_UNEQUAL, _UNEQUAL, len(plain.outputs)))
     return CoupledExperiment(plain, v, spread, in_turn)
 
 
