@@ -205,7 +205,7 @@ def _draw_experiment(rng: np.random.Generator, rig: str, kinds: tuple[str, ...])
     in_turn = bool(rng.random() < SHARE_IN_TURN)
     time = coupled_time_scale(plain.plant)
     v = draw_inputs(rng, kinds, len(plain.inputs), samples, time, in_turn)
-    if np.any(np.ptp(v, axis=0) < 0.5) or abs(np.corrcoef(v.T)[0, 1]) > MOST_ALIKE:
+    if np.any(np.ptp(v, axis=0) < 0.5) or abs(np.asarray(np.corrcoef(v.T))[0, 1]) > MOST_ALIKE:
         return None
     spread = np.std(_clean(plain, v), axis=0) * np.exp(rng.uniform(-_UNEQUAL, _UNEQUAL, len(plain.outputs)))
     return CoupledExperiment(plain, v, spread, in_turn)
