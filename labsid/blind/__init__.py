@@ -2,8 +2,8 @@
 
 `check.run_sealed_check` makes the cases (`suite`, `rows`, `draws`, `strength`), runs the diagnosis on them as a
 separate process in an otherwise empty folder (`runner`), compares the answers with the labels and prints the table
-(`score`, `metrics`, `honest`, `joints`, `several`, `table`). `wrong_answers` lists the records that are answered
-wrongly, and keeps them.
+(`score`, `metrics`, `honest`, `joints`, `several`, `placed_effects`, `table`). `wrong_answers` lists the records that
+are answered wrongly, and keeps them; `record_folders` writes the records of a row and their labels.
 `closure` computes the share of the gap that the true structure, refitted, closes.
 Nothing here imports the diagnosis.
 
@@ -48,6 +48,16 @@ How a record is labelled:
   three times the noise if it is missing. Half of the records have a second one of the same rig. Right is that every
   name above 0.5 is one of them; how many of them are named, and how well the probabilities of first, second and third
   names are calibrated, is counted apart.
+- The rows `signals` (clear), `signals-hard` and `signals-none` have rigs of two inputs and one or two outputs from
+  `labsid.rig.switchable.coupled`, with one effect at one input, at one output or at one place in the dynamics. The gap
+  ratio is that of the output on which it is largest, for an output-error model of all inputs and of the order of the
+  rig; noise is 0.5 to 3 % of each output. Right is the name of the effect and the signal at which it acts. In the
+  dynamics ``signal`` is null; the name of the input or output is as right for a lag or mode there and a load beside it.
+  The outputs that the effect changes are counted apart.
+- The row `loop` has an upright pendulum, a hanging one and an axis with their controller: the reference, the logged
+  input and the output. The linear model of the gap ratio is driven by the logged input; on a rig that is unstable or
+  integrates it follows the output by an observer. One record in eight has no effect. Right is the name alone.
+- These four rows are made only if they are named (`rows.ON_REQUEST`), and are left out of the older metrics.
 - Effects outside the table act through the input or the structure. An unmeasured additive input would count as
   `coloured-noise`.
 """

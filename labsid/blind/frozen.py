@@ -16,7 +16,7 @@ import numpy as np
 
 from labsid.blind.metrics import CaseOutcome
 from labsid.blind.right_answers import is_right
-from labsid.blind.rows import ROWS
+from labsid.blind.rows import DEFAULT_ROWS, ROWS
 from labsid.blind.runner import run_batch, run_folder
 from labsid.blind.suite import label_dict, make_cases
 from labsid.rig.ordinary.kinds import KINDS
@@ -156,7 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--records", type=Path, help="folder of measured records")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     chosen = parser.parse_args(arguments)
-    rows = chosen.row or [*ROWS, MEASURED]
+    rows = chosen.row or [*DEFAULT_ROWS, MEASURED]
     kept: Answers = json.loads(chosen.file.read_text(encoding="utf-8")) if chosen.action == "compare" else {}
     found: Answers = {}
     for row in rows:

@@ -79,7 +79,7 @@ def fit_linear(
 
     def residual(theta: FloatArray) -> FloatArray:
         a1, a2 = _denominator(theta)
-        return np.asarray(_projected(_basis(u, a1, a2, taps), target, weight))
+        return np.asarray(projected_residual(_basis(u, a1, a2, taps), target, weight))
 
     def search(theta: FloatArray) -> tuple[float, FloatArray]:
         found = least_squares(residual, theta, method="lm", x_scale="jac", ftol=1e-8, xtol=1e-8, max_nfev=60)
@@ -153,8 +153,8 @@ def _basis(u: FloatArray, a1: float, a2: float, taps: int) -> FloatArray:
 
 
 @compiled()
-def _projected(basis: FloatArray, y: FloatArray, weight: FloatArray) -> FloatArray:
-    """Least-squares residual of the weighted y, by repeated Gram-Schmidt."""
+def projected_residual(basis: FloatArray, y: FloatArray, weight: FloatArray) -> FloatArray:
+    """Least-squares residual of the weighted y, by repeated Gram-Schmidt; shapes (N, m), (N,) and (N,)."""
     n, m = basis.shape
     q = np.empty((m, n))
     for j in range(m):

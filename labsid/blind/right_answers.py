@@ -5,6 +5,7 @@ from collections.abc import Callable
 from labsid.blind.honest import LIKELY, has_no_report, is_accepted, wrong_names
 from labsid.blind.joints import names_the_cause
 from labsid.blind.metrics import CaseOutcome, all_named, kind_recognised, nothing_asserted, right_part_named
+from labsid.blind.placed_effects import names_effect, names_effect_and_signal
 from labsid.blind.several import names_only_true
 
 
@@ -21,6 +22,10 @@ _RULES: dict[str, Callable[[CaseOutcome], bool]] = {
     "faint": is_silent_or_right,
     "joints": names_the_cause,
     "several": names_only_true,
+    "signals": names_effect_and_signal,
+    "signals-hard": names_effect_and_signal,
+    "signals-none": names_effect,
+    "loop": names_effect,
 }
 
 

@@ -22,7 +22,10 @@ from labsid.blind.draws import (
 from labsid.blind.experiment import Case, OrdinaryCase, input_signal, redraw, run_experiment, to_record
 from labsid.blind.honest import draw_honest
 from labsid.blind.joints import draw_joint
+from labsid.blind.loops import draw_loop
 from labsid.blind.output_error import discrete_poles, fit_linear
+from labsid.blind.placed_effects import SIGNAL_ROWS
+from labsid.blind.signals import draw_signals_clear, draw_signals_hard, draw_signals_none
 from labsid.blind.strength import (
     CLEAR_RATIOS,
     FAINT_RATIOS,
@@ -387,8 +390,17 @@ ROWS: dict[str, Draw] = {
     "faint": draw_faint,
     "joints": draw_joint,
     "several": draw_several,
+    "signals": draw_signals_clear,
+    "signals-hard": draw_signals_hard,
+    "signals-none": draw_signals_none,
+    "loop": draw_loop,
 }
 """The order determines the seeds: a new row comes last."""
+
+ON_REQUEST: tuple[str, ...] = SIGNAL_ROWS
+"""Rows that are made only if they are named, until the diagnosis reads several signals and references."""
+
+DEFAULT_ROWS = tuple(row for row in ROWS if row not in ON_REQUEST)
 
 NOT_REACHED = "end stops, not reached"
 

@@ -27,6 +27,7 @@ from labsid.blind.metrics import (
     stated_verdict,
     within_answer_set,
 )
+from labsid.blind.placed_effects import SIGNAL_ROWS, signal_metrics
 from labsid.blind.several import several_metrics
 
 ALONE = "run-alone"
@@ -59,7 +60,7 @@ def score_cases(
     pair, none, unknown = (rows.get(name, empty) for name in ("pair", "none", "unknown"))
     together, alone = ([all_named(case) for case in rows.get(name, empty)] for name in ("runs", ALONE))
     honest, faint = rows.get("honest", empty), rows.get("faint", empty)
-    rigs = [case for case in cases if case.label["row"] not in ("honest", "faint")]
+    rigs = [case for case in cases if case.label["row"] not in ("honest", "faint", *SIGNAL_ROWS)]
     bins = calibration_bins(rigs)
     metrics = [
         rate("right effect named, one effect, clear", map(all_named, clear), 0.98, 0.995),
@@ -99,6 +100,7 @@ def score_cases(
         *honest_metrics(honest, faint),
         *joint_metrics(rows.get("joints", empty)),
         *several_metrics(rows.get("several", empty), rows.get("partial", empty)),
+        *signal_metrics(*(rows.get(name, empty) for name in SIGNAL_ROWS)),
         Metric("time per record and core", seconds, len(cases), required=5.0, target=2.0, below=True, unit="s"),
     ]
     return Scores(tuple(metrics), confusion(cases), bins, count_kinds(honest))

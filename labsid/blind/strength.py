@@ -1,5 +1,6 @@
 """Strength of an effect at which the error of the best linear model is a given multiple of the noise."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -93,21 +94,52 @@ def scale_to_ratio(
         The rig with the effect, and the standard deviation of the noise in rig units; None if the effect cannot
         reach the ratio on this rig and input.
     """
-    spread = output_spread(experiment)
+
+    def gap_at(s: float, thorough: bool) -> float:
+        return linear_model_gap(experiment, apply(experiment.plain, s), thorough=thorough)
+
+    found = find_strength(gap_at, output_spread(experiment), ratio, sigma_share, rng)
+    return None if found is None else (apply(experiment.plain, found[0]), found[1])
+
+
+def find_strength(
+    gap_at: Callable[[float, bool], float],
+    spread: float,
+    ratio: float,
+    sigma_share: tuple[float, float],
+    rng: np.random.Generator,
+) -> tuple[float, float] | None:
+    """Strength of an effect, and noise, for which the gap is `ratio` times the noise.
+
+    Parameters
+    ----------
+    gap_at : callable
+        ``gap_at(strength, thorough)``, the error of the best linear model; infinite where the output diverges.
+    spread : float
+        Standard deviation of the output without effects.
+    ratio : float
+    sigma_share : tuple of float
+        Smallest and largest noise over `spread`.
+    rng : Generator
+
+    Returns
+    -------
+    tuple of float, or None
+        Strength and standard deviation of the noise; None if the effect cannot reach the ratio.
+    """
     low, high = sigma_share
-    strongest = linear_model_gap(experiment, apply(experiment.plain, 1.0), thorough=False) / (ratio * spread)
+    strongest = gap_at(1.0, False) / (ratio * spread)
     if strongest < low:
         return None
     wanted = ratio * spread * float(np.exp(rng.uniform(np.log(low), np.log(min(high, strongest)))))
     bracket, size = [0.0, 1.0], strongest * ratio * spread
     if size <= 1.15 * wanted:
-        return _checked(experiment, apply(experiment.plain, 1.0), ratio, sigma_share, spread)
+        return _checked(gap_at, 1.0, ratio, sigma_share, spread)
     s = float(np.clip(wanted / size, 0.02, 0.95))
     for _ in range(10):
-        setup = apply(experiment.plain, s)
-        size = linear_model_gap(experiment, setup, thorough=False)
+        size = gap_at(s, False)
         if abs(size / wanted - 1) < 0.2:
-            return _checked(experiment, setup, ratio, sigma_share, spread)
+            return _checked(gap_at, s, ratio, sigma_share, spread)
         if size < wanted:
             bracket[0] = s
         else:
@@ -119,11 +151,11 @@ def scale_to_ratio(
 
 
 def _checked(
-    experiment: Experiment, setup: Setup, ratio: float, sigma_share: tuple[float, float], spread: float
-) -> tuple[Setup, float] | None:
+    gap_at: Callable[[float, bool], float], s: float, ratio: float, sigma_share: tuple[float, float], spread: float
+) -> tuple[float, float] | None:
     """Noise for the exact ratio by a thorough fit; None if it is outside `sigma_share`."""
-    sigma = linear_model_gap(experiment, setup) / ratio
-    return (setup, sigma) if 0.9 * sigma_share[0] <= sigma / spread <= 1.1 * sigma_share[1] else None
+    sigma = gap_at(s, True) / ratio
+    return (s, sigma) if 0.9 * sigma_share[0] <= sigma / spread <= 1.1 * sigma_share[1] else None
 
 
 def with_noise(experiment: Experiment, setup: Setup, noise: Noise) -> Experiment:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from labsid.blind.experiment import Case, OrdinaryCase
-from labsid.blind.rows import ROWS
+from labsid.blind.rows import DEFAULT_ROWS, ROWS
 from labsid.records.record import Record
 from labsid.rig.switchable.simulation import UnboundedOutputError
 
@@ -31,7 +31,7 @@ def make_cases(
     per_row : int, optional
         Cases in each row; by default 80 in `dev` and 220 in `final`.
     rows : sequence of str, optional
-        Rows to make; by default all.
+        Rows to make; by default all but those of `labsid.blind.rows.ON_REQUEST`.
     jobs : int
         Number of parallel processes.
 
@@ -53,7 +53,7 @@ def make_cases(
         raise ValueError(f"rows must be of {', '.join(ROWS)}; got {unknown[0]!r}. Name some of these.")
     entropy = _DEV if suite == "dev" else diagnosis_hash()
     count = PER_ROW[suite] if per_row is None else per_row
-    wanted = [(entropy, row, i) for row in ROWS if rows is None or row in rows for i in range(count)]
+    wanted = [(entropy, row, i) for row in ROWS if row in (rows or DEFAULT_ROWS) for i in range(count)]
     if jobs == 1:
         yield from map(_made, wanted)
         return

@@ -11,10 +11,12 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from labsid.blind.experiment import Case, OrdinaryCase
 from labsid.blind.honest import count_kinds, found_numbers, has_right_numbers, honest_metrics
 from labsid.blind.metrics import CaseOutcome
+from labsid.blind.placed_effects import SIGNAL_ROWS
 from labsid.blind.right_answers import is_right
 from labsid.blind.rows import ROWS
 from labsid.blind.runner import diagnose_words, run_batch
@@ -34,15 +36,23 @@ def answer_text(case: CaseOutcome) -> str:
         return "no result within the time"
     if case.result["verdict"] == "error":
         return f"error: {case.result.get('message', '')}"
-    named = [f"{one['name']} {one['probability']:.2f}" for one in case.result["effects"]]
-    rest = [f"or {', '.join(case.result['ambiguous'])}"] if case.result.get("ambiguous") else []
+    named = [f"{_placed(one)} {one['probability']:.2f}" for one in case.result["effects"]]
+    rest = [f"or {', '.join(map(_placed, case.result['ambiguous']))}"] if case.result.get("ambiguous") else []
     return " ".join([case.result["verdict"], *named, *rest])
 
 
-def true_text(label: dict[str, object]) -> str:
+def _placed(one: str | dict[str, Any]) -> str:
+    """Name of a stated or true effect, with its signal if it has one."""
+    if isinstance(one, str):
+        return one
+    return f"{one['name']} at {one['signal']}" if one.get("signal") else str(one["name"])
+
+
+def true_text(label: dict[str, Any]) -> str:
     """The right answers of a label."""
+    if label.get("row") in SIGNAL_ROWS:
+        return "+".join(map(_placed, label["truth"]["effects"])) or "none"
     answers = label.get("answers") or [label["labels"]]
-    assert isinstance(answers, list)
     return " | ".join("+".join(answer) or "none" for answer in answers)
 
 

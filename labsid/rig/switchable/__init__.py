@@ -2,7 +2,7 @@
 
 `setup` describes a rig. `plants` draws rigs and `inputs` draws input signals. `effects`, `variants` and `unlisted` add
 an unmodelled effect: one of GAP.md's table, another form of one, or one outside it. `simulation` runs a rig and
-`truth` states its true parameters. `joints` has the joints of robots, with an integration of
-their own. `withheld` makes the individual rigs of ``sim-to-real-gap``, each with one of the
-`withheld_effects`.
+`truth` states its true parameters. `joints` has the joints of robots, with an integration of their own, and `coupled`
+the rigs of several signals and those in a closed loop. `withheld` makes the individual rigs of ``sim-to-real-gap``,
+each with one of the `withheld_effects`.
 """

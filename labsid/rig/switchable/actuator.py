@@ -21,7 +21,29 @@ def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, Floa
     tuple of ndarray, each of shape (N * STEPS,)
         Output at the beginning and at the end of each integration step; it is linear in between.
     """
-    command = _delayed(actuator, _skip_failures(actuator, v))
+    command = _delayed(actuator, acting_command(actuator, _skip_failures(actuator, v)))
+    begin, end, _ = moved_actuator(actuator, command)
+    return _gain(actuator, begin), _gain(actuator, end)
+
+
+def moved_actuator(
+    actuator: Actuator, command: FloatArray, last: tuple[float, float] | None = None
+) -> tuple[FloatArray, FloatArray, tuple[float, float]]:
+    """Output of the actuator for a command that has passed the delay, without changes of the gain.
+
+    Parameters
+    ----------
+    actuator : Actuator
+    command : ndarray, shape (steps,)
+        One value per integration step.
+    last : tuple of float, optional
+        Where the backlash and the rate limit stood before; by default they follow the first value of the command.
+
+    Returns
+    -------
+    tuple of ndarray, ndarray and tuple of float
+        Output at the beginning and at the end of each step, and `last` for what follows.
+    """
     shaped = _dead_band(command, actuator.dead_low, actuator.dead_high, actuator.rounding)
     if actuator.dead_jump:
         shaped = shaped + _jump(command, actuator)
@@ -29,14 +51,14 @@ def actuator_output(actuator: Actuator, v: FloatArray) -> tuple[FloatArray, Floa
     if actuator.stick_band > 0:
         shaped = _sticking(shaped, actuator.stick_band)
     if actuator.backlash > 0:
-        shaped = _backlash_output(shaped, 0.5 * actuator.backlash)
+        shaped = backlash_output(shaped, 0.5 * actuator.backlash, shaped[0] if last is None else last[0])
+    played = float(shaped[-1])
     if actuator.relays:
         shaped = shaped + sum(_relay(shaped, *relay) for relay in actuator.relays)
+    begin, end = shaped, shaped
     if np.isfinite(actuator.slew):
-        begin, end = _slew(shaped, actuator.slew / STEPS_PER_SAMPLE)
-    else:
-        begin, end = shaped, shaped
-    return _gain(actuator, _curve(actuator, begin)), _gain(actuator, _curve(actuator, end))
+        begin, end = _slew(shaped, actuator.slew / STEPS_PER_SAMPLE, shaped[0] if last is None else last[1])
+    return _curve(actuator, begin), _curve(actuator, end), (played, float(end[-1]))
 
 
 def limited(v: FloatArray, low: float, high: float, rounding: float) -> FloatArray:
@@ -88,6 +110,28 @@ def _skip_failures(actuator: Actuator, v: FloatArray) -> FloatArray:
     return v
 
 
+def acting_command(actuator: Actuator, v: FloatArray, first: int = 0) -> FloatArray:
+    """The command in the steps in which it acts, or the level that replaces it while the actuator is off.
+
+    Parameters
+    ----------
+    actuator : Actuator
+    v : ndarray, shape (N,)
+    first : int
+        Index of its first sample in the record.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    if actuator.step:
+        v = actuator.step * np.rint(v / actuator.step)
+    if np.isfinite(actuator.off_start):
+        k = first + np.arange(v.size)
+        v = np.where((k >= actuator.off_start) & (k < actuator.off_stop), actuator.off_level, v)
+    return v
+
+
 def _delayed(actuator: Actuator, v: FloatArray) -> FloatArray:
     """The delayed command, held over each sample; before the record it equals its first value."""
     steps = np.arange(v.size * STEPS_PER_SAMPLE)
@@ -136,9 +180,9 @@ def _sticking(v: FloatArray, band: float) -> FloatArray:
 
 
 @compiled()
-def _backlash_output(v: FloatArray, half: float) -> FloatArray:
+def backlash_output(v: FloatArray, half: float, z: float) -> FloatArray:
+    """Signal after backlash of half width `half`, from its last value `z`."""
     out = np.empty_like(v)
-    z = v[0]
     for j in range(v.size):
         z = min(max(z, v[j] - half), v[j] + half)
         out[j] = z
@@ -160,9 +204,8 @@ def _relay(v: FloatArray, low: float, high: float, height: float) -> FloatArray:
 
 
 @compiled()
-def _slew(v: FloatArray, most: float) -> tuple[FloatArray, FloatArray]:
+def _slew(v: FloatArray, most: float, z: float) -> tuple[FloatArray, FloatArray]:
     begin, end = np.empty_like(v), np.empty_like(v)
-    z = v[0]
     for j in range(v.size):
         begin[j] = z
         z += min(max(v[j] - z, -most), most)

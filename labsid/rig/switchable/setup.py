@@ -61,6 +61,10 @@ class Actuator:
         True zero of the input, about which a gain change acts.
     gain_change, gain_profile : float, Course
         Relative change of the gain along the record.
+    step : float
+        Step in which the command acts.
+    off_start, off_stop, off_level : float
+        Interval in samples in which the command does not act, and the level that acts instead.
     """
 
     delay: float = 0.0
@@ -85,6 +89,10 @@ class Actuator:
     zero: float = 0.0
     gain_change: float = 0.0
     gain_profile: Profile = STRAIGHT
+    step: float = 0.0
+    off_start: float = inf
+    off_stop: float = inf
+    off_level: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

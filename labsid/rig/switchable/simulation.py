@@ -87,8 +87,8 @@ def simulate_setup(setup: Setup, v: FloatArray, noise: Noise, start: tuple[float
     v = as_signal("v", v)
     shown = plant_output(setup, v, start)
     dropouts = dropout_intervals(setup.sensor, v.size)
-    clean = _logged(setup.sensor, shown, np.zeros(v.size), dropouts)
-    y = _logged(setup.sensor, shown, noise_samples(noise, v.size), dropouts)
+    clean = logged_output(setup.sensor, shown, np.zeros(v.size), dropouts)
+    y = logged_output(setup.sensor, shown, noise_samples(noise, v.size), dropouts)
     return SimulatedRun(v=v, clean=clean, y=y, dropouts=dropouts)
 
 
@@ -124,7 +124,7 @@ def plant_output(setup: Setup, v: FloatArray, start: tuple[float, float] = (0.0,
     x0[:2] = start
     x0[2] = x0[4] = x0[6] = begin[0]
     x0[3] = x0[0 if setup.motion.kind == MASS else 1]
-    load, rate, leak = _loads(setup.load, v.size)
+    load, rate, leak = load_signals(setup.load, v.size)
     y = move(setup.motion, x0, begin, end, load, rate, leak, STEPS_PER_SAMPLE)
     if not np.all(np.abs(y) < 1e6):
         raise UnboundedOutputError(
@@ -210,7 +210,19 @@ def _ar1(rng: np.random.Generator, samples: int, pole: float) -> FloatArray:
     return np.asarray(y)
 
 
-def _loads(load: Load, samples: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def load_signals(load: Load, samples: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Signals of a load at every integration step.
+
+    Parameters
+    ----------
+    load : Load
+    samples : int
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (N * STEPS,)
+        Additive load, factor of the slower pole, and load per unit of level or speed.
+    """
     steps = samples * STEPS_PER_SAMPLE
     k = np.arange(steps) / STEPS_PER_SAMPLE
     on = np.zeros(steps)
@@ -223,7 +235,24 @@ def _loads(load: Load, samples: int) -> tuple[FloatArray, FloatArray, FloatArray
     return force, rate, load.leak * on
 
 
-def _logged(sensor: Sensor, shown: FloatArray, noise: FloatArray, dropouts: tuple[tuple[int, int], ...]) -> FloatArray:
+def logged_output(
+    sensor: Sensor, shown: FloatArray, noise: FloatArray, dropouts: tuple[tuple[int, int], ...]
+) -> FloatArray:
+    """Logged values of a plant output: sensor, noise, converter and logger.
+
+    Parameters
+    ----------
+    sensor : Sensor
+    shown : ndarray, shape (N,)
+        Plant output at the sampling instants.
+    noise : ndarray, shape (N,)
+    dropouts : tuple of (int, int)
+        From `dropout_intervals`.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
     y = shown
     if sensor.c2 or sensor.c3:
         y = y + sensor.c2 * y**2 + sensor.c3 * y**3

@@ -48,6 +48,11 @@ def true_parameters(name: str, setup: Setup, scales: Scales, samples: int) -> di
             return {"rate": a.slew * abs(us) / Ts}
         case "input-nonlinearity":
             return {"c2": a.c2 / us, "c3": a.c3 / us**2}
+        case "input-quantization":
+            return {"step": a.step * abs(us)}
+        case "input-off":
+            end = a.off_stop * Ts if np.isfinite(a.off_stop) else None
+            return {"onset": a.off_start * Ts, "end": end, "level": u0 + us * a.off_level}
         case "extra-lag":
             return {"tau": max(m.actuator_lag, m.sensor_lag) * Ts}
         case "resonance":

@@ -9,7 +9,7 @@ import pytest
 from labsid.blind import frozen
 from labsid.blind.experiment import Case
 from labsid.blind.frozen import MEASURED, RECORDS, Answers, answer_of, compare_answers, main, simulated_answers
-from labsid.blind.rows import ROWS
+from labsid.blind.rows import DEFAULT_ROWS
 
 KEPT: Answers = {
     "single-clear": {
@@ -95,7 +95,7 @@ def test_answers_are_kept_and_found_again(
 
 def test_the_answers_of_this_version_are_kept_beside_this_test() -> None:
     kept = json.loads(Path(__file__).with_name("answers.json").read_text(encoding="utf-8"))
-    assert set(kept) - {MEASURED} == set(ROWS)
+    assert set(kept) - {MEASURED} == set(DEFAULT_ROWS)
     assert all(len(row["answers"]) == RECORDS.get(name, 12) for name, row in kept.items() if name != MEASURED)
     first = simulated_answers("single-clear", 1, 1)["answers"]["0"]
     assert first["right"]

@@ -13,7 +13,7 @@ from labsid.blind import suite as suite_module
 from labsid.blind.closure import closed_share, held_out_samples, pooled_closure, refit_true_structure
 from labsid.blind.experiment import Case, input_signal, redraw, run_experiment, to_record
 from labsid.blind.output_error import discrete_poles, fit_linear
-from labsid.blind.rows import EFFECTS_BESIDE_UNLISTED, ROWS, TIME_INVARIANT_EFFECTS
+from labsid.blind.rows import DEFAULT_ROWS, EFFECTS_BESIDE_UNLISTED, ROWS, TIME_INVARIANT_EFFECTS
 from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS, linear_model_gap
 from labsid.blind.suite import label_dict, make_cases, write_case, write_suite
 from labsid.records.record import load_record
@@ -305,7 +305,16 @@ def test_held_out_blocks_are_read_from_the_result(some: list[Case]) -> None:
 
 def test_rows_are_those_of_the_bars() -> None:
     old = ["single-clear", "single-hard", "short", "pair", "none", "unknown", "with-sim", "partial"]
-    assert list(ROWS) == [*old, "families", "variants", "runs", "honest", "faint", "joints", "several"]
+    default = [*old, "families", "variants", "runs", "honest", "faint", "joints", "several"]
+    assert list(ROWS) == [*default, "signals", "signals-hard", "signals-none", "loop"]
+    assert list(DEFAULT_ROWS) == default
+
+
+def test_rows_on_request_are_made_if_they_are_named(monkeypatch) -> None:
+    drawn = {row: lambda rng, i, name, row=row: SimpleNamespace(row=row) for row in ROWS}
+    monkeypatch.setattr(suite_module, "ROWS", drawn)
+    assert [case.row for case in make_cases("dev", 1)] == list(DEFAULT_ROWS)
+    assert [case.row for case in make_cases("dev", 1, ["loop", "signals"])] == ["signals", "loop"]
 
 
 def test_the_runs_of_a_rig_have_its_effect_with_other_inputs_and_noise(some: list[Case], tmp_path) -> None:
