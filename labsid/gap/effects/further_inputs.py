@@ -4,13 +4,17 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import section
-from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.effects.base import AdditiveEffect, InputEffect
 
+LAST = 99  # position in the actuator's chain
+MOST_GAIN = 50.0  # of a further input over that of the first one, scaled
+SLOWEST_WAY = 0.998  # zero or pole, in z, of the way of a further input to the dynamics of the first one
 REACH = 5.0  # of the logarithm of a rate from its start value
 
 
@@ -73,10 +77,7 @@ class FurtherInput(AdditiveEffect):
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """The response, shape (samples, width); past its end the signal holds its last value."""
-        signal = self.signal[:samples]
-        if signal.size < samples:
-            signal = np.append(signal, np.full(samples - signal.size, signal[-1]))
-        w = np.asarray(signal - self.reference, np.float64)
+        w = np.asarray(_extended(self.signal, samples) - self.reference, np.float64)
         if not self.shared:
             c, k = np.multiply(self.rates, np.exp(own))
             return section(float(c), float(k), w)
@@ -87,10 +88,62 @@ class FurtherInput(AdditiveEffect):
         return beside([section(c, k, w)[:, :2].copy() for c, k in pairs])
 
 
+@dataclass(frozen=True, slots=True)
+class SameEntry(InputEffect):
+    """A further input that acts on the same dynamics as the first one, as two flows into one tank.
+
+    The dynamics see the sum of both; a lead lets it act behind their first state, a lag has it arrive later.
+
+    Attributes
+    ----------
+    name : str
+    variant : str
+        Name of the input.
+    reference : float
+        Operating point: the first sample of the input of the fitted record.
+    signal : ndarray, shape (N,)
+        The input after its actuator, scaled.
+    """
+
+    name: ClassVar[str] = "same-entry"
+    position: ClassVar[int] = LAST
+    reference: float = 0.0
+    signal: FloatArray = field(default_factory=lambda: np.zeros(1), compare=False, repr=False)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Gain over that of the first input, the zero and the pole of the way to it, and samples by which it is ahead."""
+        return (
+            Parameter(f"gain {self.variant}", -MOST_GAIN, MOST_GAIN),
+            Parameter(f"lead {self.variant}", 0.0, SLOWEST_WAY, 1e-3),
+            Parameter(f"lag {self.variant}", 0.0, SLOWEST_WAY, 1e-3),
+            Parameter(f"ahead {self.variant}", 0.0, 1.0, 1e-2),
+        )
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """Add the input."""
+        gain, lead, lag, ahead = own
+        signal = _extended(self.signal, w.size) - self.reference
+        if ahead:
+            signal = (1.0 - ahead) * signal + ahead * np.append(signal[1:], signal[-1])
+        if lead:
+            signal = (signal - lead * np.append(0.0, signal[:-1])) / (1.0 - lead)
+        if lag:
+            signal = lfilter([1.0 - lag], [1.0, -lag], signal)
+        return np.asarray(w + gain * signal)
+
+
+def _extended(signal: FloatArray, samples: int) -> FloatArray:
+    """The first samples of a signal; past its end it holds its last value."""
+    if signal.size >= samples:
+        return signal[:samples]
+    return np.append(signal, np.full(samples - signal.size, signal[-1]))
+
+
 def with_signals(hypothesis: Any, signals: dict[str, FloatArray]) -> Any:
     """A hypothesis whose further inputs have other scaled signals, by their names."""
     changed = tuple(
-        replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput) else effect
+        replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput | SameEntry) else effect
         for effect in hypothesis.effects
     )
     return hypothesis.with_effects(changed)

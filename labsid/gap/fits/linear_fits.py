@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
 from labsid.gap.effects.dynamics import DirectFeedthrough
-from labsid.gap.effects.further_inputs import FurtherInput
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -110,7 +110,7 @@ def fit_highpass(data: Data, base: Fit) -> Fit:
 
 def linear_structure_of(fit: Fit) -> Hypothesis:
     """Second order, with the direct feedthrough, the further inputs, and what belongs to each of several records."""
-    kept = Restarts | DirectFeedthrough | FurtherInput
+    kept = Restarts | DirectFeedthrough | FurtherInput | SameEntry
     own = tuple(effect for effect in fit.hypothesis.effects if isinstance(effect, kept))
     return Hypothesis(own, len(own))
 

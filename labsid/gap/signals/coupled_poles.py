@@ -22,8 +22,8 @@ def may_be_coupled(signals: Signals, parts: Sequence[LinearParts]) -> bool:
     return len(signals.outputs) > 1 and all(own.moves.sum() > 1 for own in parts)
 
 
-def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -> list[FloatArray] | None:
-    """Parameters of four poles by output, that its responses to all inputs have in common; None without a fit.
+def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -> list[FloatArray]:
+    """Parameters of four poles by output, that its responses to all inputs have in common; empty without a fit.
 
     Parameters
     ----------
@@ -35,16 +35,16 @@ def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -
 
     Returns
     -------
-    list of ndarray or None
+    list of ndarray
         As of the linear structure of fourth order.
     """
     starts = []
     for j, own in enumerate(parts):
         apart = make_role(signals, j, own.strongest, own, order)
         plain = fit_baseline(apart.data, apart.base.structure)
-        fit = _fitted(make_role(signals, j, own.strongest, own, order, np.zeros(0)), plain)
+        fit = _fitted(make_role(signals, j, own.strongest, own, order, "coupled"), plain)
         if fit is None:
-            return None
+            return []
         starts.append(fit.theta)
     return starts
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import real_rates
-from labsid.gap.effects.further_inputs import FurtherInput
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
@@ -145,8 +145,8 @@ def _together(pairs: list[Data], order: list[int], rates: list[tuple[float, floa
 
 
 def further_inputs(
-    parts: LinearParts, main: int, signals: FloatArray, names: tuple[str, ...], shared: bool = False
-) -> list[FurtherInput]:
+    parts: LinearParts, main: int, signals: FloatArray, names: tuple[str, ...], kind: str = "apart"
+) -> list[FurtherInput | SameEntry]:
     """The responses to all inputs that move the output but the main one.
 
     Parameters
@@ -156,11 +156,16 @@ def further_inputs(
     signals : ndarray, shape (N, nu)
         Scaled inputs after their actuators.
     names : tuple of str
-    shared : bool
-        Whether they have the poles of the response to the main input.
+    kind : {"apart", "coupled", "same entry"}
+        With poles of their own, with those of the response to the main input, or with all its dynamics but the gain.
     """
-    return [
-        FurtherInput(names[i], parts.rates[i], float(signals[0, i]), shared, np.ascontiguousarray(signals[:, i]))
-        for i in np.flatnonzero(parts.moves)
-        if i != main
-    ]
+    found: list[FurtherInput | SameEntry] = []
+    for i in np.flatnonzero(parts.moves):
+        signal, first = np.ascontiguousarray(signals[:, i]), float(signals[0, i])
+        if i == main:
+            continue
+        if kind == "same entry":
+            found.append(SameEntry(names[i], first, signal))
+        else:
+            found.append(FurtherInput(names[i], parts.rates[i], first, kind == "coupled", signal))
+    return found

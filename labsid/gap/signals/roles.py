@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.further_inputs import FurtherInput
+from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale, scaled
 from labsid.gap.signals.linear_parts import LinearParts, further_inputs
@@ -87,7 +88,7 @@ class Role:
     @property
     def further(self) -> tuple[str, ...]:
         """Names of the other inputs that move the output."""
-        return tuple(one.variant for one in self.base.structure.effects if isinstance(one, FurtherInput))
+        return tuple(one.variant for one in self.base.structure.effects if isinstance(one, FurtherInput | SameEntry))
 
 
 def make_role(
@@ -96,7 +97,8 @@ def make_role(
     main: int,
     parts: LinearParts,
     order: int,
-    coupled: FloatArray | None = None,
+    kind: str = "apart",
+    start: FloatArray | None = None,
     applied: Mapping[int, FloatArray] | None = None,
 ) -> Role:
     """See an output through one input.
@@ -109,8 +111,10 @@ def make_role(
         Of the output.
     order : int
         Of the linear model.
-    coupled : ndarray, optional
-        Parameters of the poles that the outputs share, as of `coupled_poles`.
+    kind : {"apart", "coupled", "same entry"}
+        As of `further_inputs`.
+    start : ndarray, optional
+        Parameters of the structure.
     applied : mapping of int to ndarray, optional
         Scaled inputs after the actuator effects that were found at them, of other inputs than `main`.
     """
@@ -118,14 +122,30 @@ def make_role(
     inputs = signals.scaled_inputs()
     for i, w in (applied or {}).items():
         inputs[:, i] = w
-    further = further_inputs(parts, main, inputs, signals.inputs, coupled is not None)
-    base = make_baseline(data, signals.t, None, order if coupled is None else COUPLED_ORDER)
-    if coupled is not None:
-        base = replace(base, structure=linear_structure(COUPLED_ORDER), alternative=None, start=coupled)
+    further = further_inputs(parts, main, inputs, signals.inputs, kind)
+    base = make_baseline(data, signals.t, None, order)
+    if kind == "coupled":
+        base = replace(base, structure=linear_structure(COUPLED_ORDER), alternative=None, start=start)
+    elif kind == "same entry":
+        base = replace(base, alternative=None)
     alternative = None if base.alternative is None else _beside(base.alternative, further)
-    return Role(output, main, data, replace(base, structure=_beside(base.structure, further), alternative=alternative))
+    structure = _beside(base.structure, further)
+    if kind == "same entry":
+        base = replace(base, start=_behind_first_state(structure, parts.rates[main]))
+    return Role(output, main, data, replace(base, structure=structure, alternative=alternative))
 
 
-def _beside(structure: Hypothesis, further: Sequence[FurtherInput]) -> Hypothesis:
+def _behind_first_state(structure: Hypothesis, rates: tuple[float, float]) -> FloatArray:
+    """Start values with which further inputs act behind the faster pole of the first one."""
+    slow, fast = real_rates(*rates)
+    guess = {"log_c": np.log(slow + fast), "log_k": np.log(slow * fast)}
+    theta = [
+        float(np.exp(-fast)) if p.name.startswith("lead ") else 0.3 if p.name.startswith("gain ") else guess.get(p.name, 0.0)
+        for p in structure.parameters
+    ]
+    return np.clip(np.array(theta), *structure.bounds)
+
+
+def _beside(structure: Hypothesis, further: Sequence[FurtherInput | SameEntry]) -> Hypothesis:
     """A structure with the responses to further inputs."""
     return Hypothesis((*further, *structure.effects), structure.n_given + len(further), structure.given)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from labsid.gap.signals.linear_parts import LinearParts, linear_parts
 from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.simulations.structure_choice import explain_record
 
+_OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
 DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
 
 
@@ -104,12 +106,13 @@ class _Search:
     output: int
     order: int
     progress: Progress | None
-    coupled: FloatArray | None = None
+    kind: str = "apart"
+    start: FloatArray | None = None
 
     def role(self, main: int, others: Sequence[AtInput] = ()) -> Role:
         inputs = self.signals.scaled_inputs()
         applied = {one.role.main: one.applied(inputs[:, one.role.main]) for one in others}
-        return make_role(self.signals, self.output, main, self.parts, self.order, self.coupled, applied)
+        return make_role(self.signals, self.output, main, self.parts, self.order, self.kind, self.start, applied)
 
     def through(self, main: int, others: Sequence[AtInput], most: int) -> Through:
         """The output explained through an input; the first fit of its path has no effects, at other inputs neither.
@@ -150,30 +153,52 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     """
     nu, ny = len(signals.inputs), len(signals.outputs)
     parts = [linear_parts([signals.data(i, j) for i in range(nu)]) for j in range(ny)]
-    if not may_be_coupled(signals, parts):
-        return _explained(signals, parts, order, progress)
-    apart = _base_fits(signals, parts, order, [None] * ny)
-    if all(residual_is_white(data, fit) for data, fit in apart):
-        return _explained(signals, parts, order, progress)
+    apart = [_kind_of(signals, j, own, order) for j, own in enumerate(parts)]
+    fits = _base_fits(signals, parts, order, apart)
+    if not may_be_coupled(signals, parts) or all(residual_is_white(data, fit) for data, fit in fits):
+        return _explained(signals, parts, order, progress, apart)
     starts = coupled_starts(signals, parts, order)
-    if starts is not None:
-        together = _base_fits(signals, parts, order, starts)
-        if _total(together) < _total(apart) - BIC_MARGIN and have_poles_in_common(together):
-            return _explained(signals, parts, order, progress, starts)
-    found = _explained(signals, parts, order, progress)
-    if starts is None or all(one.through[-1].white for one in found):
+    coupled = [_Kind("coupled", start) for start in starts]
+    if starts:
+        together = _base_fits(signals, parts, order, coupled)
+        if _total(together) < _total(fits) - BIC_MARGIN and have_poles_in_common(together):
+            return _explained(signals, parts, order, progress, coupled)
+    found = _explained(signals, parts, order, progress, apart)
+    if not starts or all(one.through[-1].white for one in found):
         return found
-    other = _explained(signals, parts, order, progress, starts)
+    other = _explained(signals, parts, order, progress, coupled)
     fits = [(one.through[-1].explanation.data, one.through[-1].explanation.best) for one in other]
     better = sum(one.through[-1].score for one in other) < sum(one.through[-1].score for one in found) - BIC_MARGIN
     return other if better and have_poles_in_common(fits) else found
 
 
+class _Kind(NamedTuple):
+    """How the responses to further inputs are made, and parameters to start from."""
+
+    name: str
+    start: FloatArray | None = None
+
+
+def _kind_of(signals: Signals, j: int, parts: LinearParts, order: int) -> _Kind:
+    """Whether all inputs of an output act at the same place, or each has dynamics of its own."""
+    if parts.moves.sum() < 2:
+        return _Kind("apart")
+    kinds = [_Kind("apart"), _Kind("same entry")]
+    bics = []
+    for kind in kinds:
+        ((data, fit),) = _base_fits(signals, [parts], order, [kind], j)
+        bics.append(free_run_bic(data, fit))
+    return kinds[int(np.argmin(bics))]
+
+
 def _base_fits(
-    signals: Signals, parts: Sequence[LinearParts], order: int, starts: Sequence[FloatArray | None]
+    signals: Signals, parts: Sequence[LinearParts], order: int, kinds: Sequence[_Kind], first: int = 0
 ) -> list[tuple[Data, Fit]]:
-    """The linear fit of every output through its strongest input."""
-    roles = [make_role(signals, j, own.strongest, own, order, starts[j]) for j, own in enumerate(parts)]
+    """The linear fit of every output, from the `first` one on, through its strongest input."""
+    roles = [
+        make_role(signals, j, own.strongest, own, order, kind.name, kind.start)
+        for j, (own, kind) in enumerate(zip(parts, kinds, strict=True), first)
+    ]
     return [(role.data, fit_baseline(role.data, role.base.structure, role.base.start)) for role in roles]
 
 
@@ -193,19 +218,23 @@ def _explained(
     parts: Sequence[LinearParts],
     order: int,
     progress: Progress | None,
-    starts: Sequence[FloatArray | None] | None = None,
+    kinds: Sequence[_Kind],
 ) -> list[ExplainedOutput]:
-    """Explain every output, those with the largest gap first; with poles that the outputs share from `starts`."""
+    """Explain every output, those with the largest gap first."""
     ny = len(parts)
-    starts = starts or [None] * ny
     searches = [
-        _Search(signals, own, j, order, _of_output(progress, j, ny), starts[j]) for j, own in enumerate(parts)
+        _Search(signals, own, j, order, _of_output(progress, j, ny), *kind)
+        for j, (own, kind) in enumerate(zip(parts, kinds, strict=True))
     ]
-    gaps = {j: _gap(fit) for j, (_, fit) in enumerate(_base_fits(signals, parts, order, starts))}
+    gaps = {j: _gap(fit) for j, (_, fit) in enumerate(_base_fits(signals, parts, order, kinds))}
     found: dict[int, ExplainedOutput] = {}
     known: list[AtInput] = []
     for one in sorted(searches, key=lambda one: -gaps[one.output]):
         explained = _explain_output(one, known)
+        other = _OTHER_KIND.get(one.kind)
+        if other and not explained.through[-1].white and one.parts.moves.sum() > 1:
+            again = _explain_output(replace(one, kind=other), known)
+            explained = min(explained, again, key=lambda result: result.through[-1].score)
         found[one.output] = explained
         at_inputs = (through.found for through in explained.through)
         known += [at for at in at_inputs if at is not None and not _has(known, at)]

@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.effects.further_inputs import FurtherInput
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
 from labsid.gap.record.data import Data
@@ -130,7 +130,7 @@ class _Setting:
     @property
     def one_input(self) -> bool:
         """Whether the output has one input, whose levels then tell whether it repeats."""
-        return not any(isinstance(effect, FurtherInput) for effect in self.base.structure.effects)
+        return not any(isinstance(effect, FurtherInput | SameEntry) for effect in self.base.structure.effects)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -141,7 +141,8 @@ def fit_arx_poles(data: Data, like: Fit | None = None) -> Fit:
 def _theta(structure: Hypothesis, c: float, k: float) -> FloatArray:
     """Parameters of a linear structure without delay, further inputs at the start values of their rates."""
     theta = np.zeros(len(structure.parameters))
-    theta[1:3] = np.log(c), np.log(k)
+    first = structure.slices["plant"].start
+    theta[first : first + 2] = np.log(c), np.log(k)
     return np.clip(theta, *structure.bounds)
 
 
