@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from labsid.cli.options import RecordPath, RecordPaths, reads_log
+from labsid.cli.options import RecordPath, RecordPaths, reads_log, reads_signals
 
 if TYPE_CHECKING:  # a slow import
     from labsid.gap.reports.result import Diagnosis
@@ -43,7 +43,7 @@ Seed = Annotated[int, typer.Option(min=0, help="Random seed of the confidence in
 
 
 @gap.command()
-@reads_log
+@reads_signals
 def diagnose(
     context: typer.Context,
     records: RecordPaths,
@@ -66,8 +66,6 @@ def diagnose(
             help="Numbers of FILE.py:FUNCTION or FILE.fmu that may be fitted; with a range as NAME=0:5.",
         ),
     ] = None,
-    inputs: Inputs = None,
-    outputs: Outputs = None,
     match: MatchText = None,
     trust: Trust = False,
     evaluations: Annotated[
@@ -87,7 +85,8 @@ def diagnose(
         list[str] | None, typer.Option(metavar="T0:T1", help="Times in seconds to exclude; may be repeated.")
     ] = None,
     units: Annotated[
-        str | None, typer.Option(metavar="U,Y", help="Units of input and output for the report, such as V,mm.")
+        str | None,
+        typer.Option(metavar="U,Y", help="Units of input and output, or of all signals in order, such as V,mm."),
     ] = None,
     seed: Seed = 0,
     holdout_columns: Annotated[
@@ -98,7 +97,6 @@ def diagnose(
     from labsid._files import check_writable, write_json
     from labsid.gap import diagnosis
     from labsid.gap.reports.quantities import with_units
-    from labsid.gap.reports.text_report import format_report
     from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.record import read_record
     from labsid.simulators.sources import source_file
@@ -111,16 +109,20 @@ def diagnose(
         from labsid.gap.simulations.fmu_export import check_fmu_export
 
         check_fmu_export()
-    stated = None if units is None else _units(units)
+    how, ports = _read_as(how, sim, trust)
     excluded = [_time_range(text) for text in exclude or ()]
     how_matched = _matcher(match)
     loaded = [how_matched(read_record(path, how)) for path in records]
     other = None
     if holdout is not None:
         other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
-    simulation = (
-        None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, _ports(inputs, outputs, trust))
-    )
+    several = any(record.several for record in loaded)
+    if several and export is not None:
+        raise ValueError("a simulation of several signals cannot be exported yet. Omit --export.")
+    stated = None if units is None or several else _units(units)
+    if units is not None and several:
+        loaded = [_with_signal_units(record, units) for record in loaded]
+    simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, ports)
     with _progress() as progress:
         found = diagnosis.diagnose(
             loaded,
@@ -142,8 +144,9 @@ def diagnose(
         from labsid.gap.reports.html_report import write_html_report
 
         write_html_report(html, report)
-    print(format_report(report))
+    print(found.with_report(report))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
+        assert isinstance(found, diagnosis.Diagnosis)  # several signals were refused
         _write_simulation(export, found)
 
 
@@ -374,6 +377,25 @@ def sealed_check(
     raise typer.Exit(
         run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report, keep=keep)
     )
+
+
+def _read_as(how: "Reading", sim: Path | None, trust: bool) -> "tuple[Reading, Ports]":
+    """How the record is read, and the ports of a model of MuJoCo, which --inputs and --outputs name if one is given."""
+    from labsid.simulators.mjcf.sources import is_mjcf
+
+    if sim is None or not is_mjcf(str(sim)):
+        return how, _ports(None, None, trust)
+    return replace(how, inputs=None, outputs=None), _ports(how.inputs, how.outputs, trust)
+
+
+def _with_signal_units(record: "Record", text: str) -> "Record":
+    """A record of several signals in the units of ``--units``: those of the inputs, then of the outputs."""
+    units = tuple(unit.strip() for unit in text.split(","))
+    if len(units) != len(record.signal_names):
+        raise ValueError(
+            f"--units must name {len(record.signal_names)} units, of {', '.join(record.signal_names)}; got {text!r}."
+        )
+    return replace(record, units=units)
 
 
 def _ports(inputs: str | None, outputs: str | None, trust: bool) -> "Ports":

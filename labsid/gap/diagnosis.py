@@ -170,9 +170,7 @@ def _of_signals(
     with threadpool_limits(1, "blas"), ExitStack() as stack:
         if progress is None and runs_in_notebook():
             progress = stack.enter_context(show_in_notebook())
-        return diagnose_signals(
-            records[0], holdout=holdout, order=order, exclude=exclude, seed=seed, progress=progress
-        )
+        return diagnose_signals(records[0], holdout=holdout, order=order, exclude=exclude, seed=seed, progress=progress)
 
 
 def _in_units(found: Diagnosis, units: tuple[str, ...]) -> Diagnosis:
@@ -262,7 +260,7 @@ def find_limits(
     return limits | ({"units": dict(zip("uy", record.units, strict=True))} if all(record.units) else {})
 
 
-def _probable(found: Diagnosis) -> set[str]:
+def _probable(found: Diagnosis | SignalsDiagnosis) -> set[str]:
     """Names of the effects that are more probable than not."""
     return {str(effect["name"]) for effect in found.report["effects"] if is_probable(effect)}
 

@@ -10,8 +10,10 @@ import numpy as np
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.model_file import START_SAMPLES
 from labsid.gap.record.record_findings import filtered_input
+from labsid.gap.reports.result import Diagnosis
 from labsid.gap.verdict.baseline_choice import FIRST_ORDER, LEAST_SQUARES
 from labsid.records.record import between_outputs, bridge_gaps, load_record
+from labsid.records.several_signals import one_signal_each
 
 HOLDOUT = ".holdout"
 ERROR = "error"  # verdict of a rig that cannot be diagnosed
@@ -103,10 +105,12 @@ def check_rigs(pairs: list[tuple[Path, Path]], order: int = 2, seed: int = 0) ->
 
 def _checked(path: Path, second: Path, order: int, seed: int) -> RigResult:
     """Diagnosis of one rig, and the error of its exported simulation on the second record."""
-    record, holdout = load_record(path), between_outputs(load_record(second))
+    record = one_signal_each(load_record(path), "the table of rigs")
+    holdout = between_outputs(one_signal_each(load_record(second), "the table of rigs"))
     start = process_time()
     found = diagnose(record, holdout=holdout, order=order, seed=seed)
     seconds = process_time() - start
+    assert isinstance(found, Diagnosis)
     report = found.report
     errors = report["simulation"]["model"]["errors"]
     e = holdout.y - found.model.simulate(filtered_input(holdout), bridge_gaps(holdout.y))

@@ -27,7 +27,7 @@ class FurtherInput(AdditiveEffect):
     name : str
     variant : str
         Name of the input.
-    rates : tuple of float
+    about : tuple of float
         Coefficients c and k of s^2 + c s + k, in samples, about which they are fitted.
     shared : bool
         Whether its dynamics have the poles of those of the first input, a mode included.
@@ -38,7 +38,7 @@ class FurtherInput(AdditiveEffect):
     """
 
     name: ClassVar[str] = "further-input"
-    rates: tuple[float, float] = (0.2, 0.01)
+    about: tuple[float, float] = (0.2, 0.01)
     reference: float = 0.0
     shared: bool = False
     signal: FloatArray = field(default_factory=lambda: np.zeros(1), compare=False, repr=False)
@@ -79,7 +79,7 @@ class FurtherInput(AdditiveEffect):
         """The response, shape (samples, width); past its end the signal holds its last value."""
         w = np.asarray(_extended(self.signal, samples) - self.reference, np.float64)
         if not self.shared:
-            c, k = np.multiply(self.rates, np.exp(own))
+            c, k = np.multiply(self.about, np.exp(own))
             return section(float(c), float(k), w)
         pairs = [plant.linear_rates(rates)]
         if plant.mode:

@@ -1,7 +1,7 @@
 """The result of a diagnosis, as scripts and notebooks use it."""
 
 import html
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -87,6 +87,10 @@ class Diagnosis:
         from labsid.plots.gap import figure_simulations
 
         return figure_simulations(self.report)
+
+    def with_report(self, report: dict[str, Any]) -> "Diagnosis":
+        """The same result with another report, such as one in other units."""
+        return replace(self, report=report)
 
     def __str__(self) -> str:
         return format_report(self.report)

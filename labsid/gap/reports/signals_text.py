@@ -51,18 +51,20 @@ def verdict_sentence(report: dict[str, Any]) -> str:
     """The verdict: each cause with its signal, and what remains."""
     gap, effects = report["gap"], report["effects"]
     if report["verdict"] == "none":
-        return (
-            f"There is no gap beyond noise: the rms error of a linear model fitted to the record is {_over_noise(gap, 'before')}."
-        )
+        return f"There is no gap beyond noise: the rms error of a linear model fitted to the record is {_over_noise(gap, 'before')}."
     probable = [effect for effect in effects if sentences.is_probable(effect)]
     if not effects:
-        return (
-            f"None of the effects tried explains the gap: the rms error of the linear model is {_over_noise(gap, 'before')}."
-        )
+        return f"None of the effects tried explains the gap: the rms error of the linear model is {_over_noise(gap, 'before')}."
     share = "" if gap["closed"] is None else closed_percent(gap["closed"], gap["ci95"])
-    explain = f"explains {share} of the gap" if share else f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
+    explain = (
+        f"explains {share} of the gap"
+        if share
+        else f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
+    )
     if not probable:
-        return f"The cause of the gap is not known: what was added to the simulation {explain}, but may only imitate it."
+        return (
+            f"The cause of the gap is not known: what was added to the simulation {explain}, but may only imitate it."
+        )
     said = [f"{_placed(effect)}{_qualified(effect)}" for effect in probable]
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
     text = f"{' '.join(f'{sentences.capitalised(one)}.' for one in said)} {sentences.capitalised(subject)} {explain}."
@@ -111,7 +113,9 @@ def _over_noise(gap: dict[str, Any], key: str) -> str:
 def _gap_sentence(report: dict[str, Any]) -> str:
     """The size of the gap over all outputs."""
     gap = report["gap"]
-    where = "on held-out samples" if "holdout_traces" not in next(iter(report["outputs"].values())) else "on the holdout"
+    where = (
+        "on held-out samples" if "holdout_traces" not in next(iter(report["outputs"].values())) else "on the holdout"
+    )
     after = "" if gap["after"] == gap["before"] else f" before and {number(gap['after'])} after"
     if "over_sd" not in gap:
         return f"The rms error is {number(gap['before'])}{after}, {where}."
@@ -127,7 +131,9 @@ def _outputs(report: dict[str, Any]) -> list[str]:
     for name, row in report["gap"]["outputs"].items():
         closed = "–" if row["closed"] is None else closed_percent(row["closed"])
         named = f"{name} ({units[name]})" if units.get(name) else name
-        table.append((printable(named), number(row["before"]), number(row["after"]), number(row["noise_floor"]), closed))
+        table.append(
+            (printable(named), number(row["before"]), number(row["after"]), number(row["noise_floor"]), closed)
+        )
     wide = [max(len(row[i]) for row in table) for i in range(len(COLUMNS))]
     return [
         "  ".join(
@@ -140,11 +146,15 @@ def _outputs(report: dict[str, Any]) -> list[str]:
 
 def _coupling_sentence(report: dict[str, Any]) -> str:
     """Which inputs move each output, the strongest first."""
-    texts = []
+    texts: list[str] = []
     for output in (one["name"] for one in report["signals"]["outputs"]):
         own = sorted((one for one in report["couplings"] if one["to"] == output), key=lambda one: -one["share"])
         listed = [f"{one['from']} {percent(one['share'])}" for one in own if one["share"] >= MIN_COUPLING]
-        texts.append(f"{output} is moved by {sentences.joined(listed)} (shares of its response)." if not texts else f"{output}: {sentences.joined(listed)}.")
+        texts.append(
+            f"{output} is moved by {sentences.joined(listed)} (shares of its response)."
+            if not texts
+            else f"{output}: {sentences.joined(listed)}."
+        )
     return " ".join(texts)
 
 

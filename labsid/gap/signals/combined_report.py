@@ -1,11 +1,12 @@
 """One report of all signals from the reports of the outputs."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.signals.preparation import Prepared
 from labsid.gap.signals.search import ExplainedOutput
 from labsid.gap.verdict.scores import NO_GAP, closed_share
@@ -33,17 +34,21 @@ class Part:
 
     Attributes
     ----------
-    output, main : int
+    output, main : str
+        Names of the output and of the input.
     report : dict
         As of one input and one output.
     sd : float
         Standard deviation of the output.
+    mode : str
+        How the output was simulated: ``"free"``, or ``"stabilised"`` beside measured outputs.
     """
 
-    output: int
-    main: int
+    output: str
+    main: str
     report: dict[str, Any]
     sd: float
+    mode: str = "free"
 
     @property
     def gap_size(self) -> float:
@@ -73,12 +78,12 @@ def combine(
     signals = prepared.signals
     last = {part.output: part for part in parts}
     worst = max(last.values(), key=lambda part: part.gap_size)
-    effects = _effects(signals.inputs, signals.outputs, parts)
-    gap = _gap(signals.outputs, last)
+    effects = _effects(parts)
+    gap = _gap(last)
     nu = len(signals.inputs)
     units = prepared.units
-    shares = _shares(signals.outputs, last)
-    verdict = _verdict(effects, last, gap)
+    shares = _shares(last)
+    verdict = _verdict(effects, last)
     return {
         "schema": SCHEMA,
         "verdict": verdict,
@@ -87,27 +92,24 @@ def combine(
             "outputs": [{"name": name, "unit": unit} for name, unit in zip(signals.outputs, units[nu:], strict=True)],
         },
         "effects": effects,
-        "ambiguous": _ambiguous(signals.inputs, signals.outputs, parts, effects),
-        "ranking": [
-            row | {"signal": signals.inputs[worst.main], "output": signals.outputs[worst.output]}
-            for row in worst.report["ranking"]
-        ],
+        "ambiguous": _ambiguous(parts, effects),
+        "ranking": [row | {"signal": worst.main, "output": worst.output} for row in worst.report["ranking"]],
         "where": {
             **worst.report["where"],
             "path": effects[0]["path"] if effects else verdict,
             "operating": [
-                cell | {"signal": _operating_name(str(cell["signal"]), worst, signals.inputs, signals.outputs)}
+                cell | {"signal": _operating_name(str(cell["signal"]), worst)}
                 for cell in worst.report["where"]["operating"]
             ],
-            "output": signals.outputs[worst.output],
+            "output": worst.output,
             "outputs": shares,
         },
         "gap": gap | {"holdout": worst.report["gap"]["holdout"]},
-        "noise": {signals.outputs[j]: part.report["noise"] for j, part in last.items()},
+        "noise": {name: part.report["noise"] for name, part in last.items()},
         "reference": "outside" if any(part.report["reference"] == "outside" for part in last.values()) else "inside",
-        "unexplained": _unexplained(signals.outputs, last, gap),
+        "unexplained": _unexplained(last, gap),
         "limits": [
-            row | {"signal": _signal(row.get("path"), part, signals.inputs, signals.outputs)}
+            row | {"signal": {"u": part.main, "y": part.output}.get(row["signal"])}
             for part in last.values()
             for row in part.report["limits"]
         ],
@@ -118,8 +120,8 @@ def combine(
             *({"kind": "samples", "signal": None, "text": note} for note in prepared.notes),
             *_still(signals.inputs, explained),
             *(
-                {"kind": "samples", "signal": signals.outputs[j], "text": text}
-                for j, part in last.items()
+                {"kind": "samples", "signal": name, "text": text}
+                for name, part in last.items()
                 for text in part.report["screen"]
             ),
         ],
@@ -127,45 +129,46 @@ def combine(
         "simulation": {"given": False, "output_only": False, "closed": False, "output": None, "model": None},
         "numbers": [],
         "outputs": {
-            signals.outputs[j]: {
-                "main": signals.inputs[part.main],
+            name: {
+                "main": part.main,
                 **{key: part.report[key] for key in KEPT if key in part.report},
             }
-            for j, part in last.items()
+            for name, part in last.items()
         },
     }
 
 
-def _signal(path: str | None, part: Part, inputs: Sequence[str], outputs: Sequence[str]) -> str | None:
+def _signal(path: str, part: Part) -> str | None:
     """The signal at which an effect of a path acts; None in the dynamics and for disturbances."""
-    return {"input": inputs[part.main], "output": outputs[part.output]}.get(path or "")
+    return {"input": part.main, "output": part.output}.get(path)
 
 
-def _effects(inputs: Sequence[str], outputs: Sequence[str], parts: Sequence[Part]) -> list[dict[str, Any]]:
+def _effects(parts: Sequence[Part]) -> list[dict[str, Any]]:
     """Every effect once, with the outputs that it changes, largest gap first; its numbers are those of that output."""
     found: dict[tuple[str, str | None], dict[str, Any]] = {}
     for part in sorted(parts, key=lambda part: -part.gap_size):
         for effect in part.report["effects"]:
-            signal = _signal(effect["path"], part, inputs, outputs)
+            signal = _signal(effect["path"], part)
             own = found.setdefault((effect["name"], signal), effect | {"signal": signal, "outputs": []})
-            if outputs[part.output] not in own["outputs"]:
-                own["outputs"].append(outputs[part.output])
+            if part.output not in own["outputs"]:
+                own["outputs"].append(part.output)
             if effect["probability"] > own["probability"]:
                 own |= {key: effect[key] for key in ("probability", "chance")}
     return list(found.values())
 
 
-def _verdict(effects: Sequence[dict[str, Any]], last: dict[int, Part], gap: dict[str, Any]) -> str:
+def _verdict(effects: Sequence[dict[str, Any]], last: dict[str, Part]) -> str:
     verdicts = {part.report["verdict"] for part in last.values()}
     if not effects:
         return "unknown" if verdicts - {"none"} else "none"
     return "effect" if verdicts <= {"none", "effect"} else "partial"
 
 
-def _gap(outputs: Sequence[str], last: dict[int, Part]) -> dict[str, Any]:
+def _gap(last: dict[str, Part]) -> dict[str, Any]:
     """The gap by output, and of all: rms of the errors over each output's noise, if there are several."""
-    own = {outputs[j]: part.report["gap"] for j, part in last.items()}
-    sds = {outputs[j]: part.sd for j, part in last.items()}
+    mode = max((part.mode for part in last.values()), key=("free", "stabilised").index)
+    own = {name: part.report["gap"] for name, part in last.items()}
+    sds = {name: part.sd for name, part in last.items()}
     by_output = {
         name: {key: one[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {"sd": sds[name]}
         for name, one in own.items()
@@ -174,7 +177,7 @@ def _gap(outputs: Sequence[str], last: dict[int, Part]) -> dict[str, Any]:
         (one,) = own.values()
         return {key: one[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {
             "outputs": by_output,
-            "mode": "free",
+            "mode": mode,
         }
     noise = {name: max(one["noise_floor"], np.finfo(float).tiny) for name, one in own.items()}
     before, after = (
@@ -197,7 +200,7 @@ def _gap(outputs: Sequence[str], last: dict[int, Part]) -> dict[str, Any]:
             for key in ("before", "after", "noise_floor")
         },
         "outputs": by_output,
-        "mode": "free",
+        "mode": mode,
     }
 
 
@@ -213,44 +216,39 @@ def _interval(gaps: Sequence[dict[str, Any]], open_gap: Sequence[float]) -> list
     return ends
 
 
-def _shares(outputs: Sequence[str], last: dict[int, Part]) -> dict[str, float]:
+def _shares(last: dict[str, Part]) -> dict[str, float]:
     """Share of each output in the gap, in units of its noise."""
-    sizes = {outputs[j]: max(part.gap_size**2 - 1.0, 0.0) for j, part in last.items()}
+    sizes = {name: max(part.gap_size**2 - 1.0, 0.0) for name, part in last.items()}
     total = sum(sizes.values())
     return {name: size / total if total else 0.0 for name, size in sizes.items()}
 
 
-def _unexplained(outputs: Sequence[str], last: dict[int, Part], gap: dict[str, Any]) -> dict[str, Any]:
+def _unexplained(last: dict[str, Part], gap: dict[str, Any]) -> dict[str, Any]:
     """What is left, of the output that has most of it."""
     left = {
-        j: part.report["gap"]["after"] / max(part.report["gap"]["noise_floor"], np.finfo(float).tiny)
-        for j, part in last.items()
+        name: part.report["gap"]["after"] / max(part.report["gap"]["noise_floor"], np.finfo(float).tiny)
+        for name, part in last.items()
     }
-    most = max(left, key=lambda j: left[j])
+    most = max(left, key=lambda name: left[name])
     share = 0.0 if gap["closed"] is None else 1.0 - gap["closed"]
-    return {**last[most].report["unexplained"], "share": share, "output": outputs[most]}
+    return {**last[most].report["unexplained"], "share": share, "output": most}
 
 
-def _ambiguous(
-    inputs: Sequence[str], outputs: Sequence[str], parts: Sequence[Part], effects: Sequence[dict[str, Any]]
-) -> list[dict[str, Any]]:
+def _ambiguous(parts: Sequence[Part], effects: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Alternatives that the record cannot exclude, each with its signal."""
-    from labsid.gap.reports.effect_guide import EFFECT_GUIDE
-
     named = {(one["name"], one["signal"]) for one in effects}
     found: dict[tuple[str, str | None], None] = {}
     for part in sorted(parts, key=lambda part: -part.gap_size):
         for name in part.report["ambiguous"]:
-            one = (name, _signal(EFFECT_GUIDE[name].path, part, inputs, outputs))
+            one = (name, _signal(EFFECT_GUIDE[name].path, part))
             if one not in named:
                 found.setdefault(one)
     return [{"name": name, "signal": signal} for name, signal in list(found)[:MOST_RIVALS]]
 
 
-def _operating_name(signal: str, worst: Part, inputs: Sequence[str], outputs: Sequence[str]) -> str:
+def _operating_name(signal: str, worst: Part) -> str:
     """Name of a signal of the worst output; `dy` is the rate of the output."""
-    output = outputs[worst.output]
-    return {"u": inputs[worst.main], "y": output, "dy": f"rate of {output}"}[signal]
+    return {"u": worst.main, "y": worst.output, "dy": f"rate of {worst.output}"}[signal]
 
 
 def _experiment(inputs: Sequence[str], worst: Part, prepared: Prepared) -> dict[str, Any] | None:
@@ -259,7 +257,7 @@ def _experiment(inputs: Sequence[str], worst: Part, prepared: Prepared) -> dict[
     if found is None:
         return None
     rest = {name: [float(prepared.signals.u[0, i])] * len(found["u"]) for i, name in enumerate(inputs)}
-    return found | {"u": rest | {inputs[worst.main]: found["u"]}}
+    return found | {"u": rest | {worst.main: found["u"]}}
 
 
 def _couplings(
@@ -269,7 +267,7 @@ def _couplings(
     found = []
     for one in explained:
         power = np.where(one.parts.moves, one.parts.strength, 0.0) ** 2
-        for i in np.flatnonzero(one.parts.moves):
+        for i in np.flatnonzero(one.parts.moves).tolist():
             share = float(power[i] / power.sum())
             found.append({"from": inputs[i], "to": outputs[one.output], "share": share})
     return found

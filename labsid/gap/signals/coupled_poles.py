@@ -74,7 +74,7 @@ def _fitted(role: Role, plain: Fit) -> Fit | None:
     pairs = [plain.rates]
     for effect in plain.hypothesis.additive:
         if isinstance(effect, FurtherInput):
-            c, k = np.multiply(effect.rates, np.exp(plain.theta[plain.hypothesis.slices[effect.key]]))
+            c, k = np.multiply(effect.about, np.exp(plain.theta[plain.hypothesis.slices[effect.key]]))
             pairs.append((float(c), float(k)))
     names = [parameter.name for parameter in structure.parameters]
     found = []

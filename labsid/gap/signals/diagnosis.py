@@ -1,8 +1,7 @@
 """Diagnose a record of several inputs or outputs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,11 +12,14 @@ from labsid.gap.reports.report import build_report
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.signals.combined_report import Part, combine
+from labsid.gap.signals.linear_outputs import linear_outputs
+from labsid.gap.signals.neighbours import Coupled, simulate_together
 from labsid.gap.signals.preparation import Prepared, prepare, prepare_holdout
 from labsid.gap.signals.result import SignalsDiagnosis
 from labsid.gap.signals.roles import Signals
 from labsid.gap.signals.search import ExplainedOutput, Through, explain_outputs
 from labsid.gap.verdict.answer import answer_from
+from labsid.gap.verdict.scores import NO_GAP, GapScore, closed_share
 from labsid.records.record import Record
 
 
@@ -58,7 +60,10 @@ def diagnose_signals(
     prepared = prepare(record, exclude)
     other = None if holdout is None else prepare_holdout(holdout, prepared)
     explained = explain_outputs(prepared.signals, order, progress)
-    parts = [part for one in explained for part in _parts(prepared, one, other, seed, progress)]
+    made = [_parts(prepared, one, other, seed, progress) for one in explained]
+    parts = [part for parts, _ in made for part in parts]
+    if any(_is_beside_neighbours(one) for one in explained):
+        parts = _simulated_together(prepared, explained, parts, [score for _, score in made], other, order)
     models = {prepared.signals.outputs[one.output]: _model(one.through[-1]) for one in explained}
     return SignalsDiagnosis(combine(prepared, explained, parts, other), models)
 
@@ -67,32 +72,84 @@ def _model(through: Through) -> ExportedModel:
     return export_model(through.explanation.data, through.explanation.best)
 
 
+def _is_beside_neighbours(one: ExplainedOutput) -> bool:
+    """Whether the other outputs, as measured, were inputs of this one."""
+    return one.signals.outputs[0] not in one.signals.inputs and len(one.signals.outputs) == 1 < len(one.signals.inputs)
+
+
 def _parts(
     prepared: Prepared, one: ExplainedOutput, other: Prepared | None, seed: int, progress: Progress | None
-) -> list[Part]:
+) -> tuple[list[Part], GapScore]:
     """The report of an output through each input at which effects were found; the last one is that of the output."""
-    signals, parts = prepared.signals, []
+    whole, signals, parts = prepared.signals, one.signals, []
+    name = whole.outputs[one.output]
+    scored_signals = None if other is None else _seen_as(signals, other.signals)
     for through in one.through:
         rng = np.random.default_rng(seed)
-        record = _pair(signals, through.role.main, one.output)
-        scored = None if other is None else _pair(other.signals, through.role.main, one.output)
-        measured = None if other is None else other.signals.rows[:, one.output]
-        further = None if other is None else _further(through, signals, other.signals)
-        answer = answer_from(
-            record, through.explanation, through.role.base, scored, rng, progress, measured, further
-        )
+        i, j = through.role.main, through.role.output
+        record = _pair(signals, i, j)
+        scored = None if scored_signals is None else _pair(scored_signals, i, j)
+        measured = None if scored_signals is None else scored_signals.rows[:, j]
+        further = None if scored_signals is None else _further(through, signals, scored_signals)
+        answer = answer_from(record, through.explanation, through.role.base, scored, rng, progress, measured, further)
         report = build_report(record, answer, through.role.base, rng, scored)
-        units = prepared.units[through.role.main], prepared.units[len(signals.inputs) + one.output]
+        units = prepared.units[whole.inputs.index(signals.inputs[i])], prepared.units[len(whole.inputs) + one.output]
         report = with_units(report, *units) if all(units) else report
         before, after = answer.outputs
-        y = np.where(signals.rows[:, one.output], record.y, before)
-        report["traces"] = figure_traces(record.t, record.u, y, before, after, signals.rows[:, one.output])
+        rows = signals.rows[:, j]
+        report["traces"] = figure_traces(record.t, record.u, np.where(rows, record.y, before), before, after, rows)
         if scored is not None:
             back = answer.explanation.data.y_scale.back
             before, after = (np.asarray(back(output)) for output in answer.score.outputs)
             report["holdout_traces"] = figure_traces(scored.t, scored.u, scored.y, before, after, measured)
-        parts.append(Part(one.output, through.role.main, report, float(np.std(record.y[signals.rows[:, one.output]]))))
-    return parts
+        parts.append(Part(name, signals.inputs[i], report, float(np.std(record.y[rows]))))
+    return parts, answer.score
+
+
+def _seen_as(signals: Signals, other: Signals) -> Signals:
+    """Another record with the inputs and outputs of `signals`, among which there may be outputs as inputs."""
+    columns = {**dict(zip(other.inputs, other.u.T, strict=True)), **dict(zip(other.outputs, other.y.T, strict=True))}
+    rows = dict(zip(other.outputs, other.rows.T, strict=True))
+    return replace(
+        other,
+        u=np.column_stack([columns[name] for name in signals.inputs]),
+        y=np.column_stack([columns[name] for name in signals.outputs]),
+        rows=np.column_stack([rows[name] for name in signals.outputs]),
+        inputs=signals.inputs,
+        outputs=signals.outputs,
+    )
+
+
+def _simulated_together(
+    prepared: Prepared,
+    explained: Sequence[ExplainedOutput],
+    parts: Sequence[Part],
+    scores: Sequence[GapScore],
+    other: Prepared | None,
+    order: int,
+) -> list[Part]:
+    """The parts with errors of the free run of all outputs together, before that of the linear model of each output."""
+    signals = prepared.signals if other is None else other.signals
+    coupled = [
+        Coupled(one.signals, one.through[-1].explanation.data, score.after_fit)
+        for one, score in zip(explained, scores, strict=True)
+    ]
+    together = simulate_together(signals, coupled, other is not None)
+    before = linear_outputs(prepared.signals, order, None if other is None else other.signals)
+    changed = []
+    for j, (part, score) in enumerate(zip(parts, scores, strict=True)):
+        if together is None:
+            changed.append(replace(part, mode="stabilised"))
+            continue
+        errors = [float(np.sqrt(np.mean((signals.y[:, j] - y[:, j])[score.scored] ** 2))) for y in (before, together)]
+        floor = part.report["gap"]["noise_floor"]
+        gap = errors[0] > np.sqrt(NO_GAP) * floor and bool(part.report["effects"])
+        closed = closed_share(errors[0] ** 2, errors[1] ** 2, floor**2) if gap else None
+        own = part.report["gap"] | {"before": errors[0], "after": errors[1], "closed": closed}
+        if closed is None:
+            own |= {"ci95": None, "after": errors[0] if not part.report["effects"] else errors[1]}
+        changed.append(replace(part, report=part.report | {"gap": own}))
+    return changed
 
 
 def _pair(signals: Signals, i: int, j: int) -> Record:

@@ -97,9 +97,7 @@ def prepare_holdout(holdout: Record, of: Prepared) -> Prepared:
             "columns as those of the record."
         )
     if abs(holdout.Ts - signals.Ts) > 1e-6 * signals.Ts:
-        raise ValueError(
-            f"the holdout runs at {holdout.Ts:g} s, the record at {signals.Ts:g} s. Resample one of them."
-        )
+        raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {signals.Ts:g} s. Resample one of them.")
     part, notes = _shortened(holdout)
     u = np.column_stack([part.input_columns[:, part.inputs.index(name)] for name in signals.inputs])
     y = np.column_stack([part.output_columns[:, part.outputs.index(name)] for name in signals.outputs])
@@ -108,7 +106,9 @@ def prepare_holdout(holdout: Record, of: Prepared) -> Prepared:
     if scarce:
         raise ValueError(f"{scarce[0]} of the holdout has fewer than {MIN_SAMPLES} samples. Use a longer one.")
     y = np.column_stack([bridge_gaps(column) for column in y.T])
-    return replace(of, signals=replace(signals, t=part.t, u=u, y=y, rows=rows, name=part.name), notes=notes, findings=())
+    return replace(
+        of, signals=replace(signals, t=part.t, u=u, y=y, rows=rows, name=part.name), notes=notes, findings=()
+    )
 
 
 def _shortened(record: Record) -> tuple[Record, tuple[str, ...]]:

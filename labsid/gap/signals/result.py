@@ -1,6 +1,6 @@
 """The result of a diagnosis of several signals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from labsid.gap.model_file import ExportedModel
@@ -31,6 +31,10 @@ class SignalsDiagnosis:
     def effects(self) -> dict[tuple[str, str | None], dict[str, dict[str, Any]]]:
         """Parameters of the effects found, by name and signal."""
         return {(effect["name"], effect["signal"]): effect["parameters"] for effect in self.report["effects"]}
+
+    def with_report(self, report: dict[str, Any]) -> "SignalsDiagnosis":
+        """The same result with another report, such as one with the command line."""
+        return replace(self, report=report)
 
     def __str__(self) -> str:
         return format_signals(self.report)

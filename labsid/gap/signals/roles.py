@@ -140,7 +140,11 @@ def _behind_first_state(structure: Hypothesis, rates: tuple[float, float]) -> Fl
     slow, fast = real_rates(*rates)
     guess = {"log_c": np.log(slow + fast), "log_k": np.log(slow * fast)}
     theta = [
-        float(np.exp(-fast)) if p.name.startswith("lead ") else 0.3 if p.name.startswith("gain ") else guess.get(p.name, 0.0)
+        float(np.exp(-fast))
+        if p.name.startswith("lead ")
+        else 0.3
+        if p.name.startswith("gain ")
+        else guess.get(p.name, 0.0)
         for p in structure.parameters
     ]
     return np.clip(np.array(theta), *structure.bounds)

@@ -18,6 +18,7 @@ from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, unsimulated
 from labsid.gap.search.forms import transfer_theta
 from labsid.gap.signals.coupled_poles import coupled_starts, have_poles_in_common, may_be_coupled
 from labsid.gap.signals.linear_parts import LinearParts, linear_parts
+from labsid.gap.signals.neighbours import own_input, with_neighbours
 from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.simulations.structure_choice import explain_record
 
@@ -92,11 +93,19 @@ class ExplainedOutput:
     parts : LinearParts
     through : tuple of Through
         By each input at which effects were found; the last one explains everything that was found.
+    signals : Signals
+        In which it was explained: those of the record, or the output with its neighbours.
     """
 
     output: int
     parts: LinearParts
     through: tuple[Through, ...]
+    signals: Signals
+
+    @property
+    def white(self) -> bool:
+        """Whether nothing but noise is left."""
+        return self.through[-1].white
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +129,7 @@ class _Search:
         A single effect in the dynamics or at the output is searched through the strongest input only.
         """
         role = self.role(main, others)
-        only = most == 1 and main != self.parts.strongest
+        only = most == 1 and main != self.seen[0]
         found = explain_record(replace(role.data, at_input=only), role.base, self.progress, most)[0]
         found = replace(found, data=replace(found.data, at_input=False))
         if others:
@@ -131,7 +140,7 @@ class _Search:
     @property
     def seen(self) -> list[int]:
         """Inputs at which an effect can be seen, the strongest first."""
-        return [int(i) for i in np.argsort(-self.parts.strength) if self.parts.seen[i] or i == self.parts.strongest]
+        return [int(i) for i in np.argsort(-self.parts.strength) if self.parts.seen[i]] or [self.parts.strongest]
 
 
 def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None = None) -> list[ExplainedOutput]:
@@ -164,12 +173,31 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
         if _total(together) < _total(fits) - BIC_MARGIN and have_poles_in_common(together):
             return _explained(signals, parts, order, progress, coupled)
     found = _explained(signals, parts, order, progress, apart)
-    if not starts or all(one.through[-1].white for one in found):
+    if all(one.white for one in found):
         return found
-    other = _explained(signals, parts, order, progress, coupled)
+    beside = _beside_neighbours(signals, parts, order, progress)
+    if beside is not None and sum(one.white for one in beside) > sum(one.white for one in found):
+        return beside
+    other = _explained(signals, parts, order, progress, coupled) if starts else found
     fits = [(one.through[-1].explanation.data, one.through[-1].explanation.best) for one in other]
     better = sum(one.through[-1].score for one in other) < sum(one.through[-1].score for one in found) - BIC_MARGIN
     return other if better and have_poles_in_common(fits) else found
+
+
+def _beside_neighbours(
+    signals: Signals, parts: Sequence[LinearParts], order: int, progress: Progress | None
+) -> list[ExplainedOutput] | None:
+    """Every output explained through its own input and the measured other outputs; None if one has no own input."""
+    mains = own_input(parts)
+    if mains is None:
+        return None
+    found = []
+    for j, main in enumerate(mains):
+        seen = with_neighbours(signals, j, main)
+        own = linear_parts([seen.data(i, 0) for i in range(len(seen.inputs))])
+        search = _Search(seen, replace(own, seen=np.arange(len(seen.inputs)) == 0), 0, order, progress, "same entry")
+        found.append(replace(_explain_output(search, []), output=j))
+    return found
 
 
 class _Kind(NamedTuple):
@@ -232,7 +260,7 @@ def _explained(
     for one in sorted(searches, key=lambda one: -gaps[one.output]):
         explained = _explain_output(one, known)
         other = _OTHER_KIND.get(one.kind)
-        if other and not explained.through[-1].white and one.parts.moves.sum() > 1:
+        if other and not explained.white and one.parts.moves.sum() > 1:
             again = _explain_output(replace(one, kind=other), known)
             explained = min(explained, again, key=lambda result: result.through[-1].score)
         found[one.output] = explained
@@ -260,14 +288,14 @@ def _has(known: list[AtInput], at: AtInput) -> bool:
 def _explain_output(search: _Search, known: list[AtInput]) -> ExplainedOutput:
     shared = _shared(search, known)
     if shared and shared[-1].white:
-        return ExplainedOutput(search.output, search.parts, shared)
+        return ExplainedOutput(search.output, search.parts, shared, search.signals)
     chain = shared or (min(_screened(search), key=_score),)
     chain = _extended(search, chain)
     if not chain[-1].white:
         last = chain[-1]
         full = search.through(last.role.main, last.others, MOST_EFFECTS)
         chain = _extended(search, (*chain[:-1], min(last, full, key=_score)))
-    return ExplainedOutput(search.output, search.parts, chain)
+    return ExplainedOutput(search.output, search.parts, chain, search.signals)
 
 
 def _extended(search: _Search, chain: tuple[Through, ...]) -> tuple[Through, ...]:
@@ -289,7 +317,7 @@ def _score(through: Through) -> float:
 
 def _screened(search: _Search) -> list[Through]:
     """The output through each input that may have an effect, with at most one of them; the strongest input first."""
-    found = []
+    found: list[Through] = []
     for main in search.seen:
         if found and found[0].white and not _depends(search, found[0], main):
             continue
@@ -338,7 +366,7 @@ def _with_effects(plain: Through, at: AtInput) -> Fit | None:
 def _forced(data: Data, plain: Explanation, fit: Fit) -> Explanation:
     """An explanation by given effects, without a search."""
     names = tuple(sorted(fit.hypothesis.names))
-    between = ({} for _ in range(len(names) - 1))
+    between: list[dict[tuple[str, ...], Fit]] = [{} for _ in names[1:]]
     steps = (fit,) * len(names)
     beside = unsimulated_effects(data, plain.data, plain.faults, fit)
     levels = (plain.levels[0], *between, {names: fit})
