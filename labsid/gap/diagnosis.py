@@ -165,7 +165,8 @@ def _of_signals(
         )
     if simulation is not None or free:
         raise ValueError(
-            "a given simulation of several signals cannot be diagnosed yet. Omit it, or choose one input and one output."
+            "a given simulation of several signals cannot be diagnosed yet. Omit --sim, or choose one input and one "
+            "output."
         )
     with threadpool_limits(1, "blas"), ExitStack() as stack:
         if progress is None and runs_in_notebook():

@@ -112,7 +112,7 @@ class SameEntry(InputEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Gain over that of the first input, the zero and the pole of the way to it, and samples by which it is ahead."""
+        """Gain over that of the first input, zero and pole of the way to it, and samples by which it is ahead."""
         return (
             Parameter(f"gain {self.variant}", -MOST_GAIN, MOST_GAIN),
             Parameter(f"lead {self.variant}", 0.0, SLOWEST_WAY, 1e-3),

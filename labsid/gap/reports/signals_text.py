@@ -50,25 +50,26 @@ def format_signals(report: dict[str, Any]) -> str:
 def verdict_sentence(report: dict[str, Any]) -> str:
     """The verdict: each cause with its signal, and what remains."""
     gap, effects = report["gap"], report["effects"]
-    if report["verdict"] == "none":
-        return f"There is no gap beyond noise: the rms error of a linear model fitted to the record is {_over_noise(gap, 'before')}."
-    probable = [effect for effect in effects if sentences.is_probable(effect)]
     if not effects:
-        return f"None of the effects tried explains the gap: the rms error of the linear model is {_over_noise(gap, 'before')}."
-    share = "" if gap["closed"] is None else closed_percent(gap["closed"], gap["ci95"])
-    explain = (
-        f"explains {share} of the gap"
-        if share
-        else f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
-    )
+        size = _over_noise(gap, "before")
+        if report["verdict"] == "none":
+            return f"There is no gap beyond noise: the rms error of a linear model fitted to the record is {size}."
+        return f"None of the effects tried explains the gap: the rms error of the linear model is {size}."
+    explain = _gain(gap)
+    probable = [effect for effect in effects if sentences.is_probable(effect)]
     if not probable:
-        return (
-            f"The cause of the gap is not known: what was added to the simulation {explain}, but may only imitate it."
-        )
-    said = [f"{_placed(effect)}{_qualified(effect)}" for effect in probable]
+        added = "what was added to the simulation"
+        return f"The cause of the gap is not known: {added} {explain}, but may only imitate it."
+    said = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
-    text = f"{' '.join(f'{sentences.capitalised(one)}.' for one in said)} {sentences.capitalised(subject)} {explain}."
-    return f"{text} {_remaining(report)}".strip()
+    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}. {_remaining(report)}".strip()
+
+
+def _gain(gap: dict[str, Any]) -> str:
+    """The share of the gap that is explained, or the errors where there is none on held-out samples."""
+    if gap["closed"] is None:
+        return f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
+    return f"explains {closed_percent(gap['closed'], gap['ci95'])} of the gap"
 
 
 def _placed(effect: dict[str, Any]) -> str:
@@ -113,21 +114,21 @@ def _over_noise(gap: dict[str, Any], key: str) -> str:
 def _gap_sentence(report: dict[str, Any]) -> str:
     """The size of the gap over all outputs."""
     gap = report["gap"]
-    where = (
-        "on held-out samples" if "holdout_traces" not in next(iter(report["outputs"].values())) else "on the holdout"
-    )
+    on_holdout = any("holdout_traces" in output for output in report["outputs"].values())
+    where = "on the holdout" if on_holdout else "on held-out samples"
     after = "" if gap["after"] == gap["before"] else f" before and {number(gap['after'])} after"
+    said = f"{number(gap['before'])}{after}"
     if "over_sd" not in gap:
-        return f"The rms error is {number(gap['before'])}{after}, {where}."
-    sd = gap["over_sd"]
-    relative = f"{percent(sd['before'])} of the standard deviation"
-    return f"Rms over all outputs {where}: {number(gap['before'])}{after}, in units of each output's noise; before, that is {relative}."
+        return f"The rms error is {said}, {where}."
+    relative = f"before, that is {percent(gap['over_sd']['before'])} of the standard deviation"
+    stabilised = " Each output was simulated beside the others as measured." if gap["mode"] == "stabilised" else ""
+    return f"Rms over all outputs {where}: {said}, in units of each output's noise; {relative}.{stabilised}"
 
 
 def _outputs(report: dict[str, Any]) -> list[str]:
     """The gap of each output, in columns."""
     units = {one["name"]: one["unit"] for one in report["signals"]["outputs"]}
-    table = [COLUMNS]
+    table: list[tuple[str, ...]] = [COLUMNS]
     for name, row in report["gap"]["outputs"].items():
         closed = "–" if row["closed"] is None else closed_percent(row["closed"])
         named = f"{name} ({units[name]})" if units.get(name) else name
@@ -150,11 +151,10 @@ def _coupling_sentence(report: dict[str, Any]) -> str:
     for output in (one["name"] for one in report["signals"]["outputs"]):
         own = sorted((one for one in report["couplings"] if one["to"] == output), key=lambda one: -one["share"])
         listed = [f"{one['from']} {percent(one['share'])}" for one in own if one["share"] >= MIN_COUPLING]
-        texts.append(
-            f"{output} is moved by {sentences.joined(listed)} (shares of its response)."
-            if not texts
-            else f"{output}: {sentences.joined(listed)}."
-        )
+        if listed and not texts:
+            texts.append(f"{output} is moved by {sentences.joined(listed)} (shares of its response).")
+        elif listed:
+            texts.append(f"{output}: {sentences.joined(listed)}.")
     return " ".join(texts)
 
 

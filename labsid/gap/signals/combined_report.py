@@ -13,6 +13,7 @@ from labsid.gap.verdict.scores import NO_GAP, closed_share
 
 SCHEMA = "labsid.gap/4"
 MOST_RIVALS = 3
+MIN_CLOSED = 0.2  # share of the gap of an output, from which an effect in another one is said to change it
 KEPT = (  # of the report of an output
     "verdict",
     "gap",
@@ -42,6 +43,8 @@ class Part:
         Standard deviation of the output.
     mode : str
         How the output was simulated: ``"free"``, or ``"stabilised"`` beside measured outputs.
+    together : bool
+        Whether all outputs were simulated together, each with its own input: an effect in one of them moves the others.
     """
 
     output: str
@@ -49,6 +52,7 @@ class Part:
     report: dict[str, Any]
     sd: float
     mode: str = "free"
+    together: bool = False
 
     @property
     def gap_size(self) -> float:
@@ -152,6 +156,9 @@ def _effects(parts: Sequence[Part]) -> list[dict[str, Any]]:
             own = found.setdefault((effect["name"], signal), effect | {"signal": signal, "outputs": []})
             if part.output not in own["outputs"]:
                 own["outputs"].append(part.output)
+            if part.together:
+                closed = [other.output for other in parts if (other.report["gap"]["closed"] or 0.0) > MIN_CLOSED]
+                own["outputs"] = list(dict.fromkeys([*own["outputs"], *closed]))
             if effect["probability"] > own["probability"]:
                 own |= {key: effect[key] for key in ("probability", "chance")}
     return list(found.values())

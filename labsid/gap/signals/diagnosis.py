@@ -62,7 +62,7 @@ def diagnose_signals(
     explained = explain_outputs(prepared.signals, order, progress)
     made = [_parts(prepared, one, other, seed, progress) for one in explained]
     parts = [part for parts, _ in made for part in parts]
-    if any(_is_beside_neighbours(one) for one in explained):
+    if explained[0].signals is not prepared.signals:  # beside measured neighbours
         parts = _simulated_together(prepared, explained, parts, [score for _, score in made], other, order)
     models = {prepared.signals.outputs[one.output]: _model(one.through[-1]) for one in explained}
     return SignalsDiagnosis(combine(prepared, explained, parts, other), models)
@@ -70,11 +70,6 @@ def diagnose_signals(
 
 def _model(through: Through) -> ExportedModel:
     return export_model(through.explanation.data, through.explanation.best)
-
-
-def _is_beside_neighbours(one: ExplainedOutput) -> bool:
-    """Whether the other outputs, as measured, were inputs of this one."""
-    return one.signals.outputs[0] not in one.signals.inputs and len(one.signals.outputs) == 1 < len(one.signals.inputs)
 
 
 def _parts(
@@ -136,19 +131,21 @@ def _simulated_together(
     ]
     together = simulate_together(signals, coupled, other is not None)
     before = linear_outputs(prepared.signals, order, None if other is None else other.signals)
+    if together is None:
+        return [replace(part, mode="stabilised") for part in parts]
+    named = any(part.report["effects"] for part in parts)
     changed = []
     for j, (part, score) in enumerate(zip(parts, scores, strict=True)):
-        if together is None:
-            changed.append(replace(part, mode="stabilised"))
-            continue
         errors = [float(np.sqrt(np.mean((signals.y[:, j] - y[:, j])[score.scored] ** 2))) for y in (before, together)]
-        floor = part.report["gap"]["noise_floor"]
-        gap = errors[0] > np.sqrt(NO_GAP) * floor and bool(part.report["effects"])
-        closed = closed_share(errors[0] ** 2, errors[1] ** 2, floor**2) if gap else None
-        own = part.report["gap"] | {"before": errors[0], "after": errors[1], "closed": closed}
-        if closed is None:
-            own |= {"ci95": None, "after": errors[0] if not part.report["effects"] else errors[1]}
-        changed.append(replace(part, report=part.report | {"gap": own}))
+        own, floor = part.report["gap"], part.report["gap"]["noise_floor"]
+        gap = named and errors[0] ** 2 > NO_GAP * floor**2
+        own = own | {
+            "before": errors[0],
+            "after": errors[1] if named else errors[0],
+            "closed": closed_share(errors[0] ** 2, errors[1] ** 2, floor**2) if gap else None,
+            "ci95": own["ci95"] if gap else None,
+        }
+        changed.append(replace(part, report=part.report | {"gap": own}, together=True))
     return changed
 
 

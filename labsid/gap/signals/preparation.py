@@ -59,8 +59,8 @@ def prepare(record: Record, exclude: Sequence[tuple[float, float]] = (), what: s
     needed = max(MIN_SAMPLES, SAMPLES_PER_PARAMETER * OWN_PARAMETERS * u.shape[1])
     if len(part) < needed:
         raise ValueError(
-            f"{what} has {len(part)} samples; with {u.shape[1]} inputs a diagnosis needs at least {needed}. Use a longer "
-            "record, or fewer inputs."
+            f"{what} has {len(part)} samples; with {u.shape[1]} inputs a diagnosis needs at least {needed}. Use a "
+            "longer record, or fewer inputs."
         )
     _check_inputs(u, part.inputs, what)
     rows = ~np.isnan(y) & _included(part.t, exclude)[:, None]
@@ -93,8 +93,8 @@ def prepare_holdout(holdout: Record, of: Prepared) -> Prepared:
     missing = [name for name in (*signals.inputs, *signals.outputs) if name not in (*holdout.inputs, *holdout.outputs)]
     if missing:
         raise ValueError(
-            f"the holdout has no signal {missing[0]}; it has {', '.join((*holdout.inputs, *holdout.outputs))}. Name its "
-            "columns as those of the record."
+            f"the holdout has no signal {missing[0]}; it has {', '.join((*holdout.inputs, *holdout.outputs))}. Name "
+            "its columns as those of the record."
         )
     if abs(holdout.Ts - signals.Ts) > 1e-6 * signals.Ts:
         raise ValueError(f"the holdout runs at {holdout.Ts:g} s, the record at {signals.Ts:g} s. Resample one of them.")
@@ -147,7 +147,10 @@ def _is_used(y: FloatArray) -> bool:
 def _check_inputs(u: FloatArray, names: Sequence[str], what: str) -> None:
     for name, values in zip(names, u.T, strict=True):
         if np.ptp(values) == 0.0:
-            raise ValueError(f"{name} of {what} never moves ({values[0]:g} throughout). Leave it out of the inputs.")
+            raise ValueError(
+                f"{name} of {what} never moves ({values[0]:g} throughout). Leave it out of the inputs, or begin the "
+                "record before its step."
+            )
     for (first, a), (second, b) in combinations(zip(names, u.T, strict=True), 2):
         if abs(np.corrcoef(a, b)[0, 1]) > 1.0 - PROPORTIONAL:
             raise ValueError(

@@ -23,6 +23,8 @@ from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.simulations.structure_choice import explain_record
 
 _OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
+_POLES = {"extra-lag": 1, "slow-mode": 1, "resonance": 2}  # effects that add poles, by their number
+MOST_ORDER = 4  # of a linear model
 DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
 
 
@@ -174,7 +176,7 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
             return _explained(signals, parts, order, progress, coupled)
     found = _explained(signals, parts, order, progress, apart)
     if all(one.white for one in found):
-        return found
+        return _with_poles_in_common(signals, parts, order, progress, found) or found
     beside = _beside_neighbours(signals, parts, order, progress)
     if beside is not None and sum(one.white for one in beside) > sum(one.white for one in found):
         return beside
@@ -182,6 +184,29 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     fits = [(one.through[-1].explanation.data, one.through[-1].explanation.best) for one in other]
     better = sum(one.through[-1].score for one in other) < sum(one.through[-1].score for one in found) - BIC_MARGIN
     return other if better and have_poles_in_common(fits) else found
+
+
+def _with_poles_in_common(
+    signals: Signals,
+    parts: Sequence[LinearParts],
+    order: int,
+    progress: Progress | None,
+    found: Sequence[ExplainedOutput],
+) -> list[ExplainedOutput] | None:
+    """The outputs by linear models of higher order, where they have nothing else in common; None otherwise.
+
+    A pole that outputs show through different inputs is that of coupled states; what is missing at one place acts
+    through one input, or on one output.
+    """
+    poles = [(through.role.main, through.explanation.names) for one in found for through in one.through]
+    names = {name for _, own in poles for name in own}
+    mains = {main for main, own in poles if own}
+    if not names or not names <= set(_POLES) or len(mains) < 2:
+        return None
+    higher = min(order + max(_POLES[name] for name in names), MOST_ORDER)
+    again = _explained(signals, parts, higher, progress, [_Kind("apart")] * len(parts))
+    simple = all(one.white and not one.through[-1].explanation.names for one in again)
+    return again if simple else None
 
 
 def _beside_neighbours(
