@@ -25,6 +25,7 @@ from labsid.gap.simulations.structure_choice import explain_record
 _OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
 _POLES = {"extra-lag": 1, "slow-mode": 1, "resonance": 2}  # effects that add poles, by their number
 MOST_ORDER = 4  # of a linear model
+FAINT = 1.5  # rms error without a pole over that with it, below which it may be one of the rig's own
 DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
 
 
@@ -196,17 +197,27 @@ def _with_poles_in_common(
     """The outputs by linear models of higher order, where they have nothing else in common; None otherwise.
 
     A pole that outputs show through different inputs is that of coupled states; what is missing at one place acts
-    through one input, or on one output.
+    through one input, or on one output. So is one without which the error is hardly larger: the number of states of a
+    coupled rig is not known.
     """
     poles = [(through.role.main, through.explanation.names) for one in found for through in one.through]
     names = {name for _, own in poles for name in own}
     mains = {main for main, own in poles if own}
-    if not names or not names <= set(_POLES) or len(mains) < 2:
+    if not names or not names <= set(_POLES):
+        return None
+    larger = max(mean_square(*_ends(one)[0]) / mean_square(*_ends(one)[1]) for one in found)
+    if len(mains) < 2 and (larger > FAINT**2 or len(found) < 2):
         return None
     higher = min(order + max(_POLES[name] for name in names), MOST_ORDER)
     again = _explained(signals, parts, higher, progress, [_Kind("apart")] * len(parts))
     simple = all(one.white and not one.through[-1].explanation.names for one in again)
     return again if simple else None
+
+
+def _ends(one: ExplainedOutput) -> tuple[tuple[Data, Fit], tuple[Data, Fit]]:
+    """The fits without and with the effects."""
+    explanation = one.through[-1].explanation
+    return (explanation.data, explanation.path[0]), (explanation.data, explanation.best)
 
 
 def _beside_neighbours(
