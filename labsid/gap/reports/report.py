@@ -61,7 +61,7 @@ def build_report(
     numbers = estimate_numbers(explanation.data, explanation.best)
     effects = _effects(answer, numbers)
     e = record.y - answer.outputs[0]
-    return {
+    return _holdout(answer, holdout) | {
         "schema": SCHEMA,
         "verdict": decision.verdict,
         "effects": effects,
@@ -104,6 +104,14 @@ def build_report(
         "numbers": numbers,
         "screen": screen_sentences(explanation),
     }
+
+
+def _holdout(answer: Answer, holdout: Record | None) -> dict[str, Any]:
+    """How many samples of a holdout determine its initial state and are not scored, and how that is estimated."""
+    if holdout is None:
+        return {}
+    state = "refitted" if answer.start.is_refitted(len(holdout)) else "estimated"
+    return {"holdout_unscored": answer.start.samples(len(holdout)), "holdout_state": state}
 
 
 def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dict[str, Any]:

@@ -281,6 +281,19 @@ def gap_sentence(report: dict[str, Any]) -> str:
     )
 
 
+def start_sentence(report: dict[str, Any]) -> str | None:
+    """Which samples of a holdout are not scored, and how its initial state is estimated; None without a holdout."""
+    count = report.get("holdout_unscored")
+    if count is None:
+        return None
+    if report["holdout_state"] == "estimated":
+        return f"The first {count} samples of the holdout determine its initial state and are not scored."
+    return (
+        f"The first {count} samples of the holdout are not scored. They say too little about its initial state, which "
+        "is therefore fitted to the whole holdout: the errors are those beside a free initial state."
+    )
+
+
 def has_kinds(report: dict[str, Any]) -> bool:
     """Whether the report attributes a remaining error to kinds of models."""
     return main_kind(report) is not None and not (report["verdict"] in ("none", "effect") and _is_white(report))
@@ -433,10 +446,12 @@ def records_sentence(report: dict[str, Any]) -> str | None:
     """How several records were treated."""
     if not report.get("records"):
         return None
+    counts = sorted({row["unscored"] for row in report["records"]})
+    first = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
     return (
         "The records share the parameters and the effects; each has its own offset and initial state. Each record was "
-        "simulated with fits to the others, its offset and initial state estimated from its first 50 samples. Times "
-        "run on from one record to the next, with a pause between them."
+        f"simulated with fits to the others, its offset and initial state estimated from its first {first} samples, "
+        "which are not scored. Times run on from one record to the next, with a pause between them."
     )
 
 

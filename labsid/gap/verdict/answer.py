@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
@@ -89,6 +90,8 @@ class Answer:
         Share of the gap that is left.
     fits : dict
         By sorted names: the fit of every combination tried.
+    start : RecordStart
+        Which samples of another record determine its initial state.
     """
 
     explanation: Explanation
@@ -106,6 +109,7 @@ class Answer:
     elsewhere: Fit | None
     share_left: float
     fits: dict[tuple[str, ...], Fit]
+    start: RecordStart
 
     @property
     def outputs(self) -> tuple[FloatArray, FloatArray]:
@@ -124,6 +128,7 @@ class _Setting:
     given_output: FloatArray | None
     rng: np.random.Generator
     measured: np.ndarray | None
+    start: RecordStart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,14 +180,14 @@ def answer_from(
     measured : ndarray of bool, optional
         Samples of the holdout that have an output; by default all.
     """
-    given = None
+    given, start = None, RecordStart(explanation.path[0].slowest_rates)  # the same for every fit
     if holdout is not None and base.simulate_record is not None:
-        given = explanation.data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
+        given = explanation.data.y_scale.of(check_bounded(base.simulate_record(holdout, start), holdout.y))
     other = None if holdout is None else (holdout.u, holdout.y)
     fitted = None if base.before is None else base.before(explanation.data)
     if explanation.data.pieces and fitted is not None:
         given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
-    setting = _Setting(record, base, fitted, other, given, rng, measured)
+    setting = _Setting(record, base, fitted, other, given, rng, measured, start)
     whole, complete = _complete(setting, explanation)
     decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
     if decision.verdict == "unknown":
@@ -237,7 +242,7 @@ def _partial(
 
 
 def _before(setting: _Setting, explanation: Explanation, onset: float | None = None) -> _Before:
-    held_out = hold_out(explanation.data, setting.other, onset, setting.measured)
+    held_out = hold_out(explanation.data, setting.other, onset, setting.measured, setting.start)
     start = held_out.refit(explanation.path[0])
     linear = None if setting.base.given else choose_linear_model(held_out, start)
     fit = setting.given or (start if linear is None else linear.fit)
@@ -270,6 +275,7 @@ def _answer(found: _Comparison, complete: Complete, decision: Decision, search: 
         closed=_closed_by_step(found, search),
         share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
         fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
+        start=found.before.held_out.start,
     )
 
 
