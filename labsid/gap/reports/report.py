@@ -60,7 +60,7 @@ def build_report(
     unit = explanation.data.y_scale.unit
     numbers = estimate_numbers(explanation.data, explanation.best)
     effects = _effects(answer, numbers)
-    e = record.y - answer.outputs[0]
+    t, u, y, e = _located(record, answer, holdout)
     return _holdout(answer, holdout) | {
         "schema": SCHEMA,
         "verdict": decision.verdict,
@@ -70,10 +70,10 @@ def build_report(
         "explanation": {**asdict(answer.complete), "evidence": answer.complete.evidence._asdict()},
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
-            "time": location.share_by_time(record.t, e, record.Ts, _acting_samples(explanation, decision)),
+            "time": location.share_by_time(t, e, record.Ts, _acting_samples(answer, t.size)),
             "band_hz": location.share_by_frequency(e, record.Ts),
-            "operating": location.most_uneven_signal(record.u, record.y, record.Ts, e),
-            "map": location.operating_map(record.u, record.y, e),
+            "operating": location.most_uneven_signal(u, y, record.Ts, e),
+            "map": location.operating_map(u, y, e),
         },
         "gap": {
             "before": score.before * unit,
@@ -111,7 +111,28 @@ def _holdout(answer: Answer, holdout: Record | None) -> dict[str, Any]:
     if holdout is None:
         return {}
     state = "refitted" if answer.start.is_refitted(len(holdout)) else "estimated"
-    return {"holdout_unscored": answer.start.samples(len(holdout)), "holdout_state": state}
+    found: dict[str, Any] = {"holdout_unscored": answer.start.samples(len(holdout)), "holdout_state": state}
+    if answer.on_other is None:
+        return found
+    data, before, _ = answer.on_other
+    unit = data.y_scale.unit
+    gap = {
+        "on_record": rms(answer.explanation.data, answer.before) * unit,
+        "offset": float(np.mean((data.y - before.output)[data.rows])) * unit,
+    }
+    return found | {"only_on_holdout": gap}
+
+
+def _located(
+    record: Record, answer: Answer, holdout: Record | None
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Times, input, output and error of the simulation before, where the gap is: on the record, or on the holdout."""
+    if answer.on_other is None or holdout is None:
+        return record.t, record.u, record.y, record.y - answer.outputs[0]
+    data, before, _ = answer.on_other
+    e = np.where(data.rows, data.y - before.output, 0.0) * data.y_scale.unit
+    first = slice(answer.start.samples(len(holdout)), None)
+    return holdout.t[first], holdout.u[first], holdout.y[first], e[first]
 
 
 def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dict[str, Any]:
@@ -123,7 +144,8 @@ def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dic
 def record_limits(answer: Answer) -> tuple[Limits, ...]:
     """What the record could have shown of each effect; it excludes a size only if nothing but noise is left."""
     data, best = answer.explanation.data, answer.explanation.best
-    return find_smallest_sizes(data, best, rms(data, best), answer.decision.verdict in ("none", "effect"))
+    only_noise = answer.decision.verdict in ("none", "effect") or answer.only_elsewhere
+    return find_smallest_sizes(data, best, rms(data, best), only_noise)
 
 
 def _linear_model(answer: Answer) -> dict[str, Any] | None:
@@ -230,8 +252,11 @@ def _ranking(answer: Answer) -> list[dict[str, Any]]:
     ]
 
 
-def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
-    """Samples on which the first effect acts that is confined to a part of the record."""
+def _acting_samples(answer: Answer, samples: int) -> np.ndarray:
+    """Samples on which the first effect acts that is confined to a part of the record; none of a holdout."""
+    explanation, decision = answer.explanation, answer.decision
+    if answer.only_elsewhere:
+        return np.zeros(samples, bool)
     fit = explanation.best
     for effect in fit.hypothesis.effects[fit.hypothesis.n_given :]:
         at = effect.active_samples(Fitted.of(fit, explanation.data))
@@ -249,8 +274,10 @@ def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
 
 
 def _unexplained(answer: Answer) -> dict[str, Any]:
-    explanation, left, remaining = answer.explanation, answer.left, answer.remaining
-    data, fit = explanation.data, explanation.best
+    left, remaining = answer.left, answer.remaining
+    data, fit = answer.explanation.data, answer.explanation.best
+    if answer.on_other is not None:
+        data, _, fit = answer.on_other
     e = np.where(data.rows, data.y - fit.output, 0.0)
     return {
         "share": answer.share_left,

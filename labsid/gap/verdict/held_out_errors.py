@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.fits.fitting import Fit, refit
+from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import LEAST, export_model
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import held_out_samples
@@ -92,6 +93,14 @@ class HeldOut:
     def measured(self) -> FloatArray:
         """Scaled measured output of the same record."""
         return self.data.y if self.other is None else self.data.y_scale.of(self.other[1])
+
+    def on_other(self, fit: Fit) -> tuple[Data, Fit]:
+        """The other record, with the rows that are scored, and a fit with its output there."""
+        assert self.other is not None
+        u, y = self.data.u_scale.of(self.other[0]), self.measured
+        data = Data(u, y, self.scored, self.data.Ts, self.data.u_scale, self.data.y_scale, lattice=self.data.lattice)
+        output = self.output(fit)
+        return data, replace(fit, output=output, noise=fit_noise(y - output, data.complete, data.lags))
 
     def errors(self, fit: Fit, again: Refit | None = None) -> FloatArray:
         """Mean square error of a fit in each part of the held-out samples, shape (PARTS,)."""
