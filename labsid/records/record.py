@@ -293,7 +293,11 @@ def between_outputs(record: Record) -> Record:
     rows = span_of_outputs(record.y)
     if rows.start == 0 and rows.stop == len(record):
         return record
-    note = f"y is missing in the first {rows.start} and the last {len(record) - rows.stop} samples; these are left out"
+    ends = {"first": rows.start, "last": len(record) - rows.stop}
+    where = " and ".join(f"the {end} {count}" for end, count in ends.items() if count)
+    note = f"y is missing in {where} samples; these are left out"
+    if sum(ends.values()) == 1:
+        note = f"y is missing in the {'first' if rows.start else 'last'} sample; it is left out"
     return replace(cut_signals(record, rows), notes=(*record.notes, note))
 
 
