@@ -24,7 +24,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
-from labsid.gap.verdict.decision import Decision
+from labsid.gap.verdict.decision import Decision, only_switches
 from labsid.gap.verdict.scores import closed_share
 from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
@@ -359,6 +359,11 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         texts.append(
             f"The record has hardly any noise of its own. Noise of {added} rms, which is what printed digits and "
             "simulators leave, was added to the output, and is part of all errors."
+        )
+    if only_switches(explanation.data, explanation.best):
+        texts.append(
+            "As fitted, the actuator only switches between two values, as a relay or an on/off controller does. Two "
+            "values do not show the shape of a limit or a curve."
         )
     if faults.lattice is not None:
         texts.append(

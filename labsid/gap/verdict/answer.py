@@ -27,6 +27,7 @@ from labsid.gap.verdict.decision import (
     decide_partial,
     evidence_by_name,
     evidence_in,
+    without_curve_of_switch,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
@@ -288,6 +289,7 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
 def _answer(found: _Comparison, complete: Complete, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
     explanation, score = found.explanation, found.score
     novelty = measure_novelty(explanation.data, explanation.path[0])
+    decision = without_curve_of_switch(decision, explanation.data, explanation.best)
     capped = {name: novelty.capped(p) for name, p in decision.probability.items()}
     return Answer(
         explanation=explanation,
