@@ -66,11 +66,11 @@ class ExportedModel:
         unknown. On another record, loads, sinusoids and drifts are left out: they belong to the fitted one.
     elsewhere : ExportedModel or None
         The simulation of other records, if it is not this one without its loads, sinusoids and drifts.
-    start : RecordStart
-        Which samples of a record determine its initial state.
     offset_weight : float
         Weight of the offset's distance from that of the model, relative to one sample, in the estimate of a record's
         offset and initial state. Zero, after a fit to one record: the offset is that of the model.
+    start : RecordStart
+        Which samples of a record determine its initial state.
     """
 
     hypothesis: Hypothesis

@@ -98,8 +98,6 @@ class Answer:
     on_other : tuple of Data and two Fits, or None
         If the record shows no gap and the holdout does: the holdout, with the simulations before and after. `remaining`
         and `left` are then those on the holdout.
-    only_elsewhere : bool
-        Whether that is so.
     """
 
     explanation: Explanation
