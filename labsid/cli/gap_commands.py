@@ -262,7 +262,10 @@ def simulate(
     trust: Trust = False,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write t,u,y,y_sim as CSV.")] = None,
 ) -> None:
-    """Simulate a model on a record's input. Its initial state is estimated from the first 50 samples."""
+    """Simulate a model on a record's input. Its initial state is estimated from the first samples.
+
+    These are two of its slowest time constants, at least 50 samples and at most a quarter of the record.
+    """
     from labsid.gap.record.clock import clock_findings
     from labsid.gap.simulations.simulation_files import replay, write_replay
     from labsid.records.record import between_outputs, read_record

@@ -9,13 +9,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from labsid._arrays import FloatArray, stretches_of
+from labsid.gap.dynamics.record_start import LEAST_START, MOST_SHARE
 from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
 from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.smallest_sizes import find_smallest_sizes
-from labsid.gap.model_file import START_SAMPLES, ExportedModel, export_model
+from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
@@ -59,7 +60,8 @@ from labsid.simulators.simulator import Simulator
 
 MIN_SAMPLES = 100  # samples
 _Times = Sequence[tuple[float, float]]
-MIN_HOLDOUT = START_SAMPLES + 10  # samples, of which the first determine the initial state
+MIN_SCORED = 10  # samples
+MIN_HOLDOUT = LEAST_START + MIN_SCORED  # samples, of which the first determine the initial state
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 LIMITS_SCHEMA = "labsid.gap.limits/1"
 TESTED_SIZE = 1.5  # over the smallest size that is named
@@ -428,7 +430,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     rng = np.random.default_rng(seed)
     answer = answer_from(record, explanation, base, holdout, rng, progress, prepared.holdout_measured)
     data = answer.explanation.data
-    model = export_model(data, answer.score.after_fit, answer.elsewhere)
+    model = export_model(data, answer.score.after_fit, answer.elsewhere, answer.start)
     joined, inside = prepared.joined, np.ones(len(record), bool)
     if joined is None:
         fitted = answer.before if base.given else explanation.path[0]  # to all samples, as the levels are
@@ -443,7 +445,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     record = Record(record.t, record.u, y, record.Ts, name=record.name)
     report = build_report(record, answer, base, rng, holdout)
     if joined is not None:
-        report["records"] = score_by_record(joined, data, answer.score)
+        report["records"] = score_by_record(joined, data, answer.score, answer.start)
     before, after = (output[inside] for output in answer.outputs)
     report["traces"] = figure_traces(
         record.t[inside], record.u[inside], record.y[inside], before, after, prepared.measured[inside]
@@ -500,11 +502,11 @@ def _measured(record: Record, gaps: _Times) -> np.ndarray:
 def _measured_holdout(holdout: Record, gaps: _Times) -> np.ndarray:
     """Mask of the samples of a holdout that have an output."""
     rows = _measured(holdout, gaps)
-    scored = int(rows[START_SAMPLES:].sum())
-    if scored < MIN_HOLDOUT - START_SAMPLES:
+    scored = int(rows[max(LEAST_START, int(np.ceil(MOST_SHARE * rows.size))) :].sum())
+    if scored < MIN_SCORED:
         raise ValueError(
-            f"the holdout has an output at {scored} of its scored samples; at least {MIN_HOLDOUT - START_SAMPLES} are "
-            "needed. Use another one."
+            f"the holdout has an output at {scored} of its scored samples; at least {MIN_SCORED} are needed. Use "
+            "another one."
         )
     return rows
 
@@ -546,7 +548,7 @@ def _check_records(record: Record, holdout: Record | None) -> None:
     _check_record(record, "the record")
     if holdout is not None and len(holdout) < MIN_HOLDOUT:
         raise ValueError(
-            f"the holdout has {len(holdout)} samples; it needs at least {MIN_HOLDOUT}: its first {START_SAMPLES} "
+            f"the holdout has {len(holdout)} samples; it needs at least {MIN_HOLDOUT}: its first {LEAST_START} "
             "determine the initial state and are not scored. Use a longer one."
         )
     if holdout is not None and abs(holdout.Ts - record.Ts) > 1e-6 * record.Ts:

@@ -13,6 +13,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.inside import port_from_json
 from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
@@ -23,7 +24,6 @@ from labsid.simulators.process import open_in_process
 SCHEMA = "labsid.model/1"
 SETTLING_SAMPLES = 5000  # at constant input before a simulation from rest
 BEFORE_ANY_CHANGE = 10**9  # samples: with a record so long, loads and drifts do not change within SETTLING_SAMPLES
-START_SAMPLES = 50  # for the estimate of the initial state
 STATE_OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0)  # scaled start values of initial states
 INPUT_PARTS = 16  # of a record
 STATE_STEP = 1e-3  # scaled: of the derivative by an initial state
@@ -39,6 +39,11 @@ _OF_ONE_RECORD = (
     "shake_",
     "off_",
 )  # sizes of loads, drifts, sinusoids; times
+LEAST = RecordStart()
+SETTLED_FILTER = 3.0  # time constants of a lag ahead of nonlinear dynamics, whose state is not estimated
+MOST_UNKNOWN = 0.5  # of the samples that determine a state, with an input that depends on what was before the record
+SAME_DRIVE = 1e-3  # scaled
+PASSING = {"width": 0.0, "delay": 0.0, "log_rate": 3.0}  # play, delay and rate limit that do nothing
 STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 
 
@@ -64,6 +69,8 @@ class ExportedModel:
     offset_weight : float
         Weight of the offset's distance from that of the model, relative to one sample, in the estimate of a record's
         offset and initial state. Zero, after a fit to one record: the offset is that of the model.
+    start : RecordStart
+        Which samples of a record determine its initial state.
     """
 
     hypothesis: Hypothesis
@@ -77,6 +84,7 @@ class ExportedModel:
     input_means: FloatArray = field(default_factory=lambda: np.zeros(0))
     elsewhere: "ExportedModel | None" = None
     offset_weight: float = 0.0
+    start: RecordStart = LEAST
 
     def simulate(self, u: FloatArray, y: FloatArray | None = None, of_record: bool | None = None) -> FloatArray:
         """Free-run output for an input in the record's unit.
@@ -178,10 +186,12 @@ class ExportedModel:
         The minimization starts from the best point of a grid: at a brim, a limit or in friction the error has several
         minima.
         """
-        u, y = u[:START_SAMPLES], y[:START_SAMPLES]
         in_theta, in_gains = self._states()
         if not in_theta and not in_gains:
             return self
+        used = self.start.used(u.size)
+        u, y = u[:used], y[:used]
+        first = self._unknown_samples(u)
 
         def with_state(x: FloatArray) -> ExportedModel:
             theta, gains = self.theta.copy(), self.gains.copy()
@@ -192,7 +202,7 @@ class ExportedModel:
             """Error of the output, and the weighted distance of an estimated offset from that of this model."""
             model = with_state(x)
             away = self.offset_weight * (self.gains[self._offset] - model.gains[self._offset])
-            e = y - model._output(u)
+            e = (y - model._output(u))[first:]
             return np.append(e, away) if self.offset_weight else e
 
         state, linear = self.theta[in_theta], self.gains[in_gains]
@@ -203,6 +213,24 @@ class ExportedModel:
         start = min(grid, key=lambda x: _power(error(x)))
         free = np.full(len(in_gains), np.inf)
         return with_state(_minimized(error, start, np.append(lower, -free), np.append(upper, free)))
+
+    def _unknown_samples(self, u: FloatArray) -> int:
+        """Samples in which the dynamics are driven by what was before the record: in a delay, or on the way of an
+        actuator with limited rate or a lag. After them, the initial state stands for what that drive has left.
+        """
+        hypothesis, theta = self.hypothesis, self.theta.copy()
+        if self.start.rates is None:
+            return 0
+        for effect in hypothesis.inputs:
+            if any(one.name in STATES for one in effect.parameters):  # they are estimated
+                theta[hypothesis.slices[effect.key].start] = PASSING[effect.parameters[0].name]
+        before = (np.full(SETTLING_SAMPLES, end) for end in (u.min(), u.max()))
+        low, high = (hypothesis.actuator(theta, np.concatenate([one, u]))[SETTLING_SAMPLES:] for one in before)
+        unknown = int(np.flatnonzero(np.append(True, np.abs(high - low) > SAME_DRIVE))[-1])
+        if hypothesis.plant.nonlinear and hypothesis.plant.lag_ahead:
+            lag = theta[hypothesis.slices["plant"]][hypothesis.plant.index("log_lag")]
+            unknown += int(np.ceil(SETTLED_FILTER * np.exp(lag)))
+        return min(unknown, int(MOST_UNKNOWN * u.size))
 
     def _grid_unit(self, at: int) -> float:
         """Distance by which an initial state, at the index `at` of theta, is varied first."""
@@ -231,6 +259,7 @@ class ExportedModel:
             "reference": self.reference,
             "input_means": self.input_means.tolist(),
             "offset_weight": self.offset_weight,
+            "start_rates": None if self.start.rates is None else list(self.start.rates),
             "u_scale": {"centre": self.u_scale.centre, "unit": self.u_scale.unit},
             "y_scale": {"centre": self.y_scale.centre, "unit": self.y_scale.unit},
         }
@@ -277,8 +306,10 @@ def _minimized(
     return x
 
 
-def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None) -> ExportedModel:
+def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None, start: RecordStart = LEAST) -> ExportedModel:
     """Convert a fit to a simulation, and another one for other records, if there is one.
+
+    `start` states which samples of a record determine its initial state.
 
     A fit to several records becomes a simulation with the mean of their offsets.
     """
@@ -297,8 +328,9 @@ def export_model(data: Data, fit: Fit, elsewhere: Fit | None = None) -> Exported
         reference,
         *scales,
         _means(data.u),
-        None if elsewhere is None else export_model(data, elsewhere),
+        None if elsewhere is None else export_model(data, elsewhere, start=start),
         weight,
+        start,
     )
 
 
@@ -322,7 +354,7 @@ def _without_restarts(data: Data, fit: Fit, restarts: Restarts) -> tuple[Hypothe
     spread = np.sqrt((deviations + OFFSET_SPREAD**2) / offsets.size)
     e = (data.y - fit.output)[data.rows]
     slow = fit.noise.sigma2 / max(1.0 - float(np.sum(fit.noise.ar)), 1e-3) ** 2
-    slow = float(np.clip(slow, fit.noise.sigma2, START_SAMPLES * np.mean(e**2)))
+    slow = float(np.clip(slow, fit.noise.sigma2, LEAST_START * np.mean(e**2)))
     return hypothesis, theta, gains, float(np.sqrt(slow) / spread)
 
 
@@ -346,13 +378,15 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         other = None if content.get("elsewhere") is None else from_json_dict(content["elsewhere"])
         means = np.array(content.get("input_means", []), float)  # files of earlier versions have none
         weight = float(content.get("offset_weight", 0.0))
+        rates = content.get("start_rates")
+        start = LEAST if rates is None else RecordStart((float(rates[0]), float(rates[1])))
         Ts, span, reference = float(content["Ts"]), int(content["span"]), float(content["reference"])
         u_scale, y_scale = (
             Scale(float(content[name]["centre"]), float(content[name]["unit"])) for name in ("u_scale", "y_scale")
         )
     except KeyError as error:
         raise ValueError(wrong.format(f"{error} is missing")) from None
-    except (TypeError, ValueError, OverflowError):
+    except (TypeError, ValueError, OverflowError, IndexError):
         raise ValueError(wrong.format("a value has the wrong type")) from None
     unknown = [key for key in keys if key not in EFFECTS_BY_KEY]
     if unknown:
@@ -368,13 +402,15 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     numbers = [*gains.ravel(), *means.ravel(), Ts, reference, weight, *astuple(u_scale), *astuple(y_scale)]
     if not np.isfinite(numbers).all() or min(Ts, span, u_scale.unit, y_scale.unit) <= 0 or weight < 0.0:
         raise ValueError(wrong.format("its numbers must be finite; Ts, span and the units must be positive"))
-    design = hypothesis.design(theta, np.zeros(START_SAMPLES), span, reference)
+    if not all(np.isfinite(rate) and rate > 0.0 for rate in start.rates or ()):
+        raise ValueError(wrong.format("start_rates must be two positive numbers"))
+    design = hypothesis.design(theta, np.zeros(LEAST_START), span, reference)
     expected = design.columns.shape[1]
     if gains.shape != (expected,):
         raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
     if means.shape not in ((0,), (INPUT_PARTS,)):
         raise ValueError(wrong.format(f"input_means must hold {INPUT_PARTS} numbers"))
-    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, other, weight)
+    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, other, weight, start)
 
 
 def with_sources(content: dict[str, Any], change: Callable[[str], str]) -> dict[str, Any]:

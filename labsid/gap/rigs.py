@@ -8,7 +8,6 @@ from time import process_time
 import numpy as np
 
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.model_file import START_SAMPLES
 from labsid.gap.record.record_findings import filtered_input
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.verdict.baseline_choice import FIRST_ORDER, LEAST_SQUARES
@@ -119,7 +118,7 @@ def _checked(path: Path, second: Path, order: int, seed: int) -> RigResult:
         verdict=report["verdict"],
         effects=tuple((effect["name"], effect["probability"]) for effect in report["effects"]),
         before=report["gap"]["before"],
-        after=float(np.sqrt(np.nanmean(e[START_SAMPLES:] ** 2))),
+        after=float(np.sqrt(np.nanmean(e[report["holdout_unscored"] :] ** 2))),
         simple=min(errors[FIRST_ORDER], errors[LEAST_SQUARES]),
         remaining=report["unexplained"]["path"],
         seconds=seconds,

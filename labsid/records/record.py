@@ -341,8 +341,11 @@ def between_outputs(record: Record) -> Record:
     if rows.start == 0 and rows.stop == len(record):
         return record
     what = "y is" if len(record.outputs) == 1 else "all outputs are"
-    ends = f"the first {rows.start} and the last {len(record) - rows.stop} samples"
-    note = f"{what} missing in {ends}; these are left out"
+    ends = {"first": rows.start, "last": len(record) - rows.stop}
+    where = " and ".join(f"the {end} {count}" for end, count in ends.items() if count)
+    note = f"{what} missing in {where} samples; these are left out"
+    if sum(ends.values()) == 1:
+        note = f"{what} missing in the {'first' if rows.start else 'last'} sample; it is left out"
     return replace(cut_signals(record, rows), notes=(*record.notes, note))
 
 

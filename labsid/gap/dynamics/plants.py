@@ -12,6 +12,7 @@ from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Named, PlantForm
 from labsid.gap.dynamics.responses import (
+    decay_rates,
     force_unit,
     free_responses,
     lag_mean,
@@ -180,6 +181,16 @@ class Plant(PlantForm):
             a, b = first / upper, second / lower
             return float(a + b), float(a * b)
         return float(first), float(second)
+
+    def slowest_rates(self, theta: FloatArray, span: int) -> tuple[float, float]:
+        """c and k of the two poles of the linearized dynamics that decay most slowly."""
+        (c, k), own = self.linear_rates(theta), self._by_name(theta)
+        main = decay_rates(c, k)
+        others = [1.0 / _lag_time(own, span)] if self.lag else []
+        others += [float(np.exp(own["log_frequency"] + own["log_damping"]))] * 2 if self.mode else []
+        others += [float(np.exp(-own["log_slow"]))] if self.slow else []
+        slowest = sorted((*main, *others))[:2]
+        return (c, k) if slowest == sorted(main) else (slowest[0] + slowest[1], slowest[0] * slowest[1])
 
     def root_slope(self, theta: FloatArray) -> float:
         """Derivative of the level by the flow at the mean flow, for square-root outflow."""

@@ -76,6 +76,11 @@ def real_rates(c: float, k: float) -> tuple[float, float]:
     return float(k / fast), float(min(fast, 8.0))
 
 
+def decay_rates(c: float, k: float) -> tuple[float, float]:
+    """The rates at which the free response of s^2 + c s + k decays, the slow one first."""
+    return (0.5 * c, 0.5 * c) if c * c < 4.0 * k else real_rates(c, k)
+
+
 def damping_ratio(c: float, k: float) -> float:
     """Damping ratio of s^2 + c s + k."""
     return float(0.5 * c / np.sqrt(k))

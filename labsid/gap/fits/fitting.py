@@ -60,6 +60,11 @@ class Fit:
         return self.hypothesis.plant.linear_rates(self.plant_theta)
 
     @property
+    def slowest_rates(self) -> tuple[float, float]:
+        """c and k of the two slowest poles of the linearized dynamics, in samples."""
+        return self.hypothesis.plant.slowest_rates(self.plant_theta, self.output.size)
+
+    @property
     def onset(self) -> float | None:
         """Onset of a load as a share of the record; None without a load."""
         names = [parameter.name for parameter in self.hypothesis.parameters]

@@ -87,6 +87,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         else closed_percent(gap["closed"], gap["ci95"]),
         "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
+        "start": sentences.start_sentence(report),
         "baseline": sentences.baseline_sentence(report),
         "records": sentences.record_rows(report),
         "records_text": sentences.records_sentence(report),

@@ -14,6 +14,8 @@ def location_sentences(report: dict[str, Any]) -> list[str]:
     """Sentences on where the gap lies in time, frequency and operating range."""
     where = report["where"]
     texts = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
+    if "only_on_holdout" in report:
+        texts = [text.replace(" record", " holdout") for text in texts]
     return [text for text in texts if text]
 
 

@@ -175,7 +175,7 @@ def played_part(data: Data, fit: Fit) -> PlayedPart:
 
 
 def _combination(answer: Answer, fit: Fit, holdout: Record | None) -> dict[str, Any]:
-    data, model = answer.explanation.data, export_model(answer.explanation.data, fit)
+    data, model = answer.explanation.data, export_model(answer.explanation.data, fit, start=answer.start)
     played = played_part(data, fit)
     simulated = fit.hypothesis.plant.kind != "given"
     found = [one for effect in fit.hypothesis.found for one in parameter_sliders(data, fit, effect)]

@@ -24,7 +24,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
-from labsid.gap.verdict.decision import Decision
+from labsid.gap.verdict.decision import Decision, only_switches
 from labsid.gap.verdict.scores import closed_share
 from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
@@ -60,8 +60,8 @@ def build_report(
     unit = explanation.data.y_scale.unit
     numbers = estimate_numbers(explanation.data, explanation.best)
     effects = _effects(answer, numbers)
-    e = record.y - answer.outputs[0]
-    return {
+    t, u, y, e = _located(record, answer, holdout)
+    return _holdout(answer, holdout) | {
         "schema": SCHEMA,
         "verdict": decision.verdict,
         "effects": effects,
@@ -70,10 +70,10 @@ def build_report(
         "explanation": {**asdict(answer.complete), "evidence": answer.complete.evidence._asdict()},
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
-            "time": location.share_by_time(record.t, e, record.Ts, _acting_samples(explanation, decision)),
+            "time": location.share_by_time(t, e, record.Ts, _acting_samples(answer, t.size)),
             "band_hz": location.share_by_frequency(e, record.Ts),
-            "operating": location.most_uneven_signal(record.u, record.y, record.Ts, e),
-            "map": location.operating_map(record.u, record.y, e),
+            "operating": location.most_uneven_signal(u, y, record.Ts, e),
+            "map": location.operating_map(u, y, e),
         },
         "gap": {
             "before": score.before * unit,
@@ -106,6 +106,35 @@ def build_report(
     }
 
 
+def _holdout(answer: Answer, holdout: Record | None) -> dict[str, Any]:
+    """How many samples of a holdout determine its initial state and are not scored, and how that is estimated."""
+    if holdout is None:
+        return {}
+    state = "refitted" if answer.start.is_refitted(len(holdout)) else "estimated"
+    found: dict[str, Any] = {"holdout_unscored": answer.start.samples(len(holdout)), "holdout_state": state}
+    if answer.on_other is None:
+        return found
+    data, before, _ = answer.on_other
+    unit = data.y_scale.unit
+    gap = {
+        "on_record": rms(answer.explanation.data, answer.before) * unit,
+        "offset": float(np.mean((data.y - before.output)[data.rows])) * unit,
+    }
+    return found | {"only_on_holdout": gap}
+
+
+def _located(
+    record: Record, answer: Answer, holdout: Record | None
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Times, input, output and error of the simulation before, where the gap is: on the record, or on the holdout."""
+    if answer.on_other is None or holdout is None:
+        return record.t, record.u, record.y, record.y - answer.outputs[0]
+    data, before, _ = answer.on_other
+    e = np.where(data.rows, data.y - before.output, 0.0) * data.y_scale.unit
+    first = slice(answer.start.samples(len(holdout)), None)
+    return holdout.t[first], holdout.u[first], holdout.y[first], e[first]
+
+
 def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dict[str, Any]:
     """How a simulated output was read: as the linear model that reproduces it, or as it is."""
     opened = None if model is None else {"order": model.order, "dead_time": model.dead_time, "error": model.error}
@@ -115,7 +144,8 @@ def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dic
 def record_limits(answer: Answer) -> tuple[Limits, ...]:
     """What the record could have shown of each effect; it excludes a size only if nothing but noise is left."""
     data, best = answer.explanation.data, answer.explanation.best
-    return find_smallest_sizes(data, best, rms(data, best), answer.decision.verdict in ("none", "effect"))
+    only_noise = answer.decision.verdict in ("none", "effect") or answer.only_elsewhere
+    return find_smallest_sizes(data, best, rms(data, best), only_noise)
 
 
 def _linear_model(answer: Answer) -> dict[str, Any] | None:
@@ -222,8 +252,11 @@ def _ranking(answer: Answer) -> list[dict[str, Any]]:
     ]
 
 
-def _acting_samples(explanation: Explanation, decision: Decision) -> np.ndarray:
-    """Samples on which the first effect acts that is confined to a part of the record."""
+def _acting_samples(answer: Answer, samples: int) -> np.ndarray:
+    """Samples on which the first effect acts that is confined to a part of the record; none of a holdout."""
+    explanation, decision = answer.explanation, answer.decision
+    if answer.only_elsewhere:
+        return np.zeros(samples, bool)
     fit = explanation.best
     for effect in fit.hypothesis.effects[fit.hypothesis.n_given :]:
         at = effect.active_samples(Fitted.of(fit, explanation.data))
@@ -241,8 +274,10 @@ def _stretches(record: Record, scored: np.ndarray) -> list[list[float]]:
 
 
 def _unexplained(answer: Answer) -> dict[str, Any]:
-    explanation, left, remaining = answer.explanation, answer.left, answer.remaining
-    data, fit = explanation.data, explanation.best
+    left, remaining = answer.left, answer.remaining
+    data, fit = answer.explanation.data, answer.explanation.best
+    if answer.on_other is not None:
+        data, _, fit = answer.on_other
     e = np.where(data.rows, data.y - fit.output, 0.0)
     return {
         "share": answer.share_left,
@@ -324,6 +359,11 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         texts.append(
             f"The record has hardly any noise of its own. Noise of {added} rms, which is what printed digits and "
             "simulators leave, was added to the output, and is part of all errors."
+        )
+    if only_switches(explanation.data, explanation.best):
+        texts.append(
+            "As fitted, the actuator only switches between two values, as a relay or an on/off controller does. Two "
+            "values do not show the shape of a limit or a curve."
         )
     if faults.lattice is not None:
         texts.append(

@@ -42,7 +42,8 @@ def headline(report: dict[str, Any]) -> str:
     if report["verdict"] == "effect":
         return _effect_sentence(report)
     if report["verdict"] == "partial":
-        return _partial_sentence(report)
+        text = _partial_sentence(report)
+        return f"{_holdout_sentence(report)} {text}" if only_on_holdout(report) else text
     return _none_sentence(report) if report["verdict"] == "none" else _unknown_sentence(report)
 
 
@@ -166,16 +167,45 @@ def _qualified(effect: dict[str, Any]) -> str:
     return f"{'Probably' if p >= LIKELY else 'Possibly'} {uncapitalised(clause(effect))}"
 
 
+def only_on_holdout(report: dict[str, Any]) -> bool:
+    """Whether the record shows no gap, and the holdout does."""
+    return "only_on_holdout" in report
+
+
+def _simulation_before(report: dict[str, Any]) -> str:
+    return "your simulation" if report["simulation"]["given"] else "a linear model fitted to the record"
+
+
 def _none_sentence(report: dict[str, Any]) -> str:
-    gap = report["gap"]
-    which = "your simulation" if report["simulation"]["given"] else "a linear model fitted to the record"
+    gap, which = report["gap"], _simulation_before(report)
+    if "holdout_unscored" in report and gap["before"] > NO_GAP * gap["noise_floor"]:
+        return (
+            f"There is no gap beyond noise: the rms error of {which} is {number(gap['before'])} on the holdout, which "
+            f"noise of {number(gap['noise_floor'])} reaches by chance."
+        )
     return (
         f"There is no gap beyond noise: the rms error of {which} is {number(gap['before'])}, "
         f"and the noise alone is {number(gap['noise_floor'])}."
     )
 
 
+def _holdout_sentence(report: dict[str, Any]) -> str:
+    """The gap on a holdout whose record shows none."""
+    gap, only = report["gap"], report["only_on_holdout"]
+    before, offset = gap["before"], only["offset"]
+    text = (
+        f"The record shows no gap beyond noise, the holdout does: the rms error of {_simulation_before(report)} is "
+        f"{number(before)} on the holdout and {number(only['on_record'])} on the record, and the noise alone is "
+        f"{number(gap['noise_floor'])}."
+    )
+    constant = offset**2 > HALF * before**2
+    return f"{text} Most of the error on the holdout is an offset of {number(offset)}." if constant else text
+
+
 def _unknown_sentence(report: dict[str, Any]) -> str:
+    if only_on_holdout(report):
+        tried = f"None of the {len(effects_tried(report))} effects tried reduces this error by more than chance."
+        return f"{_holdout_sentence(report)} {tried}"
     start = f"None of the {len(effects_tried(report))} effects tried explains the gap"
     reason = "none reduces it on held-out samples by more than chance"
     if plateaus_matter(report):
@@ -271,13 +301,27 @@ def gap_sentence(report: dict[str, Any]) -> str:
     where = "held-out samples" if report["holdout_traces"] is None else "holdout record"
     where = "each record left out in turn" if report.get("records") else where
     unit = report.get("units", {}).get("y", "units of y")
-    noise = "noise alone" if report["verdict"] in ("none", "effect") else "noise, with what no model predicts,"
+    only_noise = report["verdict"] in ("none", "effect") or only_on_holdout(report)
+    noise = "noise alone" if only_noise else "noise, with what no model predicts,"
     end = f"the {noise} is {number(gap['noise_floor'])} ({unit}, {where})."
     if is_unchanged(report):
         return f"The rms simulation error is {number(gap['before'])}; {end}"
     return (
         f"The rms simulation error is {number(gap['before'])} before and {number(gap['after'])} after "
         f"{correction(report)}; {end}"
+    )
+
+
+def start_sentence(report: dict[str, Any]) -> str | None:
+    """Which samples of a holdout are not scored, and how its initial state is estimated; None without a holdout."""
+    count = report.get("holdout_unscored")
+    if count is None:
+        return None
+    if report["holdout_state"] == "estimated":
+        return f"The first {count} samples of the holdout determine its initial state and are not scored."
+    return (
+        f"The first {count} samples of the holdout are not scored. They say too little about its initial state, which "
+        "is therefore fitted to the whole holdout: the errors are those beside a free initial state."
     )
 
 
@@ -298,6 +342,11 @@ def kinds_sentence(report: dict[str, Any]) -> str | None:
 
 def look_sentence(report: dict[str, Any]) -> str | None:
     """Where on the rig to look for the cause of the remaining error."""
+    if only_on_holdout(report):
+        return (
+            "Find out in what the rig, its load or its wiring differed between the record and the holdout. Diagnose "
+            "the holdout by itself, and both as runs of one rig."
+        )
     kind = main_kind(report)
     return None if kind is None or report["verdict"] in ("none", "effect") else REMAINING_ERRORS[kind].look
 
@@ -433,10 +482,12 @@ def records_sentence(report: dict[str, Any]) -> str | None:
     """How several records were treated."""
     if not report.get("records"):
         return None
+    counts = sorted({row["unscored"] for row in report["records"]})
+    first = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
     return (
         "The records share the parameters and the effects; each has its own offset and initial state. Each record was "
-        "simulated with fits to the others, its offset and initial state estimated from its first 50 samples. Times "
-        "run on from one record to the next, with a pause between them."
+        f"simulated with fits to the others, its offset and initial state estimated from its first {first} samples, "
+        "which are not scored. Times run on from one record to the next, with a pause between them."
     )
 
 
@@ -466,7 +517,7 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
     left = report["unexplained"]
     white, correlated = left["whiteness_p"] >= SIGNIFICANT, left["input_correlation_p"] < SIGNIFICANT
     whiteness, correlation = p_value(left["whiteness_p"]), p_value(left["input_correlation_p"])
-    texts = []
+    texts = ["These are the errors on the holdout."] if only_on_holdout(report) else []
     if _is_white(report) and report["verdict"] in ("none", "effect"):
         texts.append("Only white noise remains.")
     elif left["share"] > 0.0 and report["verdict"] != "none":

@@ -35,7 +35,10 @@ def format_report(report: dict[str, Any]) -> str:
         lines += titled_lines("" if number else "record", printable(finding))
     rows = [
         ("ambiguous", [sentences.ambiguity_sentence(report), sentences.reference_sentence(report)]),
-        ("gap", [sentences.gap_sentence(report), sentences.baseline_sentence(report)]),
+        (
+            "gap",
+            [sentences.gap_sentence(report), sentences.start_sentence(report), sentences.baseline_sentence(report)],
+        ),
         ("where", [sentences.place_sentence(report), *location_sentences(report)]),
         ("residual", [*sentences.residual_sentences(report), sentences.kinds_sentence(report)]),
         ("samples", report["screen"]),

@@ -66,6 +66,10 @@ SETS = (
         ("input-dead-zone", "input-nonlinearity"),
         "Valves and pumps start late and then follow a curve; either alone imitates a part of the other.",
     ),
+    EffectSet(
+        ("input-backlash", "input-saturation"),
+        "A relay with hysteresis is a play between limits hardly wider than it: without it, they have no width.",
+    ),
 )
 
 

@@ -12,6 +12,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
 from labsid.gap.dynamics.plant_form import FREE_STEP, ROUGH_STEP, free_number
 from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import free_responses, single_pole
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
 from labsid.gap.effects.input import Delay
@@ -56,8 +57,8 @@ class Baseline:
     structure : Hypothesis
         The structure from which the search starts.
     simulate_record : callable, optional
-        ``simulate_record(record) -> y``: the output of a given simulation on another record, shape (N,), with its
-        initial state estimated from the first samples.
+        ``simulate_record(record, start=None) -> y``: the output of a given simulation on another record, shape (N,),
+        with its initial state estimated from the samples that a `RecordStart` states; by default by its own poles.
     start : ndarray, optional
         Initial parameters for the search, if the given simulation defines them.
     alternative : Hypothesis, optional
@@ -70,7 +71,7 @@ class Baseline:
 
     before: Callable[[Data], Fit] | None
     structure: Hypothesis
-    simulate_record: Callable[[Record], FloatArray] | None = None
+    simulate_record: Callable[..., FloatArray] | None = None
     start: FloatArray | None = None
     alternative: Hypothesis | None = None
     output: SimulatedOutput | None = None
@@ -236,7 +237,11 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     output = check_bounded(model.response(u), y)
     before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
     free = _linear_baseline(data, max(model.order, 1), model.direct)
-    free = replace(free, before=before, simulate_record=lambda record: model.simulate(record.u, record.y))
+
+    def simulate_record(record: Record, start: RecordStart | None = None) -> FloatArray:
+        return model.simulate(record.u, record.y, start)
+
+    free = replace(free, before=before, simulate_record=simulate_record)
     if not model.dead_time:
         return free
     # It is a part of the simulation, so that a search does not find it again.
@@ -267,7 +272,11 @@ def _exported(data: Data, model: ExportedModel) -> Baseline:
     before = partial(_fit_given, output, np.zeros((data.samples, 0)), rates)
     structure = with_restarts(Hypothesis(hypothesis.effects, len(hypothesis.effects), hypothesis.given), data)
     start = model.theta if (model.u_scale, model.y_scale) == (data.u_scale, data.y_scale) else None
-    return Baseline(before, structure, lambda record: model.simulate(record.u, record.y), start)
+
+    def simulate_record(record: Record, begun: RecordStart | None = None) -> FloatArray:
+        return replace(model, start=begun or model.start).simulate(record.u, record.y)
+
+    return Baseline(before, structure, simulate_record, start)
 
 
 def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
@@ -283,8 +292,9 @@ def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
     given = replace(given, rough=_is_rough(given, data.u))
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
-    def simulate_record(record: Record) -> FloatArray:
-        return started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y)
+    def simulate_record(record: Record, start: RecordStart | None = None) -> FloatArray:
+        used = (start or RecordStart(rates)).used(len(record))
+        return started(simulate(record.t, record.u), free_responses(len(record), *rates), record.y, used)
 
     return Baseline(before, structure, simulate_record)
 

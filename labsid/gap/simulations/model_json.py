@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.model_file import START_SAMPLES
+from labsid.gap.dynamics.record_start import RecordStart
+
+FASTEST, SLOWEST = 1e-12, 1.0 - 1e-9  # poles between which time constants are told apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +36,14 @@ class TransferFunction:
         """Dead time in samples, beyond the one of a strictly proper model."""
         return max(self.den.size - self.num.size - 1, 0)
 
+    @property
+    def start(self) -> RecordStart:
+        """Which samples of a record determine its initial state."""
+        poles = np.abs(np.roots(np.trim_zeros(self.den, "b")))
+        rates = np.sort(-np.log(np.clip(poles, FASTEST, SLOWEST)))
+        slow, fast = np.append(rates, [-np.log(FASTEST)] * 2)[:2]
+        return RecordStart((float(slow + fast), float(slow * fast)))
+
     def response(self, u: FloatArray) -> FloatArray:
         """Response from rest at u0, shape (N,)."""
         from scipy.signal import lfilter  # slow to import
@@ -41,13 +51,16 @@ class TransferFunction:
         padded = np.concatenate([np.zeros(self.den.size - self.num.size), self.num])
         return np.asarray(lfilter(padded / self.den[0], self.den / self.den[0], u - self.u0)) + self.y0
 
-    def simulate(self, u: FloatArray, y: FloatArray) -> FloatArray:
-        """Free-run output, shape (N,), with the initial state estimated from the first samples of `y`."""
-        first = slice(0, min(START_SAMPLES, u.size))
+    def simulate(self, u: FloatArray, y: FloatArray, start: RecordStart | None = None) -> FloatArray:
+        """Free-run output, shape (N,), with the initial state estimated from the first samples of `y`.
+
+        `start` states which samples; by default, two of its own slowest time constants.
+        """
+        used = (start or self.start).used(u.size)
         forced, states = self.response(u), self.free_response(u.size)
-        if not np.isfinite(forced[first]).all() or not np.isfinite(states[first]).all():
+        if not np.isfinite(forced[:used]).all() or not np.isfinite(states[:used]).all():
             return np.full(u.size, np.nan)
-        return started(forced, states, y)
+        return started(forced, states, y, used)
 
     def free_response(self, samples: int) -> FloatArray:
         """Free responses to the unit initial states, shape (samples, n)."""
@@ -98,8 +111,7 @@ def read_transfer_function(content: dict[str, Any], Ts: float) -> TransferFuncti
     return TransferFunction(num, den, dt, u0, y0)
 
 
-def started(forced: FloatArray, states: FloatArray, y: FloatArray) -> FloatArray:
-    """A simulated output with responses `states`, shape (N, n), to the initial state that the first samples show."""
-    first = slice(0, min(START_SAMPLES, y.size))
-    state = np.linalg.lstsq(states[first], (y - forced)[first], rcond=None)[0]
+def started(forced: FloatArray, states: FloatArray, y: FloatArray, used: int) -> FloatArray:
+    """A simulated output with responses `states`, shape (N, n), to the initial state that `used` samples show."""
+    state = np.linalg.lstsq(states[:used], (y - forced)[:used], rcond=None)[0]
     return np.asarray(forced + states @ state)

@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.inside import PREFIX, InsidePort
 from labsid.gap.dynamics.plants import Plant
+from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -197,6 +198,9 @@ def fit_as_it_is(structure: Hypothesis, start: FloatArray, data: Data) -> Fit:
     return fit
 
 
-def simulate_other(before: Callable[[Data], Fit], data: Data, record: Record) -> FloatArray:
+def simulate_other(
+    before: Callable[[Data], Fit], data: Data, record: Record, start: RecordStart | None = None
+) -> FloatArray:
     """Output of the simulation on another record, its initial state estimated from the first samples."""
-    return export_model(data, before(data)).simulate(record.u, record.y)
+    fit = before(data)
+    return export_model(data, fit, start=start or RecordStart(fit.slowest_rates)).simulate(record.u, record.y)

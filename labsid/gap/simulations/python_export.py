@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from labsid._files import write_file
+from labsid.gap.dynamics.record_start import LEAST_START
 from labsid.gap.model_file import with_sources
 from labsid.simulators.sources import source_file
 
 _MODULE = '''\
 """Corrected simulation, written by `labsid gap diagnose --export`. It needs labsid{needs}.
 
-`simulate(t, u)` starts from rest; with the measured output `y`, its first 50 samples determine the initial state.
+`simulate(t, u)` starts from rest; with the measured output `y`, its first samples determine the initial state: two of
+the slowest time constants, at least {least} and at most a quarter of them; all where these say too little.
 """
 
 import json
@@ -48,5 +50,5 @@ def write_python_module(path: Path, content: dict[str, Any]) -> None:
 
     content = with_sources(content, near)
     needs = f" and {source_file(Path(content['simulator']['source']))}" if "simulator" in content else ""
-    text = _MODULE.format(content=json.dumps(content, indent=1), needs=needs, Ts=content["Ts"])
+    text = _MODULE.format(content=json.dumps(content, indent=1), needs=needs, least=LEAST_START, Ts=content["Ts"])
     write_file(path, text.encode())

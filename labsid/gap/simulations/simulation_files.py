@@ -8,7 +8,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid._files import write_file
-from labsid.gap.model_file import SCHEMA, START_SAMPLES, load_model, read_exported_model
+from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
+from labsid.gap.model_file import SCHEMA, load_model, read_exported_model
 from labsid.gap.record.clock import at_sampling_time, stated_sampling_time
 from labsid.gap.record.data import scaled
 from labsid.gap.record.record_findings import filtered_input
@@ -143,26 +144,32 @@ def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
     measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
     chosen, content = ports.of(source), read_fmu_content(source)
     if content is None and is_source(chosen):
-        y = _play(open_in_process(chosen), record)
+        y, start = _play(open_in_process(chosen), record)
     else:
         content = content or load_model(source)
         record = at_sampling_time(record, stated_sampling_time(content))
         if content.get("schema") == SCHEMA:
-            y = read_exported_model(content, record.Ts).simulate(filtered_input(record), record.y)
+            model = read_exported_model(content, record.Ts)
+            y, start = model.simulate(filtered_input(record), record.y), model.start
         else:
-            y = read_transfer_function(content, record.Ts).simulate(record.u, record.y)
+            function = read_transfer_function(content, record.Ts)
+            y, start = function.simulate(record.u, record.y), function.start
     check_bounded(y, record.y)
-    first = START_SAMPLES if len(record) > 2 * START_SAMPLES else 0
+    first = start.samples(len(record)) if len(record) > 2 * LEAST_START else 0
     return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:][measured[first:]] ** 2))), first)
 
 
-def _play(simulate: Simulator, record: Record) -> FloatArray:
-    """Output of a simulator; responses of a linear model of the rig stand for its initial state."""
+def _play(simulate: Simulator, record: Record) -> tuple[FloatArray, RecordStart]:
+    """Output of a simulator, and which samples its start is estimated from.
+
+    Responses of a linear model of the rig stand for its initial state.
+    """
     record = Record(record.t, filtered_input(record), record.y, record.Ts)
     data = scaled(record.u, record.y, np.ones(len(record), bool), record.Ts, float(record.t[0]))
     baseline = make_baseline(data, record.t, simulate)
     assert baseline.simulate_record is not None
-    return baseline.simulate_record(record)
+    start = RecordStart(baseline.structure.plant.simulation.rates)
+    return baseline.simulate_record(record, start), start
 
 
 def write_replay(path: Path, record: Record, y: FloatArray) -> None:

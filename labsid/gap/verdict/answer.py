@@ -5,16 +5,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import plateau_gap
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline, check_bounded
-from labsid.gap.verdict.baseline_choice import LinearModel, choose_linear_model
+from labsid.gap.verdict.baseline_choice import OUTPUT_ERROR, LinearModel, choose_linear_model
 from labsid.gap.verdict.black_boxes import RemainingError, kinds_of_error, predictable_share
 from labsid.gap.verdict.decision import (
     MIN_CONFIDENCE,
@@ -26,15 +28,17 @@ from labsid.gap.verdict.decision import (
     decide_partial,
     evidence_by_name,
     evidence_in,
+    without_curve_of_switch,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
 from labsid.gap.verdict.novelty import Novelty, measure_novelty
-from labsid.gap.verdict.scores import GapScore, closed_share, score_fits
+from labsid.gap.verdict.scores import GapScore, closed_share, is_gap_elsewhere, score_fits
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
 COLOURED = 2.0  # samples: correlation time of a residual that is more than the colour of a sensor
+MOSTLY = 0.5  # of the mean square error on a holdout: an offset that is more is most of the gap
 NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
 
 
@@ -90,6 +94,11 @@ class Answer:
         Share of the gap that is left.
     fits : dict
         By sorted names: the fit of every combination tried.
+    start : RecordStart
+        Which samples of another record determine its initial state.
+    on_other : tuple of Data and two Fits, or None
+        If the record shows no gap and the holdout does: the holdout, with the simulations before and after. `remaining`
+        and `left` are then those on the holdout.
     """
 
     explanation: Explanation
@@ -107,6 +116,13 @@ class Answer:
     elsewhere: Fit | None
     share_left: float
     fits: dict[tuple[str, ...], Fit]
+    start: RecordStart
+    on_other: tuple[Data, Fit, Fit] | None = None
+
+    @property
+    def only_elsewhere(self) -> bool:
+        """Whether the record shows no gap, and the holdout does."""
+        return self.on_other is not None
 
     @property
     def outputs(self) -> tuple[FloatArray, FloatArray]:
@@ -125,6 +141,7 @@ class _Setting:
     given_output: FloatArray | None
     rng: np.random.Generator
     measured: np.ndarray | None
+    start: RecordStart
     further: dict[str, FloatArray] | None = None
 
     @property
@@ -185,20 +202,24 @@ def answer_from(
     further : dict, optional
         Further inputs of the holdout by name, scaled.
     """
-    given = None
+    given, start = None, RecordStart(explanation.path[0].slowest_rates)  # the same for every fit
     if holdout is not None and base.simulate_record is not None:
-        given = explanation.data.y_scale.of(check_bounded(base.simulate_record(holdout), holdout.y))
+        given = explanation.data.y_scale.of(check_bounded(base.simulate_record(holdout, start), holdout.y))
     other = None if holdout is None else (holdout.u, holdout.y)
     fitted = None if base.before is None else base.before(explanation.data)
     if explanation.data.pieces and fitted is not None:
         given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
-    setting = _Setting(record, base, fitted, other, given, rng, measured, further)
+    setting = _Setting(record, base, fitted, other, given, rng, measured, start, further)
     whole, complete = _complete(setting, explanation)
     decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
+    elsewhere = decision.verdict == "none" and other is not None and _is_gap_elsewhere(setting, explanation)
+    if elsewhere:
+        decision = replace(decision, verdict="unknown", ambiguous=())
     if decision.verdict == "unknown":
-        part, search = _partial(setting, explanation, progress)
+        part, search = _partial(setting, explanation, progress, elsewhere)
         decision = decide_partial(search, decision, bool(about_clipping(record.y)))
-        return _answer(part, complete, decision, search)
+        found = _answer(part, complete, decision, search)
+        return _on_other(found, part) if elsewhere else found
     if len(whole.explanation.path) == 1:  # no simulated effect was added
         whole = replace(whole, score=replace(whole.score, closed=None, ci95=None))
     return _answer(whole, complete, decision)
@@ -231,11 +252,17 @@ def _predictable(explanation: Explanation) -> float:
     return predictable_share(explanation.data, explanation.best)
 
 
+def _is_gap_elsewhere(setting: _Setting, explanation: Explanation) -> bool:
+    """Whether the holdout shows a gap, where the record shows none."""
+    before = _before(setting, explanation, as_fitted=True)
+    return is_gap_elsewhere(before.held_out, before.output, explanation.path[0])
+
+
 def _partial(
-    setting: _Setting, explanation: Explanation, progress: Progress | None
+    setting: _Setting, explanation: Explanation, progress: Progress | None, as_fitted: bool = False
 ) -> tuple[_Comparison, HeldOutSearch]:
     """The effects that each reduce the error on held-out samples."""
-    before = _before(setting, explanation)
+    before = _before(setting, explanation, as_fitted=as_fitted)
     held_out = before.held_out
     errors = held_out.in_parts(held_out.measured - before.output)
     with setting.base.meter.searching():
@@ -247,10 +274,17 @@ def _partial(
     return _Comparison(partly, before, score, measure_residual(partly.data, partly.best)), search
 
 
-def _before(setting: _Setting, explanation: Explanation, onset: float | None = None) -> _Before:
-    held_out = hold_out(explanation.data, setting.other, onset, setting.measured, setting.further)
+def _before(
+    setting: _Setting, explanation: Explanation, onset: float | None = None, as_fitted: bool = False
+) -> _Before:
+    """The simulation before. A linear model is that of least error on held-out samples, or `as_fitted` to the record:
+    where that leaves only noise, another one is better elsewhere by chance.
+    """
+    held_out = hold_out(explanation.data, setting.other, onset, setting.measured, setting.start, setting.further)
     start = held_out.refit(explanation.path[0])
     linear = None if setting.base.given else choose_linear_model(held_out, start)
+    if as_fitted and linear is not None:
+        linear = replace(linear, method=OUTPUT_ERROR, fit=start)
     fit = setting.given or (start if linear is None else linear.fit)
     output = held_out.output(fit) if setting.given_output is None else setting.given_output
     return _Before(held_out, start, linear, fit, output)
@@ -264,6 +298,7 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
 def _answer(found: _Comparison, complete: Complete, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
     explanation, score = found.explanation, found.score
     novelty = measure_novelty(explanation.data, explanation.path[0])
+    decision = without_curve_of_switch(decision, explanation.data, explanation.best)
     capped = {name: novelty.capped(p) for name, p in decision.probability.items()}
     return Answer(
         explanation=explanation,
@@ -281,7 +316,21 @@ def _answer(found: _Comparison, complete: Complete, decision: Decision, search: 
         closed=_closed_by_step(found, search),
         share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
         fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
+        start=found.before.held_out.start,
     )
+
+
+def _on_other(answer: Answer, found: _Comparison) -> Answer:
+    """The answer with what is left on the holdout, as the record has no gap."""
+    held_out = found.before.held_out
+    data, after = held_out.on_other(found.score.after_fit)
+    output = found.before.output
+    before = replace(after, output=output, noise=fit_noise(data.y - output, data.complete, data.lags))
+    asserted = after if any(p > MIN_CONFIDENCE for p in answer.decision.probability.values()) else before
+    e = (data.y - before.output)[data.rows]
+    constant = np.mean(e) ** 2 > MOSTLY * np.mean(e**2)  # an offset, which no kind of model is about
+    left, remaining = measure_residual(data, after), None if constant else kinds_of_error(data, asserted)
+    return replace(answer, on_other=(data, before, after), left=left, remaining=remaining)
 
 
 def _elsewhere(found: _Comparison, decision: Decision, search: HeldOutSearch | None) -> Fit | None:

@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.fitting import Fit, refit
-from labsid.gap.model_file import START_SAMPLES, export_model
+from labsid.gap.fits.noise_model import fit_noise
+from labsid.gap.model_file import LEAST, export_model
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import held_out_samples
 
@@ -56,6 +58,8 @@ class HeldOut:
         Input and output of the other record, in the record's units.
     in_turn : dict, optional
         With several records, each left out in turn: the outputs of the fits to the others, by fit.
+    start : RecordStart
+        Which samples of another record determine its initial state: the same for all fits.
     further : dict, optional
         Further inputs of the other record by name, scaled.
     """
@@ -64,6 +68,7 @@ class HeldOut:
     scored: np.ndarray
     other: tuple[FloatArray, FloatArray] | None = None
     in_turn: dict[Fit, FloatArray] | None = None
+    start: RecordStart = LEAST
     further: dict[str, FloatArray] | None = None
 
     @property
@@ -82,18 +87,26 @@ class HeldOut:
         """
         if self.in_turn is not None:
             if fit not in self.in_turn:
-                self.in_turn[fit] = _outputs_in_turn(self.data, fit, again or _refit_nearby)
+                self.in_turn[fit] = _outputs_in_turn(self.data, fit, again or _refit_nearby, self.start)
             return self.in_turn[fit]
         if self.other is None:
             return fit.output
         if self.further:
             fit = replace(fit, hypothesis=with_signals(fit.hypothesis, self.further))
-        return self.data.y_scale.of(export_model(self.data, fit).simulate(*self.other))
+        return self.data.y_scale.of(export_model(self.data, fit, start=self.start).simulate(*self.other))
 
     @property
     def measured(self) -> FloatArray:
         """Scaled measured output of the same record."""
         return self.data.y if self.other is None else self.data.y_scale.of(self.other[1])
+
+    def on_other(self, fit: Fit) -> tuple[Data, Fit]:
+        """The other record, with the rows that are scored, and a fit with its output there."""
+        assert self.other is not None
+        u, y = self.data.u_scale.of(self.other[0]), self.measured
+        data = Data(u, y, self.scored, self.data.Ts, self.data.u_scale, self.data.y_scale, lattice=self.data.lattice)
+        output = self.output(fit)
+        return data, replace(fit, output=output, noise=fit_noise(y - output, data.complete, data.lags))
 
     def errors(self, fit: Fit, again: Refit | None = None) -> FloatArray:
         """Mean square error of a fit in each part of the held-out samples, shape (PARTS,)."""
@@ -111,9 +124,13 @@ class HeldOut:
         return fit.free_run * (count + fit.n_free) / max(count - fit.n_free, 1)
 
     def in_parts(self, e: FloatArray) -> FloatArray:
-        """Mean square of an error in each part of the held-out samples, shape (PARTS,); infinity if it diverges."""
+        """Mean square of an error in each part of the held-out samples, shape (PARTS,); infinity if it diverges.
+
+        A few samples are a part each.
+        """
+        rows = np.flatnonzero(self.scored)
         with np.errstate(over="ignore", invalid="ignore"):
-            means = np.array([np.mean(e[part] ** 2) for part in np.array_split(np.flatnonzero(self.scored), PARTS)])
+            means = np.array([np.mean(e[part] ** 2) for part in np.array_split(rows, min(PARTS, rows.size))])
         return np.where(np.isfinite(means), means, np.inf)
 
 
@@ -122,14 +139,14 @@ def _refit_nearby(data: Data, fit: Fit) -> Fit:
     return refit(data, fit, TOLERANCE_IN_TURN)
 
 
-def _outputs_in_turn(data: Data, fit: Fit, again: Refit) -> FloatArray:
+def _outputs_in_turn(data: Data, fit: Fit, again: Refit, begun: RecordStart) -> FloatArray:
     """Output of each of several records, simulated by a fit to the others."""
     output = fit.output.copy()
     for start, stop in data.pieces:
         rows = data.rows.copy()
         rows[start:stop] = False
         others = replace(data, rows=rows)
-        model = export_model(others, again(others, fit))
+        model = export_model(others, again(others, fit), start=begun)
         u, y = data.u_scale.back(data.u[start:stop]), data.y_scale.back(data.y[start:stop])
         output[start:stop] = data.y_scale.of(model.simulate(np.asarray(u), np.asarray(y)))
     return output
@@ -140,6 +157,7 @@ def hold_out(
     other: tuple[FloatArray, FloatArray] | None,
     onset: float | None = None,
     measured: np.ndarray | None = None,
+    begun: RecordStart = LEAST,
     further: dict[str, FloatArray] | None = None,
 ) -> HeldOut:
     """Choose the held-out samples.
@@ -154,19 +172,21 @@ def hold_out(
         Instant at which an effect begins, as a share of the record.
     measured : ndarray of bool, optional
         Samples of the other record that have an output; by default all.
+    begun : RecordStart
+        Which samples of another record determine its initial state.
     further : dict, optional
         Further inputs of the other record by name, scaled.
     """
     if other is not None:
-        scored = np.arange(other[0].size) >= START_SAMPLES
-        return HeldOut(data, scored if measured is None else scored & measured, other, further=further)
+        scored = np.arange(other[0].size) >= begun.samples(other[0].size)
+        return HeldOut(data, scored if measured is None else scored & measured, other, start=begun, further=further)
     if data.pieces:
         scored = np.zeros(data.samples, bool)
         for start, stop in data.pieces:
-            scored[start + START_SAMPLES : stop] = True
-        return HeldOut(data, scored & data.rows, in_turn={})
+            scored[start + begun.samples(stop - start) : stop] = True
+        return HeldOut(data, scored & data.rows, in_turn={}, start=begun)
     blocks = held_out_samples(data.samples, onset)
-    return HeldOut(replace(data, rows=data.rows & ~blocks), data.rows & blocks)
+    return HeldOut(replace(data, rows=data.rows & ~blocks), data.rows & blocks, start=begun)
 
 
 def compare_errors(before: FloatArray, after: FloatArray) -> Reduction:

@@ -8,13 +8,17 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.residual_tests import explained_share
 from labsid.gap.record.data import Data
-from labsid.gap.verdict.held_out_errors import HeldOut
+from labsid.gap.verdict.held_out_errors import PARTS, HeldOut
 
 DRAWS = 400
 PERCENTILES = (2.5, 97.5)
 RESAMPLED_BLOCKS = 20
 SPREAD_FACTOR = 1.2  # widens the interval: few blocks underestimate the spread
 NO_GAP = 1.02  # mean square error over that of the noise, up to which there is no gap
+NO_GAP_ELSEWHERE = 1.1  # rms error on another record over that of the noise, up to which there is no gap
+CERTAIN = 4.0  # standard errors of the mean square of the noise, by which the error there must exceed it
+CORRELATION_TIMES = 4.0  # of the noise, in a block whose mean square is taken for independent
+LEAST_BLOCKS = 4
 MIN_HALF_WIDTH = 0.005  # of the interval of the closed share
 
 
@@ -78,6 +82,30 @@ def score_fits(held_out: HeldOut, before: FloatArray, after: Fit, rng: np.random
         outputs=(before, last),
         after_fit=after,
     )
+
+
+def is_gap_elsewhere(held_out: HeldOut, before: FloatArray, fit: Fit) -> bool:
+    """Whether the error of a simulation on another record is more than noise, where the record shows no gap.
+
+    The mean squares of the noise in blocks of the record say how far that of another record may differ by chance.
+
+    Parameters
+    ----------
+    held_out : HeldOut
+    before : ndarray
+        Output of the simulation on the other record, in scaled units.
+    fit : Fit
+        To the record, of which it leaves nothing but noise.
+    """
+    data, scored = held_out.data, int(held_out.scored.sum())
+    e = (data.y - fit.output)[data.rows]
+    length = max(min(scored, e.size) // PARTS, CORRELATION_TIMES * fit.noise.correlation_time, LEAST_BLOCKS)
+    blocks = np.array_split(e**2, max(int(e.size / length), LEAST_BLOCKS))
+    power = np.array([block.mean() for block in blocks])
+    noise = max(held_out.expected(fit) or 0.0, noise_power(data, fit))
+    error = float(np.mean((held_out.measured - before)[held_out.scored] ** 2))
+    spread = float(np.std(power, ddof=1)) * np.sqrt(1.0 / power.size + e.size / power.size / scored)
+    return error > max(NO_GAP_ELSEWHERE**2 * noise, noise + CERTAIN * spread)
 
 
 def closed_share(before: float, after: float, floor: float) -> float | None:

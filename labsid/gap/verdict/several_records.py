@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.model_file import LEAST
 from labsid.gap.record.clock import at_sampling_time
 from labsid.gap.record.data import Data, Scale, scaled
 from labsid.gap.record.record_findings import PlateauGap, filtered_input, findings_from_record, plateau_gap
@@ -145,7 +147,9 @@ def _bridge_length(records: Sequence[Record]) -> int:
     return int(np.clip(BRIDGE_TIME_CONSTANTS / slowest, MIN_BRIDGE, longest))
 
 
-def score_by_record(joined: JoinedRecords, data: Data, score: GapScore) -> list[dict[str, Any]]:
+def score_by_record(
+    joined: JoinedRecords, data: Data, score: GapScore, begun: RecordStart = LEAST
+) -> list[dict[str, Any]]:
     """The gap on each record, simulated by fits to the others, as in the report.
 
     Parameters
@@ -155,6 +159,8 @@ def score_by_record(joined: JoinedRecords, data: Data, score: GapScore) -> list[
         With the rows that were fitted.
     score : GapScore
         On all records, each left out in turn.
+    begun : RecordStart
+        Which samples of each determine its initial state.
     """
     unit = data.y_scale.unit
     fitted = np.where(data.rows, data.y - score.after_fit.output, 0.0) ** 2
@@ -174,6 +180,7 @@ def score_by_record(joined: JoinedRecords, data: Data, score: GapScore) -> list[
                 "closed": closed_share(before, after, floor) if gap else None,
                 "start": float(start * data.Ts),
                 "samples": stop - start,
+                "unscored": begun.samples(stop - start),
             }
         )
     return found

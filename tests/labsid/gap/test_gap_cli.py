@@ -105,7 +105,7 @@ def test_a_record_without_its_first_outputs_is_simulated_from_its_first_one(labs
     status, out, err = labsid("simulate", "model.json", "late.csv")
     assert (status, err) == (0, "")
     assert out.startswith("140 samples, free run: rmse 0.")
-    assert "note: y is missing in the first 60 and the last 0 samples; these are left out.\n" in out
+    assert "note: y is missing in the first 60 samples; these are left out.\n" in out
     simulated = load_simulation("sim.csv", load_record("late.csv"))
     assert isinstance(simulated, SimulatedOutput)
     np.testing.assert_allclose(simulated.y, [y for *_, y in rows[60:]])

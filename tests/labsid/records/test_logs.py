@@ -8,7 +8,7 @@ import pytest
 from scipy.io import savemat
 
 from labsid.lab.identification import identify
-from labsid.records.record import load_record, reading_notes
+from labsid.records.record import Record, between_outputs, load_record, reading_notes
 
 EVEN = {"columns": "u,y", "Ts": 0.1}
 FORMS = {
@@ -159,6 +159,23 @@ def test_offsets_come_from_outputs_that_are_there(tmp_path):
     assert len(found.record) == 500
     assert found.offsets.u_offset == u[80]
     assert found.record.notes[-1] == "y is missing in the first 80 and the last 20 samples; these are left out"
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "said"),
+    [
+        (3, 0, "the first 3 samples; these are left out"),
+        (0, 2, "the last 2 samples; these are left out"),
+        (1, 4, "the first 1 and the last 4 samples; these are left out"),
+        (1, 0, "the first sample; it is left out"),
+        (0, 1, "the last sample; it is left out"),
+    ],
+)
+def test_only_the_ends_without_an_output_are_said(first, last, said):
+    y = np.arange(40.0)
+    y[:first] = y[40 - last :] = np.nan
+    record = Record(0.1 * np.arange(40), np.arange(40.0), y, 0.1)
+    assert between_outputs(record).notes == (f"y is missing in {said}",)
 
 
 @pytest.mark.parametrize("kind", ["npz", "mat"])

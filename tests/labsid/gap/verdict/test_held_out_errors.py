@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from labsid._arrays import FloatArray
-from labsid.gap.model_file import START_SAMPLES
+from labsid.gap.dynamics.record_start import LEAST_START
 from labsid.gap.record.holdout import held_out_samples
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.verdict.held_out_errors import MAX_FACTOR, PARTS, Reduction, compare_errors, hold_out
@@ -127,7 +127,7 @@ def test_another_record_is_scored_after_its_first_samples(
     y = y + first[0] - first[1]
     held_out = hold_out(data, (u, y))
     assert held_out.refit(banded.best) is banded.best
-    assert held_out.scored.tolist() == [False] * START_SAMPLES + [True] * (u.size - START_SAMPLES)
+    assert held_out.scored.tolist() == [False] * LEAST_START + [True] * (u.size - LEAST_START)
     np.testing.assert_array_equal(held_out.data.rows, data.rows)
     np.testing.assert_allclose(data.y_scale.back(held_out.measured), y)
     assert np.sqrt(np.mean(held_out.errors(banded.best))) * data.y_scale.unit < 0.02

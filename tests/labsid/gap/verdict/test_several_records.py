@@ -14,13 +14,14 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import Diagnosis, diagnose
+from labsid.gap.dynamics.record_start import LEAST_START
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.play import Play
 from labsid.gap.effects.restarts import PlayByRecord, in_one_record, in_records
 from labsid.gap.fits.fitting import Problem
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
-from labsid.gap.model_file import START_SAMPLES, export_model, from_json_dict
+from labsid.gap.model_file import export_model, from_json_dict
 from labsid.gap.reports.html_report import page_content
 from labsid.gap.reports.text_report import format_report
 from labsid.gap.simulations.baseline import linear_structure, make_baseline, with_restarts
@@ -57,7 +58,7 @@ def limited() -> tuple[Diagnosis, list[Record]]:
 
 
 def rms(e: FloatArray) -> float:
-    return float(np.sqrt(np.mean(e[START_SAMPLES:] ** 2)))
+    return float(np.sqrt(np.mean(e[LEAST_START:] ** 2)))
 
 
 def test_records_with_other_offsets_and_initial_states_have_the_poles_of_one() -> None:
@@ -114,7 +115,7 @@ def test_a_left_out_record_does_not_change_its_own_simulation() -> None:
     output = held_out.output(fit_baseline(data, with_restarts(linear_structure(2), data)))
     start, stop = data.pieces[2]
     bad = data.y.copy()
-    bad[start + START_SAMPLES : stop] *= -3.0
+    bad[start + LEAST_START : stop] *= -3.0
     spoilt = replace(data, y=bad)
     again = hold_out(spoilt, None).output(fit_baseline(spoilt, with_restarts(linear_structure(2), spoilt)))
     np.testing.assert_allclose(again[start:stop], output[start:stop], atol=0.02)
@@ -131,7 +132,7 @@ def test_a_shared_effect_is_named_and_each_record_has_its_errors(limited: tuple[
         assert row["after"] == pytest.approx(NOISE, rel=0.25)
         assert row["noise_floor"] == pytest.approx(NOISE, rel=0.25)
         assert row["closed"] > 0.7
-    samples = [row["samples"] - START_SAMPLES for row in report["records"]]
+    samples = [row["samples"] - LEAST_START for row in report["records"]]
     pooled = np.sqrt(np.average([row["after"] ** 2 for row in report["records"]], weights=samples))
     assert report["gap"]["after"] == pytest.approx(pooled)
     assert sum(share for *_, share in report["where"]["time"]) == pytest.approx(1.0)
