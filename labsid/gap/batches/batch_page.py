@@ -12,7 +12,8 @@ from urllib.parse import quote
 
 from labsid._files import write_text
 from labsid.gap.batches.workers import run_tasks, serve
-from labsid.gap.reports.html_report import TEMPLATES, digest, load_template, write_html_report
+from labsid.gap.reports.html_report import write_html_report
+from labsid.gap.reports.page_parts import TEMPLATES, digest, load_template
 from labsid.gap.reports.quantities import closed_percent, counted, number, probability
 from labsid.gap.reports.sentences import capitalised, noun_without_article
 
