@@ -17,17 +17,17 @@ from labsid.gap.reports.limit_rows import (
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import (
     TEMPLATES,
-    command,
     digest,
     effect_content,
-    error_bars,
     has_holdout,
     has_probabilities,
     in_base64,
     input_file,
     load_template,
+    overview,
 )
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
+from labsid.gap.reports.signals_page import render_signals
 
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
 LOOP = (
@@ -47,14 +47,15 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
     path : Path
         An existing file is replaced.
     report : dict
-        In the layout ``labsid.gap/2``.
+        Of one input and one output, or of several signals.
 
     Raises
     ------
     OSError
         If the file cannot be written.
     """
-    write_file(path, render_html(report).encode())
+    render = render_signals if "signals" in report else render_html
+    write_file(path, render(report).encode())
 
 
 def render_html(report: dict[str, Any]) -> str:
@@ -65,24 +66,14 @@ def render_html(report: dict[str, Any]) -> str:
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
-    from labsid.plots.gap import noise_band
+    from labsid.plots.gap_curves import noise_band
 
-    gap, record = report["gap"], report["record"]
-    return {
-        "verdict": report["verdict"],
+    return overview(report) | {
         "noise": noise_band(report)[1],
         "sentence": sentences.verdict_sentence(report),
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),
-        "name": record["name"] or "record",
-        "samples": record["samples"],
-        "Ts": f"{record['Ts']:.6g}",
-        "duration": f"{record['samples'] * record['Ts']:.4g}",
         "simulation": _simulation(report),
-        "closed": None
-        if gap["closed"] is None or sentences.is_unchanged(report)
-        else closed_percent(gap["closed"], gap["ci95"]),
-        "bars": error_bars(report),
         "gap": sentences.gap_sentence(report),
         "baseline": sentences.baseline_sentence(report),
         "records": sentences.record_rows(report),
@@ -108,8 +99,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "experiment": _experiment(report),
         "look": sentences.look_sentence(report),
         "limits": _limits(report),
-        "command": command(report),
-        "exact": "command" in report,
     }
 
 

@@ -3,6 +3,7 @@
 import base64
 import csv
 import hashlib
+import html
 import io
 import re
 import shlex
@@ -19,6 +20,27 @@ if TYPE_CHECKING:
 
 TEMPLATES = Path(__file__).parent / "templates"
 _UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
+_FRAME = (
+    '<iframe srcdoc="{}" style="width: 100%; height: 48rem; border: 0" title="Diagnosis of the gap"'
+    ' sandbox="allow-scripts allow-downloads"></iframe>'
+)  # the scripts of the page have no access to the notebook
+
+
+def overview(report: dict[str, Any]) -> dict[str, Any]:
+    """What every page shows: the record, the size of the gap, and how to make the report again."""
+    gap, record = report["gap"], report["record"]
+    unchanged = gap["closed"] is None or sentences.is_unchanged(report)
+    return {
+        "verdict": report["verdict"],
+        "name": record["name"] or "record",
+        "samples": record["samples"],
+        "Ts": f"{record['Ts']:.6g}",
+        "duration": f"{record['samples'] * record['Ts']:.4g}",
+        "closed": None if unchanged else closed_percent(gap["closed"], gap["ci95"]),
+        "bars": error_bars(report),
+        "command": command(report),
+        "exact": "command" in report,
+    }
 
 
 def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
@@ -66,6 +88,7 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
         "name": effect["name"],
         "meaning": "" if text is None else text.meaning,
         "chance": sentences.chance_of(effect),
+        "place": "",
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
         "parameters": parameters,
     }
@@ -113,6 +136,11 @@ def command(report: dict[str, Any]) -> str:
 def digest(script: str) -> str:
     """The digest by which a security policy allows an inline script."""
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+
+
+def in_frame(page: str) -> str:
+    """A page as an element of a notebook."""
+    return _FRAME.format(html.escape(page))
 
 
 def load_template(name: str) -> "jinja2.Template":
