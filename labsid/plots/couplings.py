@@ -15,10 +15,11 @@ if TYPE_CHECKING:
 
 LINE = 0.19  # inches of a line of text
 CHARACTERS = 11.0  # an inch
+LINES = (2, 5)  # of a name, and of the effects below it
 MIN_SHARE = 0.005  # drawn as coupling
 WIDEST = 2.1  # inches of a cell
 UPRIGHT = 0.9  # inches of a cell, below which the names of the inputs stand upright
-TALL = 2.2  # inches of an upright name
+TALL = 2.6  # inches of an upright name
 DARKEST = 0.6  # opacity of a cell with a share of one: its text is readable on it, and in inverted colours
 
 
@@ -41,10 +42,12 @@ def figure_couplings(report: dict[str, Any], narrow: bool = False) -> Figure:
     width, left = (NARROW - 0.1, 1.3) if narrow else (WIDE - 0.1, 2.6)
     cell = min((width - left) / len(inputs), WIDEST)
     upright = cell < UPRIGHT
-    above = [_named(report, name, "input", TALL if upright else cell) for name in inputs]
-    beside = [_named(report, name, "output", left) for name in outputs]
-    top = TALL if upright else LINE * max(_count(text) for text in above) + 0.25
-    rows = [max(LINE * _count(text) + 0.2, 0.55) for text in beside]
+    above = [_named(report, name, "input", *((TALL, (1, 1)) if upright else (cell, LINES))) for name in inputs]
+    beside = [_named(report, name, "output", left, LINES) for name in outputs]
+    lines = [text["s"].split("\n") for text in above]
+    longest = max(len(line) for own in lines for line in own)
+    top = (longest / CHARACTERS if upright else LINE * max(len(own) for own in lines)) + 0.25
+    rows = [max(LINE * (text["s"].count("\n") + 1) + 0.2, 0.55) for text in beside]
     height = top + sum(rows)
     figure = page_figure(narrow, height + 0.12, height + 0.12)
     ax = figure.subplots()
@@ -63,17 +66,12 @@ def figure_couplings(report: dict[str, Any], narrow: bool = False) -> Figure:
     return figure
 
 
-def _named(report: dict[str, Any], name: str, kind: str, width: float) -> dict[str, Any]:
+def _named(report: dict[str, Any], name: str, kind: str, width: float, most: tuple[int, int]) -> dict[str, Any]:
     """Text and colour of a signal with the effects that act there: blue if there are any."""
     characters = max(int(width * CHARACTERS), 4)
-    effects = [effect_title(effect) for effect in effects_at(report, name, kind)]
-    lines = [*fitted(name, characters, 2), *(line for text in effects for line in fitted(text, characters, 4))]
+    effects = "; ".join(effect_title(effect) for effect in effects_at(report, name, kind))
+    lines = [*fitted(name, characters, most[0]), *(fitted(effects, characters, most[1]) if effects else [])]
     return {"s": as_text_lines(lines), "color": BLUE if effects else BLACK, "fontsize": SMALL_TEXT_SIZE}
-
-
-def _count(text: dict[str, Any]) -> int:
-    """Number of lines."""
-    return str(text["s"]).count("\n") + 1
 
 
 def _draw_share(ax: Axes, corner: tuple[float, float], size: tuple[float, float], share: float) -> None:
@@ -82,6 +80,6 @@ def _draw_share(ax: Axes, corner: tuple[float, float], size: tuple[float, float]
 
     alpha = DARKEST * share if share >= MIN_SHARE else 0.0
     ax.add_patch(Rectangle(corner, *size, facecolor=(BLUE, alpha), edgecolor=GREY, linewidth=0.8))
-    middle = (x + 0.5 * along for x, along in zip(corner, size, strict=True))
+    x, y = (start + 0.5 * along for start, along in zip(corner, size, strict=True))
     text = f"{100.0 * share:.0f} %" if share >= MIN_SHARE else "–"
-    ax.text(*middle, text, ha="center", va="center", color=BLACK, fontsize=TEXT_SIZE)
+    ax.text(x, y, text, ha="center", va="center", color=BLACK, fontsize=TEXT_SIZE)

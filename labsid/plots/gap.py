@@ -153,6 +153,7 @@ def _bands(ax: Axes, bands: list[list[float]]) -> None:
     ax.bar(left, 100.0 * share, high - left, align="edge", color=BLUE, edgecolor="white", linewidth=0.8)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter("")  # within a decade, matplotlib labels the minor ticks too
     finish(ax, "Gap over frequency", "Frequency (Hz)", "Share of the gap (%)", legend_columns=0)
 
 
@@ -245,7 +246,7 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
     return figure
 
 
-def figures_aspalette_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
+def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """All figures of a report as PNG, for a wide and for a narrow screen."""
     figures: dict[str, PageFigure] = {"simulations": figure_simulations, "where": figure_location}
     if report["next_experiment"] is not None:

@@ -4,7 +4,8 @@ from textwrap import wrap
 from typing import Any
 
 LINES = 2  # of a name
-LONGEST = 32  # characters of a label on one line
+UNIT = 10  # characters of a unit
+LONGEST = 24  # characters of a label on one line
 
 
 def units_of(report: dict[str, Any]) -> dict[str, str]:
@@ -28,12 +29,12 @@ def as_text_lines(lines: list[str]) -> str:
 
 
 def fitted(text: str, width: int, most: int) -> list[str]:
-    """At most so many lines of a text; an ellipsis stands for what does not fit."""
+    """At most so many lines of a text. The last one holds its end, by which long names differ, after an ellipsis."""
     lines = wrap(text, width) or [""]
     if len(lines) <= most:
         return lines
-    return [*lines[: most - 1], f"{lines[most - 1][: width - 1]}…"]
+    return [*lines[: most - 1], f"…{text[1 - width :].lstrip()}"]
 
 
 def _bracketed(unit: str) -> list[str]:
-    return [f"({unit})"] if unit else []
+    return [f"({fitted(unit, UNIT, 1)[0]})"] if unit else []

@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 Traces = Literal["traces", "holdout_traces"]
 
 HEIGHTS = {"output": 1.9, "error": 1.25, "input": 1.05}  # inches of a panel
+MANY, FLATTER = 3, 0.8  # outputs in panels of full height; heights of more of them, relative
 MARGIN = 0.9  # inches, of the legend and of the axis of time
-CHARACTERS = 8.5  # of a label beside a panel, an inch
+CHARACTERS = 10.5  # of a label beside a panel, an inch
 SURE = 0.5  # probability from which an effect is called the cause
 LEVELS = ("low", "high")  # parameters of an effect that are values of its signal
 PLACES = {"dynamics": " in the dynamics", "disturbance": ", a disturbance"}
@@ -74,7 +75,8 @@ def figure_signals(
         effect stands above the signal at which it acts. An input is drawn if an output is explained through it.
     """
     drawn = _panels(report, errors=not zoom)
-    heights = [HEIGHTS[panel.kind] for panel in drawn]
+    size = FLATTER if len(report["outputs"]) > MANY else 1.0
+    heights = [size * HEIGHTS[panel.kind] for panel in drawn]
     figure = page_figure(narrow, sum(heights) + MARGIN, sum(heights) + MARGIN + (0.3 if narrow else 0.0))
     axes = figure.subplots(len(drawn), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     stretch = worst_stretch(report, traces)
@@ -83,9 +85,9 @@ def figure_signals(
         if zoom:
             inside = (trace["t"] >= stretch[0]) & (trace["t"] <= stretch[1])
             trace = {key: x[inside] for key, x in trace.items()}
-        elif panel.kind == "output" and report["verdict"] != "none":
-            ax.axvspan(*stretch, color=GREY, alpha=0.35, linewidth=0, zorder=0, label="Largest error")
         _draw(ax, panel, report, trace, traces)
+        if panel.kind == "output" and report["verdict"] != "none" and not zoom:
+            ax.axvspan(*stretch, color=GREY, alpha=0.35, linewidth=0, zorder=0, label="Largest error")
     axes[-1].set_xlabel(TIME, fontsize=SMALL_TEXT_SIZE)
     figure.align_ylabels(axes)
     _legend(figure, axes, columns=2 if narrow else 6)
@@ -130,7 +132,7 @@ def _draw(ax: Axes, panel: Panel, report: dict[str, Any], trace: dict[str, Float
     else:
         ax.step(trace["t"], trace["u"], where="post", color=BLACK, linewidth=1.2)
         ax.margins(x=0, y=0.12)
-    finish(ax, "", "", stacked(name, unit, int(HEIGHTS[panel.kind] * CHARACTERS)), legend_columns=0)
+    finish(ax, "", "", stacked(name, unit, int(HEIGHTS[panel.kind] * FLATTER * CHARACTERS)), legend_columns=0)
     ax.set_ylabel(ax.get_ylabel(), fontsize=SMALL_TEXT_SIZE)
     ax.locator_params(axis="y", nbins=5 if panel.kind == "output" else 3)
     if panel.kind != "error":

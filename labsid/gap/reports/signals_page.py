@@ -92,7 +92,9 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 def _place(effect: dict[str, Any]) -> str:
     """Where to look for the cause of an effect."""
-    return str(effect["signal"] or f"the dynamics of {sentences.joined(effect['outputs'])}")
+    if effect["signal"]:
+        return f"at {effect['signal']}"
+    return f"in the dynamics of {sentences.joined(effect['outputs'])}"
 
 
 def _has_units(effect: dict[str, Any]) -> bool:
