@@ -89,7 +89,7 @@ def _effect(
     return with_units({"effects": [found]}, u, y)["effects"][0] if u and y else found
 
 
-def with_experiment(base: dict[str, Any]) -> dict[str, Any]:
+def with_planned_inputs(base: dict[str, Any]) -> dict[str, Any]:
     """The same report with a proposed input; the other inputs rest."""
     first, *others = [one["name"] for one in base["signals"]["inputs"]]
     t = [0.5 * k for k in range(60)]

@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from signals_reports import signals_report, with_experiment
+from signals_reports import signals_report, with_planned_inputs
 
 from labsid.plots.couplings import figure_couplings
 from labsid.plots.gap import figure_location
@@ -140,7 +140,7 @@ def test_the_location_names_the_signals_and_their_units():
 
 @WIDTHS
 def test_every_planned_input_has_a_panel(narrow, covered):
-    base = with_experiment(signals_report(*FOUND))
+    base = with_planned_inputs(signals_report(*FOUND))
     figure = figure_planned_inputs(base, narrow)
     assert [ax.get_ylabel() for ax in figure.axes] == ["valve\n(V)", "heater\n(%)"]
     for ax, u in zip(figure.axes, base["next_experiment"]["u"].values(), strict=True):

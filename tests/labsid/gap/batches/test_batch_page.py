@@ -9,7 +9,7 @@ import re
 
 import pytest
 from gap_reports import report, with_rest
-from signals_reports import signals_report, with_experiment
+from signals_reports import signals_report, with_planned_inputs
 
 from labsid.gap.batches import batch_page
 from labsid.gap.batches.batch_page import batch_page_content, render_batch_page, write_batch_page, write_record_pages
@@ -76,7 +76,7 @@ def test_a_row_has_the_errors_relative_to_the_noise():
 
 
 def test_an_effect_of_several_signals_is_shown_with_its_signal():
-    found = with_experiment(signals_report(("input-dead-zone", "valve"), ("extra-lag", None)))
+    found = with_planned_inputs(signals_report(("input-dead-zone", "valve"), ("extra-lag", None)))
     (row,) = content_of({"a": found})["rows"]
     assert row["effects"] == ["Dead zone at valve", "Extra lag"]
     assert row["ambiguous"] == ["extra lag", "rate limit of the actuator at valve"]

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import pytest
 from gap_reports import with_rest
-from signals_reports import signals_report, with_experiment
+from signals_reports import signals_report, with_planned_inputs
 
 from labsid.gap.reports.html_report import write_html_report
 from labsid.gap.reports.page_parts import command
@@ -23,7 +23,7 @@ HOSTILE = "<script>alert('&\"')</script>"
 FOUND = (("input-dead-zone", "valve"), ("extra-lag", None))
 KINDS = {
     "effect": signals_report(*FOUND),
-    "ambiguous": with_experiment(signals_report(("input-delay", "valve"), probability=0.58)),
+    "ambiguous": with_planned_inputs(signals_report(("input-delay", "valve"), probability=0.58)),
     "none": signals_report(verdict="none"),
     "partial": with_rest(signals_report(*FOUND, verdict="partial", probability=0.7), "input"),
     "unknown": with_rest(signals_report(verdict="unknown"), "disturbance"),
@@ -146,7 +146,7 @@ def _location_sums(report):
 
 
 def test_names_from_a_file_are_escaped(undrawn_signals):
-    base = with_experiment(
+    base = with_planned_inputs(
         signals_report(
             ("input-delay", HOSTILE), inputs=[(HOSTILE, HOSTILE), ("b", "")], outputs=[(f"y{HOSTILE}", HOSTILE)]
         )
