@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from labsid.plots.gap import noise_band, unit_of
+from labsid.plots.gap import unit_of
+from labsid.plots.gap_curves import noise_band
 from labsid.plots.style import TIME
 
 if TYPE_CHECKING:

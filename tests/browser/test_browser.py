@@ -15,6 +15,7 @@ import pytest
 from browser.conftest import LAB, PRELAB, Instructor, Student
 from browser.processes import served, wait_until_reachable
 from gap_reports import report, with_experiment, with_holdout, with_rest
+from signals_reports import signals_report, with_planned_inputs
 
 from autograder.course.layout import Course
 from labsid.gap.batches.batch_page import write_batch_page
@@ -194,7 +195,9 @@ def test_pages_of_the_gap_diagnosis(context: "BrowserContext", tmp_path: Path) -
     found = []
     page = context.new_page()
     with_all = with_experiment(with_holdout(with_rest(report("input-delay", "load-step"), "linear")))
-    for name, shown in {"effects": with_all, "none": report(verdict="none")}.items():
+    coupled = signals_report(("input-dead-zone", "valve"), ("extra-lag", None), holdout=True)
+    several = {"signals": with_planned_inputs(coupled), "signals-none": signals_report(verdict="none")}
+    for name, shown in {"effects": with_all, "none": report(verdict="none"), **several}.items():
         path = tmp_path / f"{name}.html"
         write_html_report(path, shown)
         page.goto(path.as_uri())

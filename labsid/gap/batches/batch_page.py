@@ -12,7 +12,8 @@ from urllib.parse import quote
 
 from labsid._files import write_text
 from labsid.gap.batches.workers import run_tasks, serve
-from labsid.gap.reports.html_report import TEMPLATES, digest, load_template, write_html_report
+from labsid.gap.reports.html_report import write_html_report
+from labsid.gap.reports.page_parts import TEMPLATES, digest, load_template
 from labsid.gap.reports.quantities import closed_percent, counted, number, probability
 from labsid.gap.reports.sentences import capitalised, noun_without_article
 
@@ -107,14 +108,20 @@ def _row(stem: str, report: dict[str, Any]) -> dict[str, Any]:
         "verdict": VERDICTS[report["verdict"]][0],
         "colour": VERDICTS[report["verdict"]][1],
         "severity": list(VERDICTS).index(report["verdict"]),
-        "effects": [_title(effect["name"]) for effect in effects],
-        "ambiguous": [noun_without_article(name) for name in report["ambiguous"]],
+        "effects": [capitalised(_at_signal(effect)) for effect in effects],
+        "ambiguous": [_at_signal(one if isinstance(one, dict) else {"name": one}) for one in report["ambiguous"]],
         "probability": (chance, "–" if chance is None else probability(chance)),
         "closed": (closed, "–" if closed is None else closed_percent(closed)),
         "interval": "" if closed is None else closed_percent(closed, gap["ci95"]).partition(" %")[2],
         "width": None if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
         **{name: (ratio, "–" if ratio is None else number(ratio)) for name, ratio in ratios.items()},
     }
+
+
+def _at_signal(effect: dict[str, Any]) -> str:
+    """The noun of an effect, with the signal at which it acts if there are several."""
+    signal = effect.get("signal")
+    return noun_without_article(effect["name"]) + (f" at {signal}" if signal else "")
 
 
 def _rank(row: dict[str, Any]) -> tuple[float, float, str]:

@@ -1,21 +1,11 @@
 """The HTML report: one self-contained file, made from the JSON report alone."""
 
-import base64
-import hashlib
-import re
-import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from labsid._files import write_file
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import (
-    EFFECT_TEXTS,
-    REMAINING_ERRORS,
-    UNSIMULATED,
-    parameter_label,
-    parameter_value,
-)
+from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED
 from labsid.gap.reports.limit_rows import (
     COLUMNS,
     hidden_sentences,
@@ -25,14 +15,21 @@ from labsid.gap.reports.limit_rows import (
     titled_rows,
 )
 from labsid.gap.reports.location_text import location_sentences
+from labsid.gap.reports.page_parts import (
+    TEMPLATES,
+    digest,
+    effect_content,
+    has_holdout,
+    has_probabilities,
+    in_base64,
+    input_file,
+    load_template,
+    overview,
+)
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
+from labsid.gap.reports.signals_page import render_signals
 
-if TYPE_CHECKING:
-    import jinja2
-
-TEMPLATES = Path(__file__).parent / "templates"
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
-_UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
 LOOP = (
     ("input", "Actuator", "command to process"),
     ("dynamics", "Process", "dynamics of the rig"),
@@ -50,14 +47,15 @@ def write_html_report(path: Path, report: dict[str, Any]) -> None:
     path : Path
         An existing file is replaced.
     report : dict
-        In the layout ``labsid.gap/2``.
+        Of one input and one output, or of several signals.
 
     Raises
     ------
     OSError
         If the file cannot be written.
     """
-    write_file(path, render_html(report).encode())
+    render = render_signals if "signals" in report else render_html
+    write_file(path, render(report).encode())
 
 
 def render_html(report: dict[str, Any]) -> str:
@@ -68,39 +66,29 @@ def render_html(report: dict[str, Any]) -> str:
 
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
-    from labsid.plots.gap import noise_band
+    from labsid.plots.gap_curves import noise_band
 
-    gap, record = report["gap"], report["record"]
-    return {
-        "verdict": report["verdict"],
+    return overview(report) | {
         "noise": noise_band(report)[1],
         "sentence": sentences.verdict_sentence(report),
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),
-        "name": record["name"] or "record",
-        "samples": record["samples"],
-        "Ts": f"{record['Ts']:.6g}",
-        "duration": f"{record['samples'] * record['Ts']:.4g}",
         "simulation": _simulation(report),
-        "closed": None
-        if gap["closed"] is None or sentences.is_unchanged(report)
-        else closed_percent(gap["closed"], gap["ci95"]),
-        "bars": _bars(report),
         "gap": sentences.gap_sentence(report),
         "start": sentences.start_sentence(report),
         "baseline": sentences.baseline_sentence(report),
         "records": sentences.record_rows(report),
         "records_text": sentences.records_sentence(report),
         "kinds": _kinds(report),
-        "effects": [_effect(effect) for effect in report["effects"]],
+        "effects": [effect_content(effect) for effect in report["effects"]],
         "alternatives": sentences.ambiguity_sentence(report),
         "record": sentences.record_sentences(report),
         "screen": report["screen"],
-        "holdout": report["holdout_traces"] is not None,
+        "holdout": has_holdout(report),
         "correction": sentences.correction(report),
         "plateaus": sentences.plateaus_matter(report),
         "ranking_text": sentences.ranking_sentence(report),
-        "has_probabilities": _has_probabilities(report),
+        "has_probabilities": has_probabilities(report),
         "loop": _loop(report),
         "place": sentences.place_sentence(report),
         "where": location_sentences(report),
@@ -112,8 +100,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "experiment": _experiment(report),
         "look": sentences.look_sentence(report),
         "limits": _limits(report),
-        "command": command(report),
-        "exact": "command" in report,
     }
 
 
@@ -125,50 +111,6 @@ def _simulation(report: dict[str, Any]) -> str:
     if read or report["simulation"]["output_only"]:
         return f"Only the output of your simulation was given. {read}".rstrip()
     return "The record is compared with the simulation that you gave, unchanged."
-
-
-def _bars(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """Rms errors as bars, with lengths in per cent of the longest."""
-    gap = report["gap"]
-    if sentences.is_unchanged(report):
-        rows = [("Simulation", gap["before"], "after")]
-    else:
-        rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
-    rows.append(
-        (
-            "Noise alone" if _has_probabilities(report) else "Noise and what no model predicts",
-            gap["noise_floor"],
-            "floor",
-        )
-    )
-    longest = max(value for _, value, _ in rows) or 1.0
-    return [
-        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
-        for text, value, colour in rows
-    ]
-
-
-def _effect(effect: dict[str, Any]) -> dict[str, Any]:
-    text = EFFECT_TEXTS.get(effect["name"])
-    closed = effect["closed"]
-    parameters = []
-    for name, entry in effect["parameters"].items():
-        value, unit = parameter_value(effect["name"], name, entry)
-        parameters.append(
-            {
-                "label": parameter_label(effect["name"], name, entry),
-                "value": value,
-                "unit": unit,
-            }
-        )
-    return {
-        "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
-        "name": effect["name"],
-        "meaning": "" if text is None else text.meaning,
-        "chance": sentences.chance_of(effect),
-        "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
-        "parameters": parameters,
-    }
 
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
@@ -211,16 +153,11 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
                 "held_out": closed_percent(gap["closed"], gap["ci95"])
-                if ours and gap["closed"] is not None and _has_probabilities(report)
+                if ours and gap["closed"] is not None and has_probabilities(report)
                 else "",
             }
         )
     return rows
-
-
-def _has_probabilities(report: dict[str, Any]) -> bool:
-    """Whether the candidates are compared by their probabilities, not by their errors on held-out samples."""
-    return report["verdict"] in ("none", "effect")
 
 
 def _kinds(report: dict[str, Any]) -> list[dict[str, str]]:
@@ -237,15 +174,11 @@ def _kinds(report: dict[str, Any]) -> list[dict[str, str]]:
 
 
 def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
-    """The sentence on the proposed input, and the input as CSV in base64."""
+    """The sentence on the proposed input, and the input as a file."""
     planned = report["next_experiment"]
     if planned is None:
         return None
-    rows = "".join(f"{t!r},{u!r}\n" for t, u in zip(planned["t"], planned["u"], strict=True))
-    return {
-        "text": sentences.experiment_sentence(report),
-        "csv": base64.b64encode(f"t,u\n{rows}".encode()).decode("ascii"),
-    }
+    return {"text": sentences.experiment_sentence(report), "csv": input_file(planned["t"], {"u": planned["u"]})}
 
 
 def _limits(report: dict[str, Any]) -> dict[str, Any] | None:
@@ -262,30 +195,13 @@ def _limits(report: dict[str, Any]) -> dict[str, Any] | None:
     }
 
 
-def command(report: dict[str, Any]) -> str:
-    """The command that reproduces this page, for a POSIX shell."""
-    given = report.get("command")
-    if given:
-        return str(given)
-    names = [row["name"] for row in report.get("records", ())] or [report["record"]["name"] or "RECORD"]
-    words = ["labsid", "gap", "diagnose", *names]
-    if report["simulation"]["given"]:
-        words += ["--sim", "MODEL"]
-    if report["holdout_traces"] is not None:
-        words += ["--holdout", "RECORD2"]
-    return shlex.join([*words, "--json", "report.json", "--html", "report.html"])
-
-
 def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """The figures as PNG in base64, each for a wide and for a narrow screen."""
     from labsid.plots.gap import figures_as_png
 
     titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
     report = report | {"limits": titled}
-    return {
-        name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
-        for name, screens in figures_as_png(report).items()
-    }
+    return in_base64(figures_as_png(report))
 
 
 def scripts(report: dict[str, Any]) -> dict[str, Any]:
@@ -300,26 +216,3 @@ def scripts(report: dict[str, Any]) -> dict[str, Any]:
         "data": page_data(report),
         "switches": bool(report.get("replay")),
     }
-
-
-def digest(script: str) -> str:
-    """The digest by which a security policy allows an inline script."""
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-
-
-def load_template(name: str) -> "jinja2.Template":
-    """A template of this package; values are escaped, and numbers stay on one line with their units."""
-    import jinja2
-
-    loader = jinja2.FileSystemLoader(TEMPLATES)
-    environment = jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
-    )
-    return environment.get_template(name)
-
-
-def _no_break(value: Any) -> Any:
-    """Keep numbers with their units and intervals on one line."""
-    if not isinstance(value, str) or hasattr(value, "__html__"):  # markup: its parts have been processed already
-        return value
-    return re.sub(_UNBREAKABLE, lambda found: found[0].replace(" ", "\u00a0"), value)

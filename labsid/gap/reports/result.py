@@ -1,6 +1,5 @@
 """The result of a diagnosis, as scripts and notebooks use it."""
 
-import html
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,12 +8,8 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.html_report import render_html
+from labsid.gap.reports.page_parts import in_frame
 from labsid.gap.reports.text_report import format_report
-
-_PAGE = (
-    '<iframe srcdoc="{}" style="width: 100%; height: 48rem; border: 0" title="Diagnosis of the gap"'
-    ' sandbox="allow-scripts allow-downloads"></iframe>'
-)  # the scripts of the page have no access to the notebook
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -103,4 +98,4 @@ class Diagnosis:
         return f"<Diagnosis: {found}; rms error {gap['before']:.3g} before, {gap['after']:.3g} after{closed}>"
 
     def _repr_html_(self) -> str:
-        return _PAGE.format(html.escape(render_html(self.report)))
+        return in_frame(render_html(self.report))

@@ -29,21 +29,18 @@ def format_signals(report: dict[str, Any]) -> str:
     lines = [*titled_lines("", verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
         first, *others = effect_lines(effect)
-        lines += [*titled_lines(first[:INDENT].strip(), f"{first[INDENT:]}; {_place(effect)}"), *others]
-    rivals = [f"{noun(one['name'])}{_at(one['signal'])}" for one in report["ambiguous"]]
-    if rivals:
-        lines += titled_lines("ambiguous", f"The record does not rule out {sentences.joined(rivals, 'or')}.")
-    lines += titled_lines("gap", _gap_sentence(report))
+        lines += [*titled_lines(first[:INDENT].strip(), f"{first[INDENT:]}; {place_of(effect)}"), *others]
+    lines += titled_lines("ambiguous", ambiguity_sentence(report))
+    lines += titled_lines("gap", gap_sentence(report))
     lines += _outputs(report)
-    lines += titled_lines("signals", _coupling_sentence(report))
+    lines += titled_lines("signals", coupling_sentence(report))
     if report["verdict"] != "none":
-        lines += titled_lines("where", " ".join(_where(report)))
+        lines += titled_lines("where", " ".join(where_sentences(report)))
     if report["next_experiment"] is not None:
         said = sentences.experiment_sentence(report)
         lines += titled_lines("next", f"Apply the inputs that --json writes as next_experiment. {said}")
-    for count, finding in enumerate(report["findings"]):
-        about = f"{finding['signal']}: " if finding["signal"] and finding["signal"] not in finding["text"] else ""
-        lines += titled_lines("" if count else "record", printable(f"{about}{finding['text']}"))
+    for count, finding in enumerate(finding_sentences(report)):
+        lines += titled_lines("" if count else "record", printable(finding))
     return "\n".join(printable(line) for line in lines)
 
 
@@ -72,6 +69,20 @@ def _gain(gap: dict[str, Any]) -> str:
     return f"explains {closed_percent(gap['closed'], gap['ci95'])} of the gap"
 
 
+def ambiguity_sentence(report: dict[str, Any]) -> str:
+    """The effects that the record does not rule out, each with its signal; empty if there are none."""
+    rivals = [f"{noun(one['name'])}{_at(one['signal'])}" for one in report["ambiguous"]]
+    return f"The record does not rule out {sentences.joined(rivals, 'or')}." if rivals else ""
+
+
+def finding_sentences(report: dict[str, Any]) -> list[str]:
+    """What was found in the samples of the record, with the signal."""
+    return [
+        f"{one['signal']}: {one['text']}" if one["signal"] and one["signal"] not in one["text"] else str(one["text"])
+        for one in report["findings"]
+    ]
+
+
 def _placed(effect: dict[str, Any]) -> str:
     """``At u2: `` or ``In the dynamics of y1: ``."""
     if effect["signal"]:
@@ -86,7 +97,7 @@ def _qualified(effect: dict[str, Any]) -> str:
     return text if p >= sentences.SURE else f"{'probably' if p >= sentences.LIKELY else 'possibly'} {text}"
 
 
-def _place(effect: dict[str, Any]) -> str:
+def place_of(effect: dict[str, Any]) -> str:
     """Where an effect acts, and on which outputs."""
     outputs = sentences.joined(effect["outputs"])
     return f"at {effect['signal']}, seen in {outputs}" if effect["signal"] else f"seen in {outputs}"
@@ -111,30 +122,37 @@ def _over_noise(gap: dict[str, Any], key: str) -> str:
     return f"{number(gap[key])} times the noise of each output"
 
 
-def _gap_sentence(report: dict[str, Any]) -> str:
+def gap_sentence(report: dict[str, Any]) -> str:
     """The size of the gap over all outputs."""
     gap = report["gap"]
-    on_holdout = any("holdout_traces" in output for output in report["outputs"].values())
-    where = "on the holdout" if on_holdout else "on held-out samples"
+    other = any(one.get("holdout_traces") is not None for one in report["outputs"].values())
+    where = "on the holdout" if other else "on held-out samples"
     after = "" if gap["after"] == gap["before"] else f" before and {number(gap['after'])} after"
-    said = f"{number(gap['before'])}{after}"
     if "over_sd" not in gap:
-        return f"The rms error is {said}, {where}."
-    relative = f"before, that is {percent(gap['over_sd']['before'])} of the standard deviation"
-    stabilised = " Each output was simulated beside the others as measured." if gap["mode"] == "stabilised" else ""
-    return f"Rms over all outputs {where}: {said}, in units of each output's noise; {relative}.{stabilised}"
+        return f"The rms error is {number(gap['before'])}{after}, {where}."
+    beside = " Each output was simulated beside the others as measured." if gap["mode"] == "stabilised" else ""
+    sd = gap["over_sd"]
+    relative = f"{percent(sd['before'])} of the standard deviation"
+    size = f"{number(gap['before'])}{after}, in units of each output's noise"
+    return f"Rms over all outputs {where}: {size}; {'before, ' if after else ''}that is {relative}.{beside}"
+
+
+def output_rows(report: dict[str, Any]) -> list[tuple[str, ...]]:
+    """The gap of each output: its name with its unit, errors before and after, the noise, and the closed share."""
+    units = {one["name"]: one["unit"] for one in report["signals"]["outputs"]}
+    return [
+        (
+            f"{name} ({units[name]})" if units.get(name) else name,
+            *(number(row[key]) for key in ("before", "after", "noise_floor")),
+            "–" if row["closed"] is None else closed_percent(row["closed"]),
+        )
+        for name, row in report["gap"]["outputs"].items()
+    ]
 
 
 def _outputs(report: dict[str, Any]) -> list[str]:
     """The gap of each output, in columns."""
-    units = {one["name"]: one["unit"] for one in report["signals"]["outputs"]}
-    table: list[tuple[str, ...]] = [COLUMNS]
-    for name, row in report["gap"]["outputs"].items():
-        closed = "–" if row["closed"] is None else closed_percent(row["closed"])
-        named = f"{name} ({units[name]})" if units.get(name) else name
-        table.append(
-            (printable(named), number(row["before"]), number(row["after"]), number(row["noise_floor"]), closed)
-        )
+    table = [COLUMNS, *(tuple(printable(cell) for cell in row) for row in output_rows(report))]
     wide = [max(len(row[i]) for row in table) for i in range(len(COLUMNS))]
     return [
         "  ".join(
@@ -145,20 +163,18 @@ def _outputs(report: dict[str, Any]) -> list[str]:
     ]
 
 
-def _coupling_sentence(report: dict[str, Any]) -> str:
+def coupling_sentence(report: dict[str, Any]) -> str:
     """Which inputs move each output, the strongest first."""
     texts: list[str] = []
     for output in (one["name"] for one in report["signals"]["outputs"]):
         own = sorted((one for one in report["couplings"] if one["to"] == output), key=lambda one: -one["share"])
         listed = [f"{one['from']} {percent(one['share'])}" for one in own if one["share"] >= MIN_COUPLING]
-        if listed and not texts:
-            texts.append(f"{output} is moved by {sentences.joined(listed)} (shares of its response).")
-        elif listed:
-            texts.append(f"{output}: {sentences.joined(listed)}.")
+        said = sentences.joined(listed) or "no input"
+        texts.append(f"{output}: {said}." if texts else f"{output} is moved by {said} (shares of its response).")
     return " ".join(texts)
 
 
-def _where(report: dict[str, Any]) -> list[str]:
+def where_sentences(report: dict[str, Any]) -> list[str]:
     """The outputs with the gap, and where it lies in the worst one."""
     where = report["where"]
     shares = {name: share for name, share in where["outputs"].items() if share >= MIN_COUPLING}

@@ -4,12 +4,16 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from labsid.gap.model_file import ExportedModel
+from labsid.gap.reports.page_parts import in_frame
+from labsid.gap.reports.signals_page import render_signals, with_titles
 from labsid.gap.reports.signals_text import format_signals
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SignalsDiagnosis:
-    """Result of `diagnose` for a record of several signals; `print` shows the text of the command line.
+    """Result of `diagnose` for a record of several signals.
+
+    JupyterLab shows it as the page of ``--html``; `print` shows the text of the command line.
 
     Attributes
     ----------
@@ -36,6 +40,12 @@ class SignalsDiagnosis:
         """The same result with another report, such as one with the command line."""
         return replace(self, report=report)
 
+    def plot(self) -> Any:
+        """A matplotlib figure of the outputs, measured and simulated before and after, their errors, and the inputs."""
+        from labsid.plots.signals import figure_signals
+
+        return figure_signals(with_titles(self.report))
+
     def __str__(self) -> str:
         return format_signals(self.report)
 
@@ -47,3 +57,6 @@ class SignalsDiagnosis:
         gap = self.report["gap"]
         found = f"{self.verdict}: {named}" if named else self.verdict
         return f"<SignalsDiagnosis: {found}; rms error {gap['before']:.3g} before, {gap['after']:.3g} after>"
+
+    def _repr_html_(self) -> str:
+        return in_frame(render_signals(self.report))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.estimation.subspace import fit_subspace
 from labsid.gap.effects.base import InputEffect
 from labsid.gap.fits.fitting import Fit, fit_from, mean_square
 from labsid.gap.fits.linear_fits import fit_baseline
@@ -21,10 +22,11 @@ from labsid.gap.signals.linear_parts import LinearParts, linear_parts
 from labsid.gap.signals.neighbours import own_input, with_neighbours
 from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.simulations.structure_choice import explain_record
+from labsid.model_structures.state_space import simulate_states
 
 _OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
-_POLES = {"extra-lag": 1, "slow-mode": 1, "resonance": 2}  # effects that add poles, by their number
-MOST_ORDER = 4  # of a linear model
+_POLES = {"extra-lag", "slow-mode", "resonance"}  # effects that add poles
+SAME = 1.2  # rms error of a state-space model over that with the poles found, up to which it is the same
 FAINT = 1.5  # rms error without a pole over that with it, below which it may be one of the rig's own
 DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
 
@@ -177,7 +179,7 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
             return _explained(signals, parts, order, progress, coupled)
     found = _explained(signals, parts, order, progress, apart)
     if all(one.white for one in found):
-        return _with_poles_in_common(signals, parts, order, progress, found) or found
+        return _own_poles(signals, found)
     beside = _beside_neighbours(signals, parts, order, progress)
     if beside is not None and sum(one.white for one in beside) > sum(one.white for one in found):
         return beside
@@ -187,37 +189,48 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     return other if better and have_poles_in_common(fits) else found
 
 
-def _with_poles_in_common(
-    signals: Signals,
-    parts: Sequence[LinearParts],
-    order: int,
-    progress: Progress | None,
-    found: Sequence[ExplainedOutput],
-) -> list[ExplainedOutput] | None:
-    """The outputs by linear models of higher order, where they have nothing else in common; None otherwise.
+def _own_poles(signals: Signals, found: list[ExplainedOutput]) -> list[ExplainedOutput]:
+    """The outputs, poles that were found counted as the rig's own where a coupled rig of the usual order has them.
 
-    A pole that outputs show through different inputs is that of coupled states; what is missing at one place acts
-    through one input, or on one output. So is one without which the error is hardly larger: the number of states of a
-    coupled rig is not known.
+    A response of second order from each input to each output has fewer states than coupled systems of second order, one
+    for each output. The poles are no effects if a state-space model of that order leaves no more error, or if the error
+    without them is hardly larger.
     """
-    poles = [(through.role.main, through.explanation.names) for one in found for through in one.through]
-    names = {name for _, own in poles for name in own}
-    mains = {main for main, own in poles if own}
-    if not names or not names <= set(_POLES):
-        return None
-    larger = max(mean_square(*_ends(one)[0]) / mean_square(*_ends(one)[1]) for one in found)
-    if len(mains) < 2 and (larger > FAINT**2 or len(found) < 2):
-        return None
-    higher = min(order + max(_POLES[name] for name in names), MOST_ORDER)
-    again = _explained(signals, parts, higher, progress, [_Kind("apart")] * len(parts))
-    simple = all(one.white and not one.through[-1].explanation.names for one in again)
-    return again if simple else None
+    names = {name for one in found for through in one.through for name in through.explanation.names}
+    if len(found) < 2 or not names or not names <= _POLES:
+        return found
+    ends = [(one.through[-1].explanation.data, one.through[-1].explanation) for one in found]
+    larger = max(mean_square(data, how.path[0]) / mean_square(data, how.best) for data, how in ends)
+    if larger > FAINT**2 and not _is_of_usual_order(signals, found):
+        return found
+    return [replace(one, through=tuple(_as_given(through) for through in one.through)) for one in found]
 
 
-def _ends(one: ExplainedOutput) -> tuple[tuple[Data, Fit], tuple[Data, Fit]]:
-    """The fits without and with the effects."""
-    explanation = one.through[-1].explanation
-    return (explanation.data, explanation.path[0]), (explanation.data, explanation.best)
+def _is_of_usual_order(signals: Signals, found: Sequence[ExplainedOutput]) -> bool:
+    """Whether a state-space model with two states for each output leaves no more error than what was found."""
+    u, y = signals.scaled_inputs(), np.array(signals.y)
+    middle, spread = y.mean(axis=0), y.std(axis=0)
+    try:
+        fitted = fit_subspace(u, (y - middle) / spread, signals.Ts, 2 * y.shape[1], measured=signals.rows)
+        simulated = simulate_states(fitted.model, u, fitted.x0)
+    except ValueError:
+        return False
+    for j, one in enumerate(found):
+        explanation, rows = one.through[-1].explanation, signals.rows[:, j]
+        e = ((y - middle) / spread - simulated)[rows, j]
+        left = float(np.std(e)) * spread[j] / explanation.data.y_scale.unit
+        if left > SAME * np.sqrt(mean_square(explanation.data, explanation.best)):
+            return False
+    return True
+
+
+def _as_given(through: Through) -> Through:
+    """An explanation whose effects are part of the structure."""
+    explanation = through.explanation
+    best = explanation.best
+    own = replace(best.hypothesis, n_given=len(best.hypothesis.effects))
+    fit = replace(best, hypothesis=own)
+    return replace(through, explanation=replace(explanation, levels=({(): fit},), path=(fit,)))
 
 
 def _beside_neighbours(

@@ -4,17 +4,9 @@ import numpy as np
 import pytest
 from gap_reports import report, with_experiment, with_holdout, with_limits
 
-from labsid.plots.gap import (
-    NARROW,
-    WIDE,
-    figure_experiment,
-    figure_limits,
-    figure_location,
-    figure_simulations,
-    figures_as_png,
-    largest_error,
-    noise_band,
-)
+from labsid.plots.gap import figure_experiment, figure_limits, figure_location, figure_simulations, figures_as_png
+from labsid.plots.gap_curves import largest_error, noise_band
+from labsid.plots.page_figures import NARROW, WIDE
 
 WIDTHS = pytest.mark.parametrize("narrow", [False, True])
 

@@ -9,6 +9,7 @@ import re
 
 import pytest
 from gap_reports import report, with_rest
+from signals_reports import signals_report, with_planned_inputs
 
 from labsid.gap.batches import batch_page
 from labsid.gap.batches.batch_page import batch_page_content, render_batch_page, write_batch_page, write_record_pages
@@ -72,6 +73,14 @@ def test_a_row_has_the_errors_relative_to_the_noise():
     assert row["after"] == (pytest.approx(3.0), "3.00")
     assert row["closed"] == (0.4, "40 %")
     assert (row["interval"], row["width"]) == (" [94, 100]", "40")
+
+
+def test_an_effect_of_several_signals_is_shown_with_its_signal():
+    found = with_planned_inputs(signals_report(("input-dead-zone", "valve"), ("extra-lag", None)))
+    (row,) = content_of({"a": found})["rows"]
+    assert row["effects"] == ["Dead zone at valve", "Extra lag"]
+    assert row["ambiguous"] == ["extra lag", "rate limit of the actuator at valve"]
+    assert row["before"] == (6.4, "6.40")
 
 
 def test_a_record_without_noise_or_gap_has_no_numbers():

@@ -14,8 +14,9 @@ from gap_reports import PARAMETERS, report, undrawn_figures, with_experiment, wi
 
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import EFFECT_TEXTS
-from labsid.gap.reports.html_report import command, page_content, render_html, write_html_report
+from labsid.gap.reports.html_report import page_content, render_html, write_html_report
 from labsid.gap.reports.location_text import location_sentences
+from labsid.gap.reports.page_parts import command
 
 VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
 HOSTILE = "<script>alert('&\"')</script>"

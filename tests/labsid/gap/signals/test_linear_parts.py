@@ -1,10 +1,10 @@
 """Which inputs move an output, and how fast."""
 
 import numpy as np
+from two_by_two import LAGS, lagged, random_steps
 
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.signals.linear_parts import linear_parts
-from two_by_two import LAGS, lagged, random_steps
 
 
 def _pairs(u: np.ndarray, y: np.ndarray) -> list[Data]:

@@ -1,10 +1,10 @@
 """Two masses that pull at each other: an effect at one of them, and the free run of both together."""
 
 import numpy as np
+from two_by_two import random_steps
 
 from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
-from two_by_two import random_steps
 
 FRICTION = 0.15
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from two_by_two import dead_zone_at_second, two_by_two
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.signals.result import SignalsDiagnosis
 from labsid.records.record import Record
-from two_by_two import dead_zone_at_second, two_by_two
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,161 @@
+"""What the pages of the reports share: templates, error bars, effects, files and the command."""
+
+import base64
+import csv
+import hashlib
+import html
+import io
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from labsid.gap.reports import sentences
+from labsid.gap.reports.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
+from labsid.gap.reports.quantities import closed_percent, number
+
+if TYPE_CHECKING:
+    import jinja2
+
+TEMPLATES = Path(__file__).parent / "templates"
+_UNBREAKABLE = r" %( \[-?\d+, -?\d+\])?|(?<=\d) (s|Hz)\b|\bp [=<>] (?=\d)"
+_FRAME = (
+    '<iframe srcdoc="{}" style="width: 100%; height: 48rem; border: 0" title="Diagnosis of the gap"'
+    ' sandbox="allow-scripts allow-downloads"></iframe>'
+)  # the scripts of the page have no access to the notebook
+
+
+def overview(report: dict[str, Any]) -> dict[str, Any]:
+    """What every page shows: the record, the size of the gap, and how to make the report again."""
+    gap, record = report["gap"], report["record"]
+    unchanged = gap["closed"] is None or sentences.is_unchanged(report)
+    return {
+        "verdict": report["verdict"],
+        "name": record["name"] or "record",
+        "samples": record["samples"],
+        "Ts": f"{record['Ts']:.6g}",
+        "duration": f"{record['samples'] * record['Ts']:.4g}",
+        "closed": None if unchanged else closed_percent(gap["closed"], gap["ci95"]),
+        "bars": error_bars(report),
+        "command": command(report),
+        "exact": "command" in report,
+    }
+
+
+def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rms errors as bars, with lengths in per cent of the longest."""
+    gap = report["gap"]
+    if sentences.is_unchanged(report):
+        rows = [("Simulation", gap["before"], "after")]
+    else:
+        rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
+    rows.append(
+        (
+            "Noise alone" if has_probabilities(report) else "Noise and what no model predicts",
+            gap["noise_floor"],
+            "floor",
+        )
+    )
+    longest = max(value for _, value, _ in rows) or 1.0
+    return [
+        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
+        for text, value, colour in rows
+    ]
+
+
+def has_probabilities(report: dict[str, Any]) -> bool:
+    """Whether the candidates are compared by their probabilities, not by their errors on held-out samples."""
+    return report["verdict"] in ("none", "effect")
+
+
+def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
+    """An effect with its explanation and its parameters as text."""
+    text = EFFECT_TEXTS.get(effect["name"])
+    closed = effect["closed"]
+    parameters = []
+    for name, entry in effect["parameters"].items():
+        value, unit = parameter_value(effect["name"], name, entry)
+        parameters.append(
+            {
+                "label": parameter_label(effect["name"], name, entry),
+                "value": value,
+                "unit": unit,
+            }
+        )
+    return {
+        "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
+        "name": effect["name"],
+        "meaning": "" if text is None else text.meaning,
+        "chance": sentences.chance_of(effect),
+        "place": "",
+        "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
+        "parameters": parameters,
+    }
+
+
+def has_holdout(report: dict[str, Any]) -> bool:
+    """Whether the gap is scored on another record."""
+    outputs = report["outputs"].values() if "signals" in report else [report]
+    return any(one.get("holdout_traces") is not None for one in outputs)
+
+
+def input_file(t: Sequence[float], inputs: Mapping[str, Sequence[float]]) -> str:
+    """Inputs over time as a CSV file in base64; its header is ``t`` and their names."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["t", *inputs])
+    writer.writerows(zip(t, *inputs.values(), strict=True))
+    return base64.b64encode(text.getvalue().encode()).decode("ascii")
+
+
+def in_base64(figures: Mapping[str, Mapping[str, bytes]]) -> dict[str, dict[str, str]]:
+    """Pictures in base64, by figure and screen."""
+    return {
+        name: {screen: base64.b64encode(png).decode("ascii") for screen, png in screens.items()}
+        for name, screens in figures.items()
+    }
+
+
+def command(report: dict[str, Any]) -> str:
+    """The command that reproduces this page, for a POSIX shell."""
+    given = report.get("command")
+    if given:
+        return str(given)
+    names = [row["name"] for row in report.get("records", ())] or [report["record"]["name"] or "RECORD"]
+    words = ["labsid", "gap", "diagnose", *names]
+    for direction, own in report.get("signals", {}).items():
+        words += [f"--{direction}", ",".join(one["name"] for one in own)]
+    if report["simulation"]["given"]:
+        words += ["--sim", "MODEL"]
+    if has_holdout(report):
+        words += ["--holdout", "RECORD2"]
+    return shlex.join([*words, "--json", "report.json", "--html", "report.html"])
+
+
+def digest(script: str) -> str:
+    """The digest by which a security policy allows an inline script."""
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+
+
+def in_frame(page: str) -> str:
+    """A page as an element of a notebook."""
+    return _FRAME.format(html.escape(page))
+
+
+def load_template(name: str) -> "jinja2.Template":
+    """A template of this package; values are escaped, and numbers stay on one line with their units."""
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(TEMPLATES)
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
+    )
+    return environment.get_template(name)
+
+
+def _no_break(value: Any) -> Any:
+    """Keep numbers with their units and intervals on one line."""
+    if not isinstance(value, str) or hasattr(value, "__html__"):  # markup: its parts have been processed already
+        return value
+    return re.sub(_UNBREAKABLE, lambda found: found[0].replace(" ", "\u00a0"), value)

@@ -1,0 +1,83 @@
+"""Curves of the figures of a diagnosis: measured and simulated outputs, their errors, noise and scored samples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.plots.style import BLACK, BLUE, GREEN, GREY, VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ZOOM = 0.1  # of the record, shown in the zoom
+MIN_ZOOM_SAMPLES = 40  # samples in the zoom
+BREAK = 10.0  # median distances of the samples drawn, from which there is no line: between several records
+
+
+def simulation_curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Trace, label, colour and line style of each simulation to draw."""
+    outputs = report["outputs"].values() if "signals" in report else [report]
+    same = all(one["traces"]["before"] == one["traces"]["after"] for one in outputs)
+    if report["verdict"] == "none" or same:
+        return [("before", "Simulated", BLUE, "-")]
+    return [("before", "Before", VERMILION, "--"), ("after", "After", BLUE, "-")]
+
+
+def largest_error(trace: dict[str, FloatArray]) -> slice:
+    """The tenth of the record in which the simulation before has the largest error."""
+    power = np.nan_to_num(trace["y"] - trace["before"]) ** 2
+    length = min(max(int(ZOOM * power.size), MIN_ZOOM_SAMPLES), power.size)
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    first = int(np.argmax(total[length:] - total[:-length]))
+    return slice(first, first + length)
+
+
+def draw_outputs(
+    ax: Axes, trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]], part: slice | np.ndarray
+) -> None:
+    """Draw the measured output and the simulations, for a part of the record."""
+    t = trace["t"][part]
+    ax.plot(*without_jumps(t, trace["y"][part]), color=BLACK, linewidth=2.8, alpha=0.6, label="Measured")
+    for name, text, colour, style in curves:
+        ax.plot(*without_jumps(t, trace[name][part]), color=colour, linestyle=style, linewidth=1.3, label=text)
+    ax.margins(x=0)
+
+
+def without_jumps(t: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A line without a connection across times at which there are no samples."""
+    steps = np.diff(t)
+    after = np.flatnonzero(steps > BREAK * np.median(steps)) + 1
+    return np.insert(t, after, t[after]), np.insert(x, after, np.nan)
+
+
+def draw_errors(
+    ax: Axes, report: dict[str, Any], trace: dict[str, FloatArray], curves: list[tuple[str, str, str, str]]
+) -> None:
+    """Draw the errors of the simulations and the noise band."""
+    for name, text, colour, _ in curves:
+        ax.plot(*without_jumps(trace["t"], trace["y"] - trace[name]), color=colour, linewidth=1.0, label=text)
+    noise, name_of_noise = noise_band(report)
+    for side, text in ((-noise, f"{name_of_noise}, ±2 s.d."), (noise, "")):
+        ax.axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
+    ax.margins(x=0)
+
+
+def noise_band(report: dict[str, Any]) -> tuple[float, str]:
+    """Two standard deviations of the noise, and its name.
+
+    Where something is unexplained, it is the white noise of the residual: what no model predicts is no noise.
+    """
+    gap, left = report["gap"], report["unexplained"]
+    if report["verdict"] in ("none", "effect"):
+        return 2.0 * gap["noise_floor"], "Noise"
+    return 2.0 * min(gap["noise_floor"], left["rms"] / max(left.get("colour", 1.0), 1.0)), "White noise"
+
+
+def shade_scored(ax: Axes, stretches: list[list[float]]) -> None:
+    """Shade the samples on which the gap is scored."""
+    for number, (start, stop) in enumerate(stretches):
+        text = "" if number else "Scored"
+        ax.axvspan(start, stop, color=GREY, alpha=0.18, linewidth=0, zorder=0, label=text)

@@ -1,0 +1,224 @@
+"""The page of several signals: complete in itself, escaped, and with the numbers of the report."""
+
+import base64
+import csv
+import io
+import json
+import re
+from html.parser import HTMLParser
+from itertools import pairwise
+
+import pytest
+from gap_reports import with_rest
+from signals_reports import signals_report, with_planned_inputs
+
+from labsid.gap.reports.html_report import write_html_report
+from labsid.gap.reports.page_parts import command
+from labsid.gap.reports.signals_page import encoded_figures, page_content, render_signals
+from labsid.gap.reports.signals_text import verdict_sentence
+from labsid.gap.signals.result import SignalsDiagnosis
+
+VOID = {"meta", "img", "source", "br"}
+HOSTILE = "<script>alert('&\"')</script>"
+FOUND = (("input-dead-zone", "valve"), ("extra-lag", None))
+KINDS = {
+    "effect": signals_report(*FOUND),
+    "ambiguous": with_planned_inputs(signals_report(("input-delay", "valve"), probability=0.58)),
+    "none": signals_report(verdict="none"),
+    "partial": with_rest(signals_report(*FOUND, verdict="partial", probability=0.7), "input"),
+    "unknown": with_rest(signals_report(verdict="unknown"), "disturbance"),
+    "holdout": signals_report(*FOUND, holdout=True),
+}
+
+
+class Page(HTMLParser):
+    """Elements, attributes and words of a page, and whether every element is closed in its turn."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.faults, self.tags, self.attributes, self.text = [], [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(tag)
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.text.append(data)
+
+    @property
+    def words(self):
+        return " ".join(" ".join(self.text).split())
+
+
+def _undrawn(report):
+    return {
+        name: {"wide": "", "narrow": ""} for name in ("signals", "zoom", "couplings", "where", "holdout", "experiment")
+    }
+
+
+@pytest.fixture
+def undrawn_signals(monkeypatch):
+    """Pages without their figures, which take most of the time."""
+    monkeypatch.setattr("labsid.gap.reports.signals_page.encoded_figures", _undrawn)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_is_valid_and_loads_nothing(kind, undrawn_signals):
+    text = render_signals(KINDS[kind])
+    page = Page(text)
+    assert (page.faults, page.open) == ([], [])
+    assert text.startswith("<!doctype html>")
+    assert not {"script", "link", "iframe", "object", "form"} & set(page.tags)
+    assert "http:" not in text
+    assert "https:" not in text
+    assert "url(" not in text
+    assert all(value.startswith("data:") for _, name, value in page.attributes if name in ("src", "href", "srcset"))
+    (policy,) = [value for _, name, value in page.attributes if name == "content" and value.startswith("default-src")]
+    assert policy == "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_headings_do_not_skip_a_level_and_pictures_are_described(kind, undrawn_signals):
+    page = Page(render_signals(KINDS[kind]))
+    levels = [int(tag[1]) for tag in page.tags if re.fullmatch(r"h\d", tag)]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+    alts = [value for tag, name, value in page.attributes if (tag, name) == ("img", "alt")]
+    assert len(alts) == page.tags.count("img")
+    assert all(alts)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_verdict_is_first_and_the_sections_are_in_order(kind, undrawn_signals):
+    words = Page(render_signals(KINDS[kind])).words
+    titles = [
+        verdict_sentence(KINDS[kind]),
+        *(["Effects"] if KINDS[kind]["effects"] else []),
+        "Measured and simulated outputs",
+        "Gap by output",
+        "Which input moves which output",
+        *(["Location of the gap"] if kind != "none" else []),
+        "Next step",
+        "Reproduce this report",
+    ]
+    start = 0
+    for title in titles:
+        start = words.index(title, start) + len(title)
+    assert ("Location of the gap" in words) == (kind != "none")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_number_of_the_page_is_one_of_the_report(kind, undrawn_signals):
+    """In per cent or not, to the digits shown."""
+    report = KINDS[kind]
+    words = Page(render_signals(report)).words
+    shown = words[: words.index("Reproduce this report")]
+    for said in ("rig-7", "95 % interval", "At 100 % only noise", "over 20 the", "under 6 no"):
+        shown = shown.replace(said, "")
+    known = {float(found) for found in re.findall(r"-?\d+\.?\d*(?:e[-+]?\d+)?", json.dumps(_numbers(report)))}
+    known |= {len(report["signals"][side]) for side in ("inputs", "outputs")}
+    known |= {report["record"]["samples"] * report["record"]["Ts"], *_location_sums(report)}
+    for text in re.findall(r"(?<![\w.])-?\d+\.?\d*", shown):
+        half = 0.51 * 10.0 ** -len(text.partition(".")[2])
+        close = (abs(scale * value - float(text)) <= half for value in known for scale in (1.0, 100.0))
+        assert any(close), text
+
+
+def _numbers(report):
+    """Without the traces, which hold nearly every number."""
+    return {key: value for key, value in report.items() if key not in ("outputs", "limits", "ranking")}
+
+
+def _location_sums(report):
+    """Shares of neighbouring cells are added up in sentences."""
+    time = sum(cell["time"] for cell in report["where"]["operating"][-1:])
+    return [time, *((stop - start) / 120.0 for start, stop, _ in report["where"]["time"])]
+
+
+def test_names_from_a_file_are_escaped(undrawn_signals):
+    base = with_planned_inputs(
+        signals_report(
+            ("input-delay", HOSTILE), inputs=[(HOSTILE, HOSTILE), ("b", "")], outputs=[(f"y{HOSTILE}", HOSTILE)]
+        )
+    )
+    base["record"]["name"] = HOSTILE
+    base["findings"] = [{"kind": "samples", "signal": "b", "text": HOSTILE}]
+    base["command"] = f"labsid gap diagnose {HOSTILE}"
+    text = render_signals(base)
+    assert "<script" not in text
+    page = Page(text)
+    assert (page.faults, page.open) == ([], [])
+    assert page.words.count(HOSTILE) > 8
+    assert f"b: {HOSTILE}" in page.words
+
+
+def test_a_signal_without_a_unit_shows_its_name_only():
+    assert [row[0] for row in page_content(KINDS["effect"])["table"]] == ["Output", "level (cm)", "temperature"]
+
+
+def test_without_a_correction_the_table_has_no_column_for_it():
+    assert page_content(KINDS["none"])["table"][0] == ("Output", "Simulation", "Noise")
+    assert page_content(KINDS["effect"])["table"][0] == ("Output", "Before", "After", "Noise", "Gap closed")
+
+
+def test_every_effect_has_its_signal_and_the_outputs_in_which_it_is_seen():
+    first, second = page_content(KINDS["effect"])["effects"]
+    assert (first["title"], first["place"]) == ("Dead zone at valve", "seen in temperature")
+    assert second["title"] == "Extra lag"
+    assert [row["unit"] for row in first["parameters"]] == ["V", "V"]
+    assert page_content(KINDS["effect"])["places"] == "at valve and in the dynamics of temperature"
+
+
+def test_the_proposed_inputs_can_be_saved(undrawn_signals):
+    report = KINDS["ambiguous"]
+    page = Page(render_signals(report))
+    (link,) = [value for tag, name, value in page.attributes if (tag, name) == ("a", "href")]
+    rows = list(csv.DictReader(io.StringIO(base64.b64decode(link.partition("base64,")[2]).decode())))
+    planned = report["next_experiment"]
+    for name, u in ({"t": planned["t"]} | planned["u"]).items():
+        assert [float(row[name]) for row in rows] == u
+    assert "(.csv with t,valve,heater)" in page.words
+    assert "does not rule out an extra lag or a rate limit of the actuator at valve" in page.words
+
+
+def test_inputs_without_a_panel_are_named(undrawn_signals):
+    base = signals_report(verdict="unknown", inputs=[("a", ""), ("b", ""), ("c", "")], outputs=[("y", "")])
+    assert "Inputs without a panel: b and c." in Page(render_signals(base)).words
+    assert "without a panel" not in Page(render_signals(KINDS["effect"])).words
+
+
+def test_the_command_names_the_signals():
+    assert command(KINDS["holdout"]) == (
+        "labsid gap diagnose rig-7 --inputs valve,heater --outputs level,temperature --holdout RECORD2 "
+        "--json report.json --html report.html"
+    )
+    given = KINDS["effect"] | {"command": "labsid gap diagnose tanks.csv --inputs 1,2 --outputs 3,4"}
+    assert page_content(given)["command"] == given["command"]
+
+
+def test_the_figures_are_those_of_the_verdict():
+    assert set(encoded_figures(KINDS["none"])) == {"signals", "couplings"}
+    found = encoded_figures(KINDS["holdout"])
+    assert set(found) == {"signals", "couplings", "zoom", "where", "holdout"}
+    assert all(base64.b64decode(png).startswith(b"\x89PNG") for one in found.values() for png in one.values())
+
+
+def test_the_kind_of_report_chooses_the_page(tmp_path, undrawn_signals):
+    write_html_report(tmp_path / "page.html", KINDS["effect"])
+    assert (tmp_path / "page.html").read_text(encoding="utf-8") == render_signals(KINDS["effect"])
+
+
+def test_a_notebook_shows_the_page_and_the_figure(undrawn_signals):
+    result = SignalsDiagnosis(KINDS["effect"], {})
+    assert result._repr_html_().startswith('<iframe srcdoc="&lt;!doctype html&gt;')
+    assert result.plot().axes[-2].get_title(loc="left") == "Cause: dead zone"

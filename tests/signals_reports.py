@@ -1,0 +1,107 @@
+"""Hand-made reports of a diagnosis of several signals."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from gap_reports import effect, report, with_holdout
+
+from labsid.gap.reports.quantities import with_units
+
+Named = tuple[str, str]  # a signal and its unit
+INPUTS: tuple[Named, ...] = (("valve", "V"), ("heater", "%"))
+OUTPUTS: tuple[Named, ...] = (("level", "cm"), ("temperature", ""))
+
+
+def signals_report(
+    *effects: tuple[str, str | None],
+    verdict: str = "effect",
+    probability: float = 0.99,
+    inputs: Sequence[Named] = INPUTS,
+    outputs: Sequence[Named] = OUTPUTS,
+    holdout: bool = False,
+) -> dict[str, Any]:
+    """A report of these effects, each at a signal or in the dynamics, in the layout ``labsid.gap/4``."""
+    base = report(*(name for name, _ in effects), verdict=verdict, probability=probability)
+    base = with_holdout(base) if holdout else base
+    units, named = dict((*inputs, *outputs)), [name for name, _ in outputs]
+    worst, main = named[-1], inputs[(len(outputs) - 1) % len(inputs)][0]
+    own = {name: _output(base, k, inputs[k % len(inputs)][0]) for k, name in enumerate(named)}
+    errors = {"before": 6.4, "after": 6.4 if verdict in ("none", "unknown") else 1.02, "noise_floor": 1.0}
+    return {
+        **{key: base[key] for key in ("verdict", "record", "simulation", "next_experiment", "limits", "numbers")},
+        "schema": "labsid.gap/4",
+        "signals": {
+            "inputs": [{"name": name, "unit": unit} for name, unit in inputs],
+            "outputs": [{"name": name, "unit": unit} for name, unit in outputs],
+        },
+        "effects": [_effect(*one, probability, worst, main, units) for one in effects],
+        "ambiguous": [],
+        "ranking": [row | {"signal": main, "output": worst} for row in base["ranking"]],
+        "where": base["where"]
+        | {
+            "operating": [cell | {"signal": main} for cell in base["where"]["operating"]],
+            "output": worst,
+            "outputs": {name: (k + 1) / sum(range(1, len(named) + 1)) for k, name in enumerate(named)},
+        },
+        "gap": base["gap"]
+        | errors
+        | {
+            "outputs": {name: one["gap"] | {"sd": 0.7} for name, one in own.items()},
+            "over_sd": {key: 0.01 * size for key, size in errors.items()},
+            "mode": "free",
+        },
+        "noise": {},
+        "reference": "inside",
+        "unexplained": base["unexplained"] | {"output": worst},
+        "couplings": [
+            {"from": u, "to": y, "share": share}
+            for k, y in enumerate(named)
+            for share, u in zip((0.86, 0.14), _two(inputs, k), strict=False)
+        ],
+        "findings": [],
+        "outputs": own,
+    }
+
+
+def _output(base: dict[str, Any], k: int, main: str) -> dict[str, Any]:
+    """An output that is like the others, except for its size."""
+    kept = ("verdict", "gap", "where", "unexplained", "screen", "traces", "holdout_traces")
+    own = {key: base[key] for key in kept if base[key] is not None}
+    scaled = {key: _scaled(base[key], 1.0 + k) for key in ("traces", "holdout_traces") if base[key] is not None}
+    return {"main": main, **own, **scaled}
+
+
+def _scaled(trace: dict[str, list[float]], by: float) -> dict[str, list[float]]:
+    return {name: x if name in ("t", "u") else [by * value for value in x] for name, x in trace.items()}
+
+
+def _two(inputs: Sequence[Named], k: int) -> list[str]:
+    """The two inputs that move an output."""
+    return list(dict.fromkeys(inputs[(k + step) % len(inputs)][0] for step in (0, 1)))
+
+
+def _effect(
+    name: str, signal: str | None, probability: float, worst: str, main: str, units: dict[str, str]
+) -> dict[str, Any]:
+    found = effect(name, probability) | {"signal": signal, "outputs": [worst]}
+    u, y = units.get(signal or main, ""), units.get(signal or worst, "")
+    return with_units({"effects": [found]}, u, y)["effects"][0] if u and y else found
+
+
+def with_planned_inputs(base: dict[str, Any]) -> dict[str, Any]:
+    """The same report with a proposed input; the other inputs rest."""
+    first, *others = [one["name"] for one in base["signals"]["inputs"]]
+    t = [0.5 * k for k in range(60)]
+    moved = {first: [math.copysign(1.0, math.sin(0.3 * x)) for x in t]}
+    planned = {
+        "separates": ["input-delay", "extra-lag"],
+        "why": "Steps of this length separate input-delay from extra-lag.",
+        "t": t,
+        "u": moved | {name: [0.25] * len(t) for name in others},
+        "margin": 25.0,
+    }
+    return base | {
+        "next_experiment": planned,
+        "ambiguous": [{"name": "extra-lag", "signal": None}, {"name": "input-rate-limit", "signal": first}],
+    }
