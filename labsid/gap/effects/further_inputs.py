@@ -20,19 +20,17 @@ REACH = 5.0  # of the logarithm of a rate from its start value
 
 @dataclass(frozen=True, slots=True)
 class FurtherInput(AdditiveEffect):
-    """The response of linear dynamics to one further input, added ahead of the sensor.
+    """The response of linear dynamics to one further input, its `variant`, added ahead of the sensor.
 
     Attributes
     ----------
     name : str
-    variant : str
-        Name of the input.
     about : tuple of float
         Coefficients c and k of s^2 + c s + k, in samples, about which they are fitted.
-    shared : bool
-        Whether its dynamics have the poles of those of the first input, a mode included.
     reference : float
         Operating point: the first sample of the input of the fitted record.
+    shared : bool
+        Whether its dynamics have the poles of those of the first input, a mode included.
     signal : ndarray, shape (N,)
         The input after its actuator, scaled.
     """
@@ -90,15 +88,15 @@ class FurtherInput(AdditiveEffect):
 
 @dataclass(frozen=True, slots=True)
 class SameEntry(InputEffect):
-    """A further input that acts on the same dynamics as the first one, as two flows into one tank.
+    """A further input, its `variant`, that acts on the same dynamics as the first one, as two flows into one tank.
 
     The dynamics see the sum of both; a lead lets it act behind their first state, a lag has it arrive later.
 
     Attributes
     ----------
     name : str
-    variant : str
-        Name of the input.
+    position : int
+        In the actuator's chain: behind all effects of the first input.
     reference : float
         Operating point: the first sample of the input of the fitted record.
     signal : ndarray, shape (N,)

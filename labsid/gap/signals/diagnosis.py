@@ -12,7 +12,7 @@ from labsid.gap.reports.report import build_report
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.signals.combined_report import Part, combine
-from labsid.gap.signals.linear_outputs import linear_outputs
+from labsid.gap.signals.linear_free_run import simulate_linear_models
 from labsid.gap.signals.neighbours import Coupled, simulate_together
 from labsid.gap.signals.preparation import Prepared, prepare, prepare_holdout
 from labsid.gap.signals.result import SignalsDiagnosis
@@ -130,7 +130,7 @@ def _simulated_together(
         for one, score in zip(explained, scores, strict=True)
     ]
     together = simulate_together(signals, coupled, other is not None)
-    before = linear_outputs(prepared.signals, order, None if other is None else other.signals)
+    before = simulate_linear_models(prepared.signals, order, None if other is None else other.signals)
     if together is None:
         return [replace(part, mode="stabilised") for part in parts]
     named = any(part.report["effects"] for part in parts)

@@ -14,7 +14,7 @@ from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.model_file import export_model
 from labsid.gap.record.data import Data
-from labsid.gap.signals.linear_parts import LinearParts
+from labsid.gap.signals.input_responses import LinearParts
 from labsid.gap.signals.roles import Signals
 
 MOST_ROUNDS = 60  # of simulations of all outputs, each with the others of the round before

@@ -10,7 +10,7 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale, scaled
-from labsid.gap.signals.linear_parts import LinearParts, further_inputs
+from labsid.gap.signals.input_responses import LinearParts, others_beside
 from labsid.gap.simulations.baseline import Baseline, linear_structure, make_baseline
 
 COUPLED_ORDER = 4  # of two coupled systems of second order
@@ -112,7 +112,7 @@ def make_role(
     order : int
         Of the linear model.
     kind : {"apart", "coupled", "same entry"}
-        As of `further_inputs`.
+        As of `others_beside`.
     start : ndarray, optional
         Parameters of the structure.
     applied : mapping of int to ndarray, optional
@@ -122,7 +122,7 @@ def make_role(
     inputs = signals.scaled_inputs()
     for i, w in (applied or {}).items():
         inputs[:, i] = w
-    further = further_inputs(parts, main, inputs, signals.inputs, kind)
+    further = others_beside(parts, main, inputs, signals.inputs, kind)
     base = make_baseline(data, signals.t, None, order)
     if kind == "coupled":
         base = replace(base, structure=linear_structure(COUPLED_ORDER), alternative=None, start=start)

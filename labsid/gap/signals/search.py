@@ -17,8 +17,8 @@ from labsid.gap.search.beam_search import BIC_MARGIN, Progress, is_improvement, 
 from labsid.gap.search.candidates import is_plausible
 from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, unsimulated_effects
 from labsid.gap.search.forms import transfer_theta
-from labsid.gap.signals.coupled_poles import coupled_starts, have_poles_in_common, may_be_coupled
-from labsid.gap.signals.linear_parts import LinearParts, linear_parts
+from labsid.gap.signals.shared_poles import coupled_starts, have_poles_in_common, may_be_coupled
+from labsid.gap.signals.input_responses import LinearParts, linear_parts
 from labsid.gap.signals.neighbours import own_input, with_neighbours
 from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.simulations.structure_choice import explain_record
@@ -196,7 +196,7 @@ def _own_poles(signals: Signals, found: list[ExplainedOutput]) -> list[Explained
     for each output. The poles are no effects if a state-space model of that order leaves no more error, or if the error
     without them is hardly larger.
     """
-    names = {name for one in found for through in one.through for name in through.explanation.names}
+    names = {name for one in found for through in one.through for name in through.explanation.best.hypothesis.names}
     if len(found) < 2 or not names or not names <= _POLES:
         return found
     ends = [(one.through[-1].explanation.data, one.through[-1].explanation) for one in found]

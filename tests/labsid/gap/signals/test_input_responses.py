@@ -4,7 +4,7 @@ import numpy as np
 from two_by_two import LAGS, lagged, random_steps
 
 from labsid.gap.record.data import Data, scaled
-from labsid.gap.signals.linear_parts import linear_parts
+from labsid.gap.signals.input_responses import linear_parts
 
 
 def _pairs(u: np.ndarray, y: np.ndarray) -> list[Data]:

@@ -9,7 +9,7 @@ from labsid.gap.effects.further_inputs import FurtherInput
 from labsid.gap.fits.fitting import Fit, Problem, finish, fit_from
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
-from labsid.gap.signals.linear_parts import LinearParts
+from labsid.gap.signals.input_responses import LinearParts
 from labsid.gap.signals.roles import Role, Signals, make_role
 
 FREQUENCIES = 0.4, 0.6, 1.5, 2.5  # of the second pair over the first one: start values

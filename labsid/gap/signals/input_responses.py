@@ -144,7 +144,7 @@ def _together(pairs: list[Data], order: list[int], rates: list[tuple[float, floa
     return _Joint(fit.cost, responses, found, pairs[0].y - fit.output)
 
 
-def further_inputs(
+def others_beside(
     parts: LinearParts, main: int, signals: FloatArray, names: tuple[str, ...], kind: str = "apart"
 ) -> list[FurtherInput | SameEntry]:
     """The responses to all inputs that move the output but the main one.

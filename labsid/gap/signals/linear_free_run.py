@@ -9,11 +9,11 @@ from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import export_model
 from labsid.gap.record.holdout import held_out_samples
-from labsid.gap.signals.linear_parts import linear_parts
+from labsid.gap.signals.input_responses import linear_parts
 from labsid.gap.signals.roles import Signals, make_role
 
 
-def linear_outputs(signals: Signals, order: int, other: Signals | None = None) -> FloatArray:
+def simulate_linear_models(signals: Signals, order: int, other: Signals | None = None) -> FloatArray:
     """Outputs of the linear models of a record, fitted without its held-out samples, or on another record.
 
     Parameters
