@@ -17,10 +17,10 @@ from labsid.gap.search.beam_search import BIC_MARGIN, Progress, is_improvement, 
 from labsid.gap.search.candidates import is_plausible
 from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, unsimulated_effects
 from labsid.gap.search.forms import transfer_theta
-from labsid.gap.signals.shared_poles import coupled_starts, have_poles_in_common, may_be_coupled
 from labsid.gap.signals.input_responses import LinearParts, linear_parts
 from labsid.gap.signals.neighbours import own_input, with_neighbours
 from labsid.gap.signals.roles import Role, Signals, make_role
+from labsid.gap.signals.shared_poles import coupled_starts, have_poles_in_common, may_be_coupled
 from labsid.gap.simulations.structure_choice import explain_record
 from labsid.model_structures.state_space import simulate_states
 
@@ -177,11 +177,18 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
         together = _base_fits(signals, parts, order, coupled)
         if _total(together) < _total(fits) - BIC_MARGIN and have_poles_in_common(together):
             return _explained(signals, parts, order, progress, coupled)
+    searches = _beside_neighbours(signals, parts, order, progress)
+    likely = any(
+        residual_is_white(*_linear_fit(one)) and not residual_is_white(*fits[j]) for j, one in enumerate(searches)
+    )
+    beside = _explained_beside(searches) if likely else []
+    if beside and all(one.white for one in beside):
+        return beside
     found = _explained(signals, parts, order, progress, apart)
     if all(one.white for one in found):
         return _own_poles(signals, found)
-    beside = _beside_neighbours(signals, parts, order, progress)
-    if beside is not None and sum(one.white for one in beside) > sum(one.white for one in found):
+    beside = beside or _explained_beside(searches)
+    if sum(one.white for one in beside) > sum(one.white for one in found):
         return beside
     other = _explained(signals, parts, order, progress, coupled) if starts else found
     fits = [(one.through[-1].explanation.data, one.through[-1].explanation.best) for one in other]
@@ -235,18 +242,26 @@ def _as_given(through: Through) -> Through:
 
 def _beside_neighbours(
     signals: Signals, parts: Sequence[LinearParts], order: int, progress: Progress | None
-) -> list[ExplainedOutput] | None:
-    """Every output explained through its own input and the measured other outputs; None if one has no own input."""
-    mains = own_input(parts)
-    if mains is None:
-        return None
-    found = []
-    for j, main in enumerate(mains):
+) -> list[_Search]:
+    """Every output through its own input, beside the measured other outputs; empty if one has no own input."""
+    searches = []
+    for j, main in enumerate(own_input(parts) or []):
         seen = with_neighbours(signals, j, main)
         own = linear_parts([seen.data(i, 0) for i in range(len(seen.inputs))])
-        search = _Search(seen, replace(own, seen=np.arange(len(seen.inputs)) == 0), 0, order, progress, "same entry")
-        found.append(replace(_explain_output(search, []), output=j))
-    return found
+        alone = replace(own, seen=np.arange(len(seen.inputs)) == 0)
+        searches.append(_Search(seen, alone, 0, order, progress, "same entry"))
+    return searches
+
+
+def _linear_fit(search: _Search) -> tuple[Data, Fit]:
+    """The linear fit of an output through the first input at which an effect may be seen."""
+    role = search.role(search.seen[0])
+    return role.data, fit_baseline(role.data, role.base.structure, role.base.start)
+
+
+def _explained_beside(searches: Sequence[_Search]) -> list[ExplainedOutput]:
+    """Every output explained beside its measured neighbours."""
+    return [replace(_explain_output(one, []), output=j) for j, one in enumerate(searches)]
 
 
 class _Kind(NamedTuple):

@@ -9,7 +9,7 @@ from labsid.records.record import Record
 FRICTION = 0.15
 
 
-def _two_masses(seed: int = 0, samples: int = 800, friction: float = FRICTION) -> Record:
+def _two_masses(seed: int = 0, samples: int = 600, friction: float = FRICTION) -> Record:
     """Masses on springs with a spring between them, dry friction at the first; small steps of a semi-implicit rule."""
     rng = np.random.default_rng(seed)
     u = np.column_stack([random_steps(rng, samples) for _ in range(2)])
