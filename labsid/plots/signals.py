@@ -43,13 +43,13 @@ class Panel:
     kind : str
         "output", "error" or "input".
     signal : str
-    source : str
-        The output whose traces hold the signal.
+    trace : dict
+        Samples of the signal.
     """
 
     kind: str
     signal: str
-    source: str
+    trace: dict[str, list[float]]
 
 
 def figure_signals(
@@ -72,16 +72,16 @@ def figure_signals(
     -------
     matplotlib.figure.Figure
         The scored samples are shaded behind the errors, and the tenth with the largest error behind the outputs. An
-        effect stands above the signal at which it acts. An input is drawn if an output is explained through it.
+        effect stands above the signal at which it acts.
     """
-    drawn = _panels(report, errors=not zoom)
+    drawn = _panels(report, traces, errors=not zoom)
     size = FLATTER if len(report["outputs"]) > MANY else 1.0
     heights = [size * HEIGHTS[panel.kind] for panel in drawn]
     figure = page_figure(narrow, sum(heights) + MARGIN, sum(heights) + MARGIN + (0.3 if narrow else 0.0))
     axes = figure.subplots(len(drawn), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     stretch = worst_stretch(report, traces)
     for ax, panel in zip(axes, drawn, strict=True):
-        trace = {key: np.asarray(x, float) for key, x in report["outputs"][panel.source][traces].items()}
+        trace = {key: np.asarray(x, float) for key, x in panel.trace.items()}
         if zoom:
             inside = (trace["t"] >= stretch[0]) & (trace["t"] <= stretch[1])
             trace = {key: x[inside] for key, x in trace.items()}
@@ -102,27 +102,27 @@ def worst_stretch(report: dict[str, Any], traces: Traces = "traces") -> tuple[fl
     return float(t[0]), float(t[-1])
 
 
-def inputs_shown(report: dict[str, Any]) -> dict[str, str]:
-    """The inputs through which outputs are explained, each with the output whose traces hold it."""
-    sources: dict[str, str] = {}
-    for output, one in report["outputs"].items():
-        sources.setdefault(one["main"], output)
-    return {one["name"]: sources[one["name"]] for one in report["signals"]["inputs"] if one["name"] in sources}
+def inputs_shown(report: dict[str, Any], traces: Traces = "traces") -> dict[str, dict[str, list[float]]]:
+    """The inputs whose samples are in the report, of the holdout those through which an output is explained."""
+    samples = {one["main"]: one[traces] for one in report["outputs"].values()}
+    if traces == "traces":
+        samples |= report.get("inputs", {})
+    return {one["name"]: samples[one["name"]] for one in report["signals"]["inputs"] if one["name"] in samples}
 
 
-def _panels(report: dict[str, Any], errors: bool) -> list[Panel]:
+def _panels(report: dict[str, Any], traces: Traces, errors: bool) -> list[Panel]:
     """Every output, followed by its error, then the inputs."""
     kinds = ("output", "error") if errors else ("output",)
-    outputs = [one["name"] for one in report["signals"]["outputs"]]
-    panels = [Panel(kind, name, name) for name in outputs for kind in kinds]
-    return panels + [Panel("input", name, source) for name, source in inputs_shown(report).items()]
+    outputs = [one["name"] for one in report["signals"]["outputs"] if one["name"] in report["outputs"]]
+    panels = [Panel(kind, name, report["outputs"][name][traces]) for name in outputs for kind in kinds]
+    return panels + [Panel("input", name, trace) for name, trace in inputs_shown(report, traces).items()]
 
 
 def _draw(ax: Axes, panel: Panel, report: dict[str, Any], trace: dict[str, FloatArray], traces: Traces) -> None:
     """Draw a panel with its label."""
-    own, unit = report["outputs"][panel.source], units_of(report)[panel.signal]
-    name = panel.signal
+    unit, name = units_of(report)[panel.signal], panel.signal
     if panel.kind == "error":
+        own = report["outputs"][name]
         draw_errors(ax, own | {"verdict": report["verdict"]}, trace, simulation_curves(report))
         if traces == "holdout_traces" or not _has_holdout(report):
             shade_scored(ax, own["gap"]["holdout"])

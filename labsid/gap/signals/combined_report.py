@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.reports.traces import extreme_samples
 from labsid.gap.signals.preparation import Prepared
+from labsid.gap.signals.roles import Signals
 from labsid.gap.signals.search import ExplainedOutput
 from labsid.gap.verdict.scores import NO_GAP, closed_share
 
@@ -132,6 +134,7 @@ def combine(
         "record": {"name": signals.name, "samples": len(signals), "Ts": signals.Ts},
         "simulation": {"given": False, "output_only": False, "closed": False, "output": None, "model": None},
         "numbers": [],
+        "inputs": {name: _input_trace(signals, i) for i, name in enumerate(signals.inputs)},
         "outputs": {
             name: {
                 "main": part.main,
@@ -256,6 +259,13 @@ def _ambiguous(parts: Sequence[Part], effects: Sequence[dict[str, Any]]) -> list
 def _operating_name(signal: str, worst: Part) -> str:
     """Name of a signal of the worst output; `dy` is the rate of the output."""
     return {"u": worst.main, "y": worst.output, "dy": f"rate of {worst.output}"}[signal]
+
+
+def _input_trace(signals: Signals, i: int) -> dict[str, list[float]]:
+    """An input at the samples that preserve it in a figure."""
+    u = signals.u[:, i]
+    pick = extreme_samples([u])
+    return {"t": signals.t[pick].tolist(), "u": u[pick].tolist()}
 
 
 def _experiment(inputs: Sequence[str], worst: Part, prepared: Prepared) -> dict[str, Any] | None:

@@ -110,8 +110,12 @@ def test_missing_samples_are_gaps():
 
 def test_only_inputs_with_samples_are_drawn():
     base = signals_report(verdict="unknown", inputs=[("a", ""), ("b", ""), ("c", "")], outputs=[("y", "")])
-    assert inputs_shown(base) == {"a": "y"}
+    assert list(inputs_shown(base)) == ["a"]
     assert [ax.get_ylabel() for ax in figure_signals(base).axes] == ["y", "Error", "a"]
+    base["inputs"] = {name: {"t": [0.0, 1.0, 2.0], "u": [0.0, 1.0, 0.5]} for name in "abc"}
+    *_, b, c = figure_signals(base).axes
+    assert [ax.get_ylabel() for ax in (b, c)] == ["b", "c"]
+    assert c.lines[0].get_ydata().tolist() == [0.0, 1.0, 0.5]
 
 
 @WIDTHS
