@@ -300,7 +300,12 @@ def _whiteness(e: FloatArray, data: Data) -> float:
 
 
 def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
-    """P-value of a test that the whitened residual is uncorrelated with past values of the equally filtered input."""
+    """P-value of a test that the whitened residual is uncorrelated with past values of the equally filtered input.
+
+    1 if the input does not move, as it may in a holdout.
+    """
+    if np.ptp(data.u) == 0.0:
+        return 1.0
     white = whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
     x, u = white[:, 0], white[:, 1]
     sound = data.complete

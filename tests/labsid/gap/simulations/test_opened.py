@@ -189,7 +189,8 @@ def test_the_command_line(tmp_path: Path, capsys, monkeypatch) -> None:
         (["diagnose", "run.csv", "--sim", "arm.xml", "--inputs", "knee"], "has no actuator 'knee'; it has servo"),
         (["diagnose", "run.csv", "--sim", "arm.xml", "--free", "knee:damping"], "it has elbow:damping"),
         (["diagnose", "run.csv", "--sim", "arm.xml", "--match", "y=0"], "neither u nor y may be zero"),
-        (["diagnose", "run.csv", "--sim", "x.json", "--inputs", "servo"], "are for a model of MuJoCo"),
+        (["diagnose", "run.csv", "--sim", "x.json", "--inputs", "servo"], "there is no column 'servo'"),
+        (["simulate", "x.json", "run.csv", "--inputs", "servo"], "are for a model of MuJoCo"),
         (["check", "run.csv", "--sim", "x.json"], "must be a model of MuJoCo"),
         (["diagnose", "run.csv", "--export", "better.xml"], "needs a model of MuJoCo as the simulation"),
     ):
