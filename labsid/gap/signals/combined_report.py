@@ -283,8 +283,8 @@ def _couplings(
     """Which input moves which output, and its share of the variance of all responses."""
     found = []
     for one in explained:
-        power = np.where(one.parts.moves, one.parts.strength, 0.0) ** 2
-        for i in np.flatnonzero(one.parts.moves).tolist():
+        power = np.where(one.search.parts.moves, one.search.parts.strength, 0.0) ** 2
+        for i in np.flatnonzero(one.search.parts.moves).tolist():
             share = float(power[i] / power.sum())
             found.append({"from": inputs[i], "to": outputs[one.output], "share": share})
     return found
@@ -292,7 +292,7 @@ def _couplings(
 
 def _still(inputs: Sequence[str], explained: Sequence[ExplainedOutput]) -> list[dict[str, Any]]:
     """Inputs that move no output."""
-    moves = np.any([one.parts.moves for one in explained], axis=0)
+    moves = np.any([one.search.parts.moves for one in explained], axis=0)
     return [
         {"kind": "signals", "signal": name, "text": f"{name} moves no output by more than chance."}
         for name, any_output in zip(inputs, moves, strict=True)

@@ -62,7 +62,7 @@ def diagnose_signals(
     explained = explain_outputs(prepared.signals, order, progress)
     made = [_parts(prepared, one, other, seed, progress) for one in explained]
     parts = [part for parts, _ in made for part in parts]
-    if explained[0].signals is not prepared.signals:  # beside measured neighbours
+    if explained[0].search.signals is not prepared.signals:  # beside measured neighbours
         parts = _simulated_together(prepared, explained, parts, [score for _, score in made], other, order)
     models = {prepared.signals.outputs[one.output]: _model(one.through[-1]) for one in explained}
     return SignalsDiagnosis(combine(prepared, explained, parts, other), models)
@@ -76,7 +76,7 @@ def _parts(
     prepared: Prepared, one: ExplainedOutput, other: Prepared | None, seed: int, progress: Progress | None
 ) -> tuple[list[Part], GapScore]:
     """The report of an output through each input at which effects were found; the last one is that of the output."""
-    whole, signals, parts = prepared.signals, one.signals, []
+    whole, signals, parts = prepared.signals, one.search.signals, []
     name = whole.outputs[one.output]
     scored_signals = None if other is None else _seen_as(signals, other.signals)
     for through in one.through:
@@ -126,7 +126,7 @@ def _simulated_together(
     """The parts with errors of the free run of all outputs together, before that of the linear model of each output."""
     signals = prepared.signals if other is None else other.signals
     coupled = [
-        Coupled(one.signals, one.through[-1].explanation.data, score.after_fit)
+        Coupled(one.search.signals, one.through[-1].explanation.data, score.after_fit)
         for one, score in zip(explained, scores, strict=True)
     ]
     together = simulate_together(signals, coupled, other is not None)

@@ -18,7 +18,7 @@ from labsid.gap.search.candidates import is_plausible
 from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, unsimulated_effects
 from labsid.gap.search.forms import transfer_theta
 from labsid.gap.signals.input_responses import LinearParts, linear_parts
-from labsid.gap.signals.neighbours import own_input, with_neighbours
+from labsid.gap.signals.neighbours import Coupled, own_input, simulate_together, with_neighbours
 from labsid.gap.signals.roles import Role, Signals, make_role
 from labsid.gap.signals.shared_poles import coupled_starts, have_poles_in_common, may_be_coupled
 from labsid.gap.simulations.structure_choice import explain_record
@@ -89,32 +89,25 @@ class Through:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ExplainedOutput:
-    """One output and the effects that explain it.
+class OutputSearch:
+    """How one output is searched.
 
     Attributes
     ----------
-    output : int
-    parts : LinearParts
-    through : tuple of Through
-        By each input at which effects were found; the last one explains everything that was found.
     signals : Signals
-        In which it was explained: those of the record, or the output with its neighbours.
+        Those of the record, or the output with its measured neighbours.
+    parts : LinearParts
+    output : int
+        In `signals`.
+    order : int
+        Of the linear model.
+    progress : callable or None
+    kind : {"apart", "coupled", "same entry"}
+        As of `others_beside`.
+    start : ndarray or None
+        Parameters of the linear structure.
     """
 
-    output: int
-    parts: LinearParts
-    through: tuple[Through, ...]
-    signals: Signals
-
-    @property
-    def white(self) -> bool:
-        """Whether nothing but noise is left."""
-        return self.through[-1].white
-
-
-@dataclass(frozen=True, slots=True)
-class _Search:
     signals: Signals
     parts: LinearParts
     output: int
@@ -124,6 +117,7 @@ class _Search:
     start: FloatArray | None = None
 
     def role(self, main: int, others: Sequence[AtInput] = ()) -> Role:
+        """The output seen through an input, with effects at others."""
         inputs = self.signals.scaled_inputs()
         applied = {one.role.main: one.applied(inputs[:, one.role.main]) for one in others}
         return make_role(self.signals, self.output, main, self.parts, self.order, self.kind, self.start, applied)
@@ -148,6 +142,35 @@ class _Search:
         return [int(i) for i in np.argsort(-self.parts.strength) if self.parts.seen[i]] or [self.parts.strongest]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ExplainedOutput:
+    """One output and the effects that explain it.
+
+    Attributes
+    ----------
+    output : int
+        In the record.
+    search : OutputSearch
+    through : tuple of Through
+        By each input at which effects were found; the last one explains everything that was found.
+    """
+
+    output: int
+    search: OutputSearch
+    through: tuple[Through, ...]
+
+    @property
+    def white(self) -> bool:
+        """Whether nothing but noise is left."""
+        return self.through[-1].white
+
+    @property
+    def last(self) -> tuple[Data, Fit]:
+        """The fit that explains everything that was found."""
+        explanation = self.through[-1].explanation
+        return explanation.data, explanation.best
+
+
 def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None = None) -> list[ExplainedOutput]:
     """Explain every output by effects at its inputs, in its dynamics and at itself.
 
@@ -170,13 +193,13 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     apart = [_kind_of(signals, j, own, order) for j, own in enumerate(parts)]
     fits = _base_fits(signals, parts, order, apart)
     if not may_be_coupled(signals, parts) or all(residual_is_white(data, fit) for data, fit in fits):
-        return _explained(signals, parts, order, progress, apart)
+        return [_deepened(one) for one in _explained(signals, parts, order, progress, apart)]
     starts = coupled_starts(signals, parts, order)
     coupled = [_Kind("coupled", start) for start in starts]
     if starts:
         together = _base_fits(signals, parts, order, coupled)
         if _total(together) < _total(fits) - BIC_MARGIN and have_poles_in_common(together):
-            return _explained(signals, parts, order, progress, coupled)
+            return [_deepened(one) for one in _explained(signals, parts, order, progress, coupled)]
     searches = _beside_neighbours(signals, parts, order, progress)
     likely = any(
         residual_is_white(*_linear_fit(one)) and not residual_is_white(*fits[j]) for j, one in enumerate(searches)
@@ -187,13 +210,27 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     found = _explained(signals, parts, order, progress, apart)
     if all(one.white for one in found):
         return _own_poles(signals, found)
-    beside = beside or _explained_beside(searches)
-    if sum(one.white for one in beside) > sum(one.white for one in found):
-        return beside
-    other = _explained(signals, parts, order, progress, coupled) if starts else found
-    fits = [(one.through[-1].explanation.data, one.through[-1].explanation.best) for one in other]
-    better = sum(one.through[-1].score for one in other) < sum(one.through[-1].score for one in found) - BIC_MARGIN
-    return other if better and have_poles_in_common(fits) else found
+    options = [found]
+    if searches:
+        options.append(beside or _explained_beside(searches))
+    if starts:
+        other = _explained(signals, parts, order, progress, coupled)
+        options += [other] if have_poles_in_common([one.last for one in other]) else []
+    best = min(options, key=lambda option: _rank(signals, option))
+    return _own_poles(signals, [_deepened(one) for one in best])
+
+
+def _rank(signals: Signals, option: Sequence[ExplainedOutput]) -> tuple[int, float]:
+    """By outputs of which more than noise is left, then by the free-run error, of coupled outputs together."""
+    left = sum(not one.white for one in option)
+    if option[0].search.signals is not signals:
+        together = simulate_together(signals, [Coupled(one.search.signals, *one.last) for one in option])
+        if together is None:
+            return left, np.inf
+        errors = [np.mean((signals.y - together)[rows, j] ** 2) for j, rows in enumerate(signals.rows.T)]
+    else:
+        errors = [mean_square(*one.last) * one.last[0].y_scale.unit ** 2 for one in option]
+    return left, float(np.sum(np.log(errors)))
 
 
 def _own_poles(signals: Signals, found: list[ExplainedOutput]) -> list[ExplainedOutput]:
@@ -242,24 +279,24 @@ def _as_given(through: Through) -> Through:
 
 def _beside_neighbours(
     signals: Signals, parts: Sequence[LinearParts], order: int, progress: Progress | None
-) -> list[_Search]:
+) -> list[OutputSearch]:
     """Every output through its own input, beside the measured other outputs; empty if one has no own input."""
     searches = []
     for j, main in enumerate(own_input(parts) or []):
         seen = with_neighbours(signals, j, main)
         own = linear_parts([seen.data(i, 0) for i in range(len(seen.inputs))])
         alone = replace(own, seen=np.arange(len(seen.inputs)) == 0)
-        searches.append(_Search(seen, alone, 0, order, progress, "same entry"))
+        searches.append(OutputSearch(seen, alone, 0, order, progress, "same entry"))
     return searches
 
 
-def _linear_fit(search: _Search) -> tuple[Data, Fit]:
+def _linear_fit(search: OutputSearch) -> tuple[Data, Fit]:
     """The linear fit of an output through the first input at which an effect may be seen."""
     role = search.role(search.seen[0])
     return role.data, fit_baseline(role.data, role.base.structure, role.base.start)
 
 
-def _explained_beside(searches: Sequence[_Search]) -> list[ExplainedOutput]:
+def _explained_beside(searches: Sequence[OutputSearch]) -> list[ExplainedOutput]:
     """Every output explained beside its measured neighbours."""
     return [replace(_explain_output(one, []), output=j) for j, one in enumerate(searches)]
 
@@ -315,7 +352,7 @@ def _explained(
     """Explain every output, those with the largest gap first."""
     ny = len(parts)
     searches = [
-        _Search(signals, own, j, order, _of_output(progress, j, ny), *kind)
+        OutputSearch(signals, own, j, order, _of_output(progress, j, ny), *kind)
         for j, (own, kind) in enumerate(zip(parts, kinds, strict=True))
     ]
     gaps = {j: _gap(fit) for j, (_, fit) in enumerate(_base_fits(signals, parts, order, kinds))}
@@ -349,20 +386,26 @@ def _has(known: list[AtInput], at: AtInput) -> bool:
     return all((at.role.main, effect.name) in keys for effect in at.effects)
 
 
-def _explain_output(search: _Search, known: list[AtInput]) -> ExplainedOutput:
+def _explain_output(search: OutputSearch, known: list[AtInput]) -> ExplainedOutput:
+    """An output by one effect at each of its inputs, or one in its dynamics or at itself."""
     shared = _shared(search, known)
     if shared and shared[-1].white:
-        return ExplainedOutput(search.output, search.parts, shared, search.signals)
+        return ExplainedOutput(search.output, search, shared)
     chain = shared or (min(_screened(search), key=_score),)
-    chain = _extended(search, chain)
-    if not chain[-1].white:
-        last = chain[-1]
-        full = search.through(last.role.main, last.others, MOST_EFFECTS)
-        chain = _extended(search, (*chain[:-1], min(last, full, key=_score)))
-    return ExplainedOutput(search.output, search.parts, chain, search.signals)
+    return ExplainedOutput(search.output, search, _extended(search, chain))
 
 
-def _extended(search: _Search, chain: tuple[Through, ...]) -> tuple[Through, ...]:
+def _deepened(one: ExplainedOutput) -> ExplainedOutput:
+    """An output of which more than noise is left, searched for up to three effects."""
+    if one.white:
+        return one
+    search, last = one.search, one.through[-1]
+    full = search.through(last.role.main, last.others, MOST_EFFECTS)
+    chain = (*one.through[:-1], min(last, full, key=_score))
+    return replace(one, through=_extended(search, chain))
+
+
+def _extended(search: OutputSearch, chain: tuple[Through, ...]) -> tuple[Through, ...]:
     """A chain with effects at further inputs, as long as they reduce the error."""
     while not chain[-1].white and len(chain) < len(search.seen) and chain[-1].found is not None:
         others = (*chain[-1].others, chain[-1].found)
@@ -379,7 +422,7 @@ def _score(through: Through) -> float:
     return through.score
 
 
-def _screened(search: _Search) -> list[Through]:
+def _screened(search: OutputSearch) -> list[Through]:
     """The output through each input that may have an effect, with at most one of them; the strongest input first."""
     found: list[Through] = []
     for main in search.seen:
@@ -391,14 +434,14 @@ def _screened(search: _Search) -> list[Through]:
     return found
 
 
-def _depends(search: _Search, through: Through, main: int) -> bool:
+def _depends(search: OutputSearch, through: Through, main: int) -> bool:
     """Whether the residual depends on another input."""
     data, fit = through.explanation.data, through.explanation.best
     other = replace(data, u=search.signals.data(main, search.output).u)
     return explained_share(other, fit, data.y - fit.output) > DEPENDENT
 
 
-def _shared(search: _Search, known: list[AtInput]) -> tuple[Through, ...]:
+def _shared(search: OutputSearch, known: list[AtInput]) -> tuple[Through, ...]:
     """The output with the effects at its inputs that other outputs have shown, where they improve it."""
     chain: tuple[Through, ...] = ()
     for at in known:
@@ -437,7 +480,7 @@ def _forced(data: Data, plain: Explanation, fit: Fit) -> Explanation:
     return replace(plain, levels=levels, path=(plain.path[0], *steps), unsimulated=beside)
 
 
-def _in_turn(search: _Search, chain: tuple[Through, ...]) -> tuple[Through, ...]:
+def _in_turn(search: OutputSearch, chain: tuple[Through, ...]) -> tuple[Through, ...]:
     """A chain whose last two are found again in turn, each with the effects of the other one."""
     first, second = chain[-2:]
     for _ in range(2):
