@@ -13,6 +13,7 @@ from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
+from labsid.gap.fits.switching import only_switches
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
 from labsid.gap.record.data import Data
 from labsid.gap.reports import location
@@ -24,7 +25,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
-from labsid.gap.verdict.decision import Decision, only_switches
+from labsid.gap.verdict.decision import Decision
 from labsid.gap.verdict.scores import closed_share
 from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record

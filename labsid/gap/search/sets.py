@@ -9,6 +9,7 @@ import numpy as np
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.fits.fitting import Fit, Point, Problem, evaluate, finish
+from labsid.gap.fits.switching import only_switches
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import (
     Trial,
@@ -20,6 +21,7 @@ from labsid.gap.search.candidates import (
 )
 from labsid.gap.search.forms import extended_hypotheses
 
+RELAY = "input-backlash", "input-saturation"  # a set of an actuator that only switches
 KEPT_STARTS = 8  # start points to which the next effect of a set is added
 SKETCHED, FITTED = 4, 2  # of them that are minimized for a few iterations, and to convergence
 
@@ -67,7 +69,7 @@ SETS = (
         "Valves and pumps start late and then follow a curve; either alone imitates a part of the other.",
     ),
     EffectSet(
-        ("input-backlash", "input-saturation"),
+        RELAY,
         "A relay with hysteresis is a play between limits hardly wider than it: without it, they have no width.",
     ),
 )
@@ -122,7 +124,7 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
                 (missing,) = set(one.names) - names
                 trials = [*trials, *_with_one_more(data, [_unchanged(data, fit)], base, forms[missing], highpass)[:1]]
         best = _best(data, trials, len(one.names))
-        if best is not None:
+        if best is not None and (one.names != RELAY or only_switches(data, best)):
             found[frozenset(one.names)] = best
     return list(found.values())
 

@@ -10,6 +10,7 @@ import numpy as np
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
+from labsid.gap.fits.switching import only_switches
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import is_improvement
 from labsid.gap.search.explanation import Explanation
@@ -26,9 +27,6 @@ STOP_EFFECTS = ("output-saturation", "overflow", "end-stop")  # the output rests
 SEEN_STOP = 0.8  # probability of one of them, if it pays and the record shows the limit
 SHAPES_OF_SWITCH = {"input-saturation", "input-dead-zone", "input-nonlinearity", "input-quantization"}
 SWITCH_PROBABILITY = 0.4  # of one of them, where the fitted actuator only switches
-SWITCH_EDGE = 0.05  # of the range of a signal, that counts as its end
-MOST_BETWEEN = 0.05  # of the samples, between the ends: of relays 0 to 2 %, of limited actuators 10 % and more
-SWITCH_RATIO = 3.0  # share of the command between its ends over `MOST_BETWEEN`, from which a switch is told from it
 MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
 MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
 
@@ -155,17 +153,6 @@ def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, 
     weights = {combination: confidence * weight for combination, weight in weights.items()}
     closed = closed_on_fit(explanation, left, added)
     return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed)
-
-
-def only_switches(data: Data, fit: Fit) -> bool:
-    """Whether the fitted actuator only switches between two values, as a relay does, where the command takes others."""
-    signals = (fit.hypothesis.actuator(fit.theta, data.u), data.u)
-    between = []
-    for signal in signals:
-        low, span = float(signal.min()), float(np.ptp(signal))
-        inside = np.abs(signal - low - 0.5 * span) < (0.5 - SWITCH_EDGE) * span
-        between.append(float(np.mean(inside[data.rows])))
-    return between[0] < MOST_BETWEEN < between[1] / SWITCH_RATIO
 
 
 def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decision:

@@ -10,8 +10,9 @@ from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.fits.fitting import fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.fits.switching import only_switches
 from labsid.gap.record.data import scaled
-from labsid.gap.verdict.decision import SWITCH_PROBABILITY, only_switches
+from labsid.gap.verdict.decision import SWITCH_PROBABILITY
 from labsid.records.record import Record
 
 WIDTH = 0.4  # of the hysteresis
