@@ -93,7 +93,10 @@ def diagnose(
         str | None, typer.Option(metavar="NAMES", help="Columns of RECORD2, if different.")
     ] = None,
 ) -> None:
-    """Locate the gap and find its cause. Reports the share of the gap that a correction closes."""
+    """Locate the gap and find its cause. Reports the share of the gap that a correction closes.
+
+    With --sim FILE.xml, --inputs and --outputs name its actuator and its joint or sensor.
+    """
     from labsid._files import check_writable, write_json
     from labsid.gap import diagnosis
     from labsid.gap.reports.quantities import with_units

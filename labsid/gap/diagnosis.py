@@ -1,7 +1,7 @@
 """Diagnose the gap between a record and a simulation."""
 
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
+from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
@@ -58,7 +59,6 @@ from labsid.records.several_signals import one_signal_each
 from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator
 
-MIN_SAMPLES = 100  # samples
 _Times = Sequence[tuple[float, float]]
 MIN_SCORED = 10  # samples
 MIN_HOLDOUT = LEAST_START + MIN_SCORED  # samples, of which the first determine the initial state
@@ -126,13 +126,13 @@ def diagnose(
     """
     records = [record] if isinstance(record, Record) else record
     if any(one.several for one in records):
-        return _of_signals(records, simulation, free, holdout, order, exclude, seed, progress)
+        _check_several_signals(records, simulation is not None or bool(free), evaluations)
+        with _on_one_thread(progress) as said:
+            return diagnose_signals(records[0], holdout=holdout, order=order, exclude=exclude, seed=seed, progress=said)
     if holdout is not None:
         one_signal_each(holdout, "the diagnosis of a record of one input and one output")
     simulation = as_simulation(simulation, records[0].Ts if records else 1.0, free)
-    with threadpool_limits(1, "blas"), ExitStack() as stack:
-        if progress is None and runs_in_notebook():
-            progress = stack.enter_context(show_in_notebook())
+    with _on_one_thread(progress) as progress:
         if len(records) == 1:
             (one,) = records
             prepared = _prepare(one, simulation, holdout, order, exclude)
@@ -149,31 +149,28 @@ def diagnose(
         return _in_units(_report(prepared, explanation, seed, progress), records[0].units)
 
 
-def _of_signals(
-    records: Sequence[Record],
-    simulation: AnySimulation | None,
-    free: Sequence[str],
-    holdout: Record | None,
-    order: int,
-    exclude: Sequence[tuple[float, float]],
-    seed: int,
-    progress: Progress | None,
-) -> SignalsDiagnosis:
-    """The diagnosis of a record of several signals; BLAS runs on one thread."""
+@contextmanager
+def _on_one_thread(progress: Progress | None) -> Iterator[Progress | None]:
+    """BLAS on one thread, and the progress; by default a bar in a notebook."""
+    with threadpool_limits(1, "blas"), ExitStack() as stack:
+        if progress is None and runs_in_notebook():
+            progress = stack.enter_context(show_in_notebook())
+        yield progress
+
+
+def _check_several_signals(records: Sequence[Record], is_given: bool, evaluations: int | None) -> None:
+    """Refuse what a record of several signals cannot be diagnosed with."""
     if len(records) > 1:
         raise ValueError(
             f"got {len(records)} records of several signals; one can be diagnosed at a time. Give another run as the "
             "holdout."
         )
-    if simulation is not None or free:
+    if is_given:
         raise ValueError(
             "a given simulation of several signals cannot be diagnosed yet. Omit --sim, or choose one input and one "
             "output."
         )
-    with threadpool_limits(1, "blas"), ExitStack() as stack:
-        if progress is None and runs_in_notebook():
-            progress = stack.enter_context(show_in_notebook())
-        return diagnose_signals(records[0], holdout=holdout, order=order, exclude=exclude, seed=seed, progress=progress)
+    _check_evaluations(evaluations, is_run=False)
 
 
 def _in_units(found: Diagnosis, units: tuple[str, ...]) -> Diagnosis:
@@ -300,14 +297,19 @@ def _identifiability(data: Data, structure: Hypothesis) -> str:
 
 
 def _begin(base: Baseline, evaluations: int | None) -> None:
+    _check_evaluations(evaluations, base.is_run)
+    base.meter.begin(evaluations)
+
+
+def _check_evaluations(evaluations: int | None, is_run: bool) -> None:
+    """Reject a number of evaluations that is none, or has no simulation that is run."""
     if evaluations is not None and evaluations < 1:
         raise ValueError(f"the number of evaluations must be at least 1; got {evaluations}. Omit it for no limit.")
-    if evaluations is not None and not base.is_run:
+    if evaluations is not None and not is_run:
         raise ValueError(
             f"got {evaluations} evaluations, but no simulation that is run: they limit the runs of a function, an FMU "
             "or a nonlinear system given as the simulation. Omit them."
         )
-    base.meter.begin(evaluations)
 
 
 def _with_runs(progress: Progress, meter: RunMeter) -> Progress:
@@ -513,13 +515,7 @@ def _measured_holdout(holdout: Record, gaps: _Times) -> np.ndarray:
 
 def _included(record: Record, exclude: _Times, measured: np.ndarray) -> np.ndarray:
     """Mask of the samples with an output outside the excluded time ranges."""
-    rows = measured.copy()
-    for start, stop in exclude:
-        inside = (record.t >= start) & (record.t < stop)
-        if not inside.any():
-            span = f"{record.t[0]:g} to {record.t[-1]:g} s"
-            raise ValueError(f"--exclude {start:g}:{stop:g} contains no sample: the record runs from {span}.")
-        rows &= ~inside
+    rows = measured & included_samples(record.t, exclude)
     if rows.sum() < MIN_SAMPLES:
         raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} are needed.")
     return rows

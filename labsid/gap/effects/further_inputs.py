@@ -1,12 +1,12 @@
 """Linear responses to the further inputs of a record: part of the structure, no effects that are found."""
 
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray, beside
+from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import section
@@ -127,7 +127,7 @@ class SameEntry(InputEffect):
         if lead:
             signal = (signal - lead * np.append(0.0, signal[:-1])) / (1.0 - lead)
         if lag:
-            signal = lfilter([1.0 - lag], [1.0, -lag], signal)
+            signal = _kernels.first_order(np.append(signal, 0.0), float(lag))[1:]
         return np.asarray(w + gain * signal)
 
 
@@ -136,12 +136,3 @@ def _extended(signal: FloatArray, samples: int) -> FloatArray:
     if signal.size >= samples:
         return signal[:samples]
     return np.append(signal, np.full(samples - signal.size, signal[-1]))
-
-
-def with_signals(hypothesis: Any, signals: dict[str, FloatArray]) -> Any:
-    """A hypothesis whose further inputs have other scaled signals, by their names."""
-    changed = tuple(
-        replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput | SameEntry) else effect
-        for effect in hypothesis.effects
-    )
-    return hypothesis.with_effects(changed)

@@ -1,7 +1,8 @@
 """A hypothesis: the linear structure with a set of effects."""
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.restarts import Restarts
 
 NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig
@@ -144,6 +146,14 @@ class Hypothesis:
     def with_effects(self, effects: tuple[Effect, ...]) -> "Hypothesis":
         """The hypothesis with other effects."""
         return Hypothesis(effects, self.n_given, self.given)
+
+    def with_signals(self, signals: Mapping[str, FloatArray]) -> "Hypothesis":
+        """The hypothesis whose further inputs have other scaled signals, by their names."""
+        changed = (
+            replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput | SameEntry) else effect
+            for effect in self.effects
+        )
+        return self.with_effects(tuple(changed))
 
     @property
     def delay_is_an_effect(self) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.dynamics.responses import decay_rates
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
@@ -291,8 +291,7 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
 
 def noise_is_slow(fit: Fit) -> bool:
     """Whether the noise is too slow to be that of a sensor: compared with the sampling time, and with the rig."""
-    c, k = fit.rates
-    slowest = 0.5 * c if 0.25 * c * c < k else real_rates(c, k)[0]  # per sample
+    slowest = decay_rates(*fit.rates)[0]  # per sample
     return fit.noise.correlation_time > max(SLOW_NOISE, SLOW_NOISE_SHARE / slowest)
 
 

@@ -1,6 +1,6 @@
 """Effects that are added together, because each of them alone explains little where the others act, too."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -21,7 +21,6 @@ from labsid.gap.search.candidates import (
 )
 from labsid.gap.search.forms import extended_hypotheses
 
-RELAY = "input-backlash", "input-saturation"  # a set of an actuator that only switches
 KEPT_STARTS = 8  # start points to which the next effect of a set is added
 SKETCHED, FITTED = 4, 2  # of them that are minimized for a few iterations, and to convergence
 
@@ -36,10 +35,13 @@ class EffectSet:
         In the order in which start values are combined.
     reason : str
         Why one of them alone explains little.
+    holds : callable, optional
+        ``holds(data, fit) -> bool``: whether a fit is of this kind of rig; by default every one is.
     """
 
     names: tuple[str, ...]
     reason: str
+    holds: Callable[[Data, Fit], bool] | None = None
 
 
 SETS = (
@@ -69,8 +71,9 @@ SETS = (
         "Valves and pumps start late and then follow a curve; either alone imitates a part of the other.",
     ),
     EffectSet(
-        RELAY,
+        ("input-backlash", "input-saturation"),
         "A relay with hysteresis is a play between limits hardly wider than it: without it, they have no width.",
+        only_switches,
     ),
 )
 
@@ -124,7 +127,7 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
                 (missing,) = set(one.names) - names
                 trials = [*trials, *_with_one_more(data, [_unchanged(data, fit)], base, forms[missing], highpass)[:1]]
         best = _best(data, trials, len(one.names))
-        if best is not None and (one.names != RELAY or only_switches(data, best)):
+        if best is not None and (one.holds is None or one.holds(data, best)):
             found[frozenset(one.names)] = best
     return list(found.values())
 

@@ -63,9 +63,7 @@ class Part:
         return float(gap["before"] / max(gap["noise_floor"], np.finfo(float).tiny))
 
 
-def combine(
-    prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Sequence[Part], holdout: Prepared | None
-) -> dict[str, Any]:
+def combine(prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Sequence[Part]) -> dict[str, Any]:
     """Assemble the report of all signals.
 
     Parameters
@@ -74,7 +72,6 @@ def combine(
     explained : sequence of ExplainedOutput
     parts : sequence of Part
         By output, the last one of each explains everything that was found.
-    holdout : Prepared or None
 
     Returns
     -------

@@ -65,7 +65,7 @@ def diagnose_signals(
     if explained[0].search.signals is not prepared.signals:  # beside measured neighbours
         parts = _simulated_together(prepared, explained, parts, [score for _, score in made], other, order)
     models = {prepared.signals.outputs[one.output]: _model(one.through[-1]) for one in explained}
-    return SignalsDiagnosis(combine(prepared, explained, parts, other), models)
+    return SignalsDiagnosis(combine(prepared, explained, parts), models)
 
 
 def _model(through: Through) -> ExportedModel:

@@ -12,12 +12,7 @@ from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
-from labsid.gap.verdict.baseline_choice import (
-    FASTEST_RATE,
-    OBSERVED_TIME_CONSTANTS,
-    fit_first_order,
-    is_observed,
-)
+from labsid.gap.verdict.baseline_choice import FASTEST_RATE, fit_first_order, is_observed, shows
 
 OWN_PARAMETERS = 6  # of one input: two rates, two of the numerator, two of the initial state
 SEEN = 0.25  # rms of a response over that of the residual, from which an effect at its input can be seen
@@ -79,7 +74,7 @@ def linear_parts(pairs: list[Data]) -> LinearParts:
     without = np.var((e[:, None] + responses)[rows], axis=0)
     count = int(rows.sum())
     gains = count * np.log(without / max(power, np.finfo(float).tiny))
-    if len(pairs) > 1 and not _is_observed(rates, y.size):  # slow poles may imitate what is no response
+    if len(pairs) > 1 and not all(shows(y.size, *one) for one in rates):  # slow poles may imitate what is no response
         responses, rates = np.column_stack([_response(fit, pair) for fit, pair in zip(alone, pairs, strict=True)]), own
     strength = np.std(responses[rows], axis=0)
     moves = gains > OWN_PARAMETERS * np.log(count)
@@ -106,12 +101,6 @@ def _response(fit: Fit, pair: Data) -> FloatArray:
     """What the input moves, without offset and initial state."""
     design = fit.hypothesis.design(fit.theta, pair.u)
     return np.asarray(design.columns[:, :2] @ fit.gains[:2])
-
-
-def _is_observed(rates: list[tuple[float, float]], samples: int) -> bool:
-    """Whether the record is long enough to show the slowest pole."""
-    slowest = min(np.sqrt(k) if 0.25 * c * c < k else real_rates(c, k)[0] for c, k in rates)
-    return bool(slowest * samples >= OBSERVED_TIME_CONSTANTS)
 
 
 class _Joint(NamedTuple):

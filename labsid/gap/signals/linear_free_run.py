@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.model_file import export_model
 from labsid.gap.record.holdout import held_out_samples
@@ -40,7 +39,7 @@ def simulate_linear_models(signals: Signals, order: int, other: Signals | None =
             name: np.asarray(scale.of(other.u[:, i]))
             for i, (name, scale) in enumerate(zip(signals.inputs, signals.input_scales, strict=True))
         }
-        fit = replace(fit, hypothesis=with_signals(fit.hypothesis, scaled))
+        fit = replace(fit, hypothesis=fit.hypothesis.with_signals(scaled))
         u, y = (np.ascontiguousarray(x) for x in (other.u[:, parts.strongest], other.y[:, j]))
         found.append(export_model(role.data, fit).simulate(u, y))
     return np.column_stack(found)

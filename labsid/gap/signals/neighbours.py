@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.model_file import export_model
 from labsid.gap.record.data import Data
@@ -96,7 +95,7 @@ def _runner(signals: Signals, j: int, one: Coupled, elsewhere: bool) -> Callable
 
     def run(y: FloatArray) -> FloatArray:
         further = {name: np.asarray(scale.of(y[:, signals.outputs.index(name)])) for name, scale in scales.items()}
-        fit = replace(one.fit, hypothesis=with_signals(one.fit.hypothesis, further))
+        fit = replace(one.fit, hypothesis=one.fit.hypothesis.with_signals(further))
         if elsewhere:
             return export_model(one.data, fit).simulate(np.ascontiguousarray(u), np.ascontiguousarray(measured))
         output = fit.hypothesis.output(fit.theta, fit.gains, one.data.u)

@@ -7,12 +7,12 @@ from itertools import combinations
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
 from labsid.gap.signals.roles import Signals
 from labsid.lab.findings import Finding
 from labsid.records.record import Record, bridge_gaps
 
 MAX_SAMPLES = 8000  # every output is searched through every input
-MIN_SAMPLES = 100  # of each output
 SAMPLES_PER_PARAMETER = 5  # of the linear responses of one output
 OWN_PARAMETERS = 6  # of one response
 PROPORTIONAL = 1e-6  # of 1, the correlation of two signals from which they are in proportion
@@ -63,7 +63,7 @@ def prepare(record: Record, exclude: Sequence[tuple[float, float]] = (), what: s
             "longer record, or fewer inputs."
         )
     _check_inputs(u, part.inputs, what)
-    rows = ~np.isnan(y) & _included(part.t, exclude)[:, None]
+    rows = ~np.isnan(y) & included_samples(part.t, exclude)[:, None]
     kept = [j for j, name in enumerate(part.outputs) if _is_used(y[rows[:, j], j])]
     if not kept:
         raise ValueError(f"no output of {what} moves ({', '.join(part.outputs)}). Nothing can be identified from it.")
@@ -126,18 +126,6 @@ def _shortened(record: Record) -> tuple[Record, tuple[str, ...]]:
         f"{part.t[-1]:g} s."
     )
     return part, (note,)
-
-
-def _included(t: FloatArray, exclude: Sequence[tuple[float, float]]) -> np.ndarray:
-    rows = np.ones(t.size, bool)
-    for start, stop in exclude:
-        inside = (t >= start) & (t < stop)
-        if not inside.any():
-            raise ValueError(
-                f"--exclude {start:g}:{stop:g} contains no sample: the record runs from {t[0]:g} to {t[-1]:g} s."
-            )
-        rows &= ~inside
-    return rows
 
 
 def _is_used(y: FloatArray) -> bool:

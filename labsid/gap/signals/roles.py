@@ -14,6 +14,7 @@ from labsid.gap.signals.input_responses import LinearParts, others_beside
 from labsid.gap.simulations.baseline import Baseline, linear_structure, make_baseline
 
 COUPLED_ORDER = 4  # of two coupled systems of second order
+SMALL_GAIN = 0.3  # of a further input over that of the first one: a start value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,15 +139,10 @@ def make_role(
 def _behind_first_state(structure: Hypothesis, rates: tuple[float, float]) -> FloatArray:
     """Start values with which further inputs act behind the faster pole of the first one."""
     slow, fast = real_rates(*rates)
-    guess = {"log_c": np.log(slow + fast), "log_k": np.log(slow * fast)}
-    theta = [
-        float(np.exp(-fast))
-        if p.name.startswith("lead ")
-        else 0.3
-        if p.name.startswith("gain ")
-        else guess.get(p.name, 0.0)
-        for p in structure.parameters
-    ]
+    rates_of = {"log_c": np.log(slow + fast), "log_k": np.log(slow * fast)}
+    of_a_way = {"gain": SMALL_GAIN, "lead": float(np.exp(-fast))}
+    names = [parameter.name for parameter in structure.parameters]
+    theta = [rates_of.get(name, of_a_way.get(name.partition(" ")[0], 0.0)) for name in names]
     return np.clip(np.array(theta), *structure.bounds)
 
 

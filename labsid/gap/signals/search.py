@@ -190,19 +190,19 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     """
     nu, ny = len(signals.inputs), len(signals.outputs)
     parts = [linear_parts([signals.data(i, j) for i in range(nu)]) for j in range(ny)]
-    apart = [_kind_of(signals, j, own, order) for j, own in enumerate(parts)]
-    fits = _base_fits(signals, parts, order, apart)
-    if not may_be_coupled(signals, parts) or all(residual_is_white(data, fit) for data, fit in fits):
+    plain = [_linear(signals, j, own, order, "apart") for j, own in enumerate(parts)]
+    apart = [_likeliest(signals, j, own, order, one) for j, (own, one) in enumerate(zip(parts, plain, strict=True))]
+    if not may_be_coupled(signals, parts) or all(residual_is_white(*one.fitted) for one in apart):
         return [_deepened(one) for one in _explained(signals, parts, order, progress, apart)]
-    starts = coupled_starts(signals, parts, order)
-    coupled = [_Kind("coupled", start) for start in starts]
-    if starts:
-        together = _base_fits(signals, parts, order, coupled)
-        if _total(together) < _total(fits) - BIC_MARGIN and have_poles_in_common(together):
-            return [_deepened(one) for one in _explained(signals, parts, order, progress, coupled)]
+    starts = coupled_starts(signals, parts, order, [one.fitted[1] for one in plain])
+    coupled = [_linear(signals, j, parts[j], order, "coupled", start) for j, start in enumerate(starts)]
+    better = bool(coupled) and _total(coupled) < _total(apart) - BIC_MARGIN
+    if better and have_poles_in_common([one.fitted for one in coupled]):
+        return [_deepened(one) for one in _explained(signals, parts, order, progress, coupled)]
     searches = _beside_neighbours(signals, parts, order, progress)
     likely = any(
-        residual_is_white(*_linear_fit(one)) and not residual_is_white(*fits[j]) for j, one in enumerate(searches)
+        residual_is_white(*_linear_fit(one)) and not residual_is_white(*apart[j].fitted)
+        for j, one in enumerate(searches)
     )
     beside = _explained_beside(searches) if likely else []
     if beside and all(one.white for one in beside):
@@ -213,7 +213,7 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     options = [found]
     if searches:
         options.append(beside or _explained_beside(searches))
-    if starts:
+    if coupled:
         other = _explained(signals, parts, order, progress, coupled)
         options += [other] if have_poles_in_common([one.last for one in other]) else []
     best = min(options, key=lambda option: _rank(signals, option))
@@ -292,8 +292,7 @@ def _beside_neighbours(
 
 def _linear_fit(search: OutputSearch) -> tuple[Data, Fit]:
     """The linear fit of an output through the first input at which an effect may be seen."""
-    role = search.role(search.seen[0])
-    return role.data, fit_baseline(role.data, role.base.structure, role.base.start)
+    return _fitted(search.role(search.seen[0]))
 
 
 def _explained_beside(searches: Sequence[OutputSearch]) -> list[ExplainedOutput]:
@@ -301,39 +300,35 @@ def _explained_beside(searches: Sequence[OutputSearch]) -> list[ExplainedOutput]
     return [replace(_explain_output(one, []), output=j) for j, one in enumerate(searches)]
 
 
-class _Kind(NamedTuple):
-    """How the responses to further inputs are made, and parameters to start from."""
+class _Linear(NamedTuple):
+    """The linear fit of an output through its strongest input: how further inputs act in it, and where it started."""
 
-    name: str
-    start: FloatArray | None = None
+    kind: str
+    start: FloatArray | None
+    fitted: tuple[Data, Fit]
 
 
-def _kind_of(signals: Signals, j: int, parts: LinearParts, order: int) -> _Kind:
+def _linear(
+    signals: Signals, j: int, parts: LinearParts, order: int, kind: str, start: FloatArray | None = None
+) -> _Linear:
+    role = make_role(signals, j, parts.strongest, parts, order, kind, start)
+    return _Linear(kind, start, _fitted(role))
+
+
+def _fitted(role: Role) -> tuple[Data, Fit]:
+    return role.data, fit_baseline(role.data, role.base.structure, role.base.start)
+
+
+def _likeliest(signals: Signals, j: int, parts: LinearParts, order: int, apart: _Linear) -> _Linear:
     """Whether all inputs of an output act at the same place, or each has dynamics of its own."""
     if parts.moves.sum() < 2:
-        return _Kind("apart")
-    kinds = [_Kind("apart"), _Kind("same entry")]
-    bics = []
-    for kind in kinds:
-        ((data, fit),) = _base_fits(signals, [parts], order, [kind], j)
-        bics.append(free_run_bic(data, fit))
-    return kinds[int(np.argmin(bics))]
+        return apart
+    return min(apart, _linear(signals, j, parts, order, "same entry"), key=lambda one: free_run_bic(*one.fitted))
 
 
-def _base_fits(
-    signals: Signals, parts: Sequence[LinearParts], order: int, kinds: Sequence[_Kind], first: int = 0
-) -> list[tuple[Data, Fit]]:
-    """The linear fit of every output, from the `first` one on, through its strongest input."""
-    roles = [
-        make_role(signals, j, own.strongest, own, order, kind.name, kind.start)
-        for j, (own, kind) in enumerate(zip(parts, kinds, strict=True), first)
-    ]
-    return [(role.data, fit_baseline(role.data, role.base.structure, role.base.start)) for role in roles]
-
-
-def _total(fits: Sequence[tuple[Data, Fit]]) -> float:
+def _total(linear: Sequence[_Linear]) -> float:
     """BIC of the free-run errors of all outputs."""
-    return sum(free_run_bic(data, fit) for data, fit in fits)
+    return sum(free_run_bic(*one.fitted) for one in linear)
 
 
 def free_run_bic(data: Data, fit: Fit) -> float:
@@ -347,15 +342,15 @@ def _explained(
     parts: Sequence[LinearParts],
     order: int,
     progress: Progress | None,
-    kinds: Sequence[_Kind],
+    linear: Sequence[_Linear],
 ) -> list[ExplainedOutput]:
     """Explain every output, those with the largest gap first."""
     ny = len(parts)
     searches = [
-        OutputSearch(signals, own, j, order, _of_output(progress, j, ny), *kind)
-        for j, (own, kind) in enumerate(zip(parts, kinds, strict=True))
+        OutputSearch(signals, own, j, order, _of_output(progress, j, ny), one.kind, one.start)
+        for j, (own, one) in enumerate(zip(parts, linear, strict=True))
     ]
-    gaps = {j: _gap(fit) for j, (_, fit) in enumerate(_base_fits(signals, parts, order, kinds))}
+    gaps = [_gap(one.fitted[1]) for one in linear]
     found: dict[int, ExplainedOutput] = {}
     known: list[AtInput] = []
     for one in sorted(searches, key=lambda one: -gaps[one.output]):

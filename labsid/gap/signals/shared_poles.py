@@ -7,7 +7,6 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.effects.further_inputs import FurtherInput
 from labsid.gap.fits.fitting import Fit, Problem, finish, fit_from
-from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
 from labsid.gap.signals.input_responses import LinearParts
 from labsid.gap.signals.roles import Role, Signals, make_role
@@ -22,7 +21,9 @@ def may_be_coupled(signals: Signals, parts: Sequence[LinearParts]) -> bool:
     return len(signals.outputs) > 1 and all(own.moves.sum() > 1 for own in parts)
 
 
-def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -> list[FloatArray]:
+def coupled_starts(
+    signals: Signals, parts: Sequence[LinearParts], order: int, plain: Sequence[Fit]
+) -> list[FloatArray]:
     """Parameters of four poles by output, that its responses to all inputs have in common; empty without a fit.
 
     Parameters
@@ -32,6 +33,8 @@ def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -
         By output.
     order : int
         Of the responses otherwise.
+    plain : sequence of Fit
+        By output: the linear fit with poles for each input.
 
     Returns
     -------
@@ -39,10 +42,8 @@ def coupled_starts(signals: Signals, parts: Sequence[LinearParts], order: int) -
         As of the linear structure of fourth order.
     """
     starts = []
-    for j, own in enumerate(parts):
-        apart = make_role(signals, j, own.strongest, own, order)
-        plain = fit_baseline(apart.data, apart.base.structure)
-        fit = _fitted(make_role(signals, j, own.strongest, own, order, "coupled"), plain)
+    for j, (own, one) in enumerate(zip(parts, plain, strict=True)):
+        fit = _fitted(make_role(signals, j, own.strongest, own, order, "coupled"), one)
         if fit is None:
             return []
         starts.append(fit.theta)

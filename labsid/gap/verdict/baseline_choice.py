@@ -75,9 +75,13 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
 
 def is_observed(data: Data, fit: Fit) -> bool:
     """Whether the record is long enough to show the slowest pole of a linear fit."""
-    c, k = fit.rates
-    slowest = real_rates(c, k)[0] if 0.25 * c * c > k else np.sqrt(k)  # per sample; of a pair, its natural frequency
-    return bool(slowest * data.longest >= OBSERVED_TIME_CONSTANTS)
+    return shows(data.longest, *fit.rates)
+
+
+def shows(samples: int, c: float, k: float) -> bool:
+    """Whether so many samples show the slower pole of s^2 + c s + k; of a pair its natural frequency counts."""
+    slowest = real_rates(c, k)[0] if 0.25 * c * c > k else np.sqrt(k)  # per sample
+    return bool(slowest * samples >= OBSERVED_TIME_CONSTANTS)
 
 
 def fit_first_order(data: Data, like: Fit | None = None) -> Fit:

@@ -7,7 +7,6 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
-from labsid.gap.effects.further_inputs import with_signals
 from labsid.gap.fits.fitting import Fit, refit
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.model_file import LEAST, export_model
@@ -92,7 +91,7 @@ class HeldOut:
         if self.other is None:
             return fit.output
         if self.further:
-            fit = replace(fit, hypothesis=with_signals(fit.hypothesis, self.further))
+            fit = replace(fit, hypothesis=fit.hypothesis.with_signals(self.further))
         return self.data.y_scale.of(export_model(self.data, fit, start=self.start).simulate(*self.other))
 
     @property

@@ -4,7 +4,7 @@ import control as ct
 import numpy as np
 
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.effects.further_inputs import FurtherInput, SameEntry, with_signals
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.hypothesis import Hypothesis
 
 
@@ -35,6 +35,6 @@ def test_a_lead_is_undone_by_the_lag_with_the_same_pole() -> None:
 
 def test_other_signals_take_the_place_of_those_of_the_fit() -> None:
     old = Hypothesis((FurtherInput("u2", signal=np.zeros(3)), SameEntry("u3", signal=np.zeros(3))), 2)
-    new = with_signals(old, {"u2": np.ones(4), "u3": np.arange(4.0)})
+    new = old.with_signals({"u2": np.ones(4), "u3": np.arange(4.0)})
     assert [effect.signal.tolist() for effect in new.effects] == [[1.0] * 4, [0.0, 1.0, 2.0, 3.0]]
     assert new == old  # the same structure
