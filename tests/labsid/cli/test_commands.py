@@ -14,22 +14,9 @@ import typer
 from scipy.io import savemat
 
 from labsid import __version__
-from labsid.cli.commands import main
 from labsid.records.record import load_record
 
 LABSID = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
-
-
-@pytest.fixture
-def labsid(capsys):
-    """Run the command in this process: status, standard output, standard error."""
-
-    def run(*arguments):
-        status = main([str(argument) for argument in arguments])
-        captured = capsys.readouterr()
-        return status, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

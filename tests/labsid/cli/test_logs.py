@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from labsid.cli.commands import main
 from labsid.records.record import load_record, reading_notes
 
 N = 300
@@ -11,16 +10,6 @@ K = np.arange(N)
 U = np.array([2.0, 1.0, 3.0, 2.0])[np.minimum(np.maximum(K - 40, 0) // 60 + (K >= 40), 3)]
 NOISE = 0.01 * np.random.default_rng(1).standard_normal(N)
 Y = np.round(np.convolve(U, 0.1 * 0.9**K)[:N] + 0.9 ** (K + 1) + NOISE, 4)
-
-
-@pytest.fixture
-def labsid(capsys):
-    def run(*arguments):
-        status = main([str(argument) for argument in arguments])
-        captured = capsys.readouterr()
-        return status, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

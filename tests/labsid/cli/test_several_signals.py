@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from labsid.cli.commands import main
 from labsid.records.record import load_record
 
 N = 400
@@ -16,16 +15,6 @@ U[:20] = 0
 Y = np.column_stack([lfilter([0, 0.3], [1, -0.9], U @ (1, 0.3)), lfilter([0, 0.2], [1, -0.8], U @ (0.1, 1))])
 Y = np.round(Y + 0.01 * RNG.standard_normal(Y.shape), 5)
 COLUMNS = ("--inputs", "Q1,Q2", "--outputs", "T1,T2")
-
-
-@pytest.fixture
-def labsid(capsys):
-    def run(*arguments):
-        status = main([str(argument) for argument in arguments])
-        captured = capsys.readouterr()
-        return status, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

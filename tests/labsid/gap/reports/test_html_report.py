@@ -7,10 +7,10 @@ import hashlib
 import io
 import json
 import re
-from html.parser import HTMLParser
 
 import pytest
 from gap_reports import PARAMETERS, report, undrawn_figures, with_experiment, with_holdout, with_plateaus, with_rest
+from page_reader import Page
 
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import EFFECT_TEXTS
@@ -18,45 +18,14 @@ from labsid.gap.reports.html_report import page_content, render_html, write_html
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import command
 
-VOID = {"meta", "img", "source", "br", "link", "hr", "input"}
 HOSTILE = "<script>alert('&\"')</script>"
-
-
-class Page(HTMLParser):
-    """What a browser would find, and whether every element is closed in its turn."""
-
-    def __init__(self):
-        super().__init__()
-        self.open, self.faults, self.tags, self.attributes, self.text, self.scripts = [], [], [], [], [], []
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append(tag)
-        self.attributes += [(tag, name, value) for name, value in attrs]
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        if not self.open or self.open.pop() != tag:
-            self.faults.append(tag)
-
-    def handle_data(self, data):
-        if self.open and self.open[-1] == "script":
-            self.scripts.append(data)
-        elif not self.open or self.open[-1] != "style":
-            self.text.append(data)
-
-    @property
-    def words(self):
-        return " ".join(" ".join(self.text).split())
 
 
 def _read(path, content):
     """Write the page of a report and read it back as a browser would."""
     write_html_report(path, content)
     html = path.read_text(encoding="utf-8")
-    parsed = Page()
-    parsed.feed(html)
-    parsed.close()
+    parsed = Page(html)
     assert parsed.faults == []
     assert parsed.open == []
     return html, parsed

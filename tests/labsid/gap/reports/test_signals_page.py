@@ -5,11 +5,11 @@ import csv
 import io
 import json
 import re
-from html.parser import HTMLParser
 from itertools import pairwise
 
 import pytest
 from gap_reports import with_rest
+from page_reader import Page
 from signals_reports import signals_report, with_planned_inputs
 
 from labsid.gap.reports.html_report import write_html_report
@@ -18,7 +18,6 @@ from labsid.gap.reports.signals_page import encoded_figures, page_content, rende
 from labsid.gap.reports.signals_text import verdict_sentence
 from labsid.gap.signals.result import SignalsDiagnosis
 
-VOID = {"meta", "img", "source", "br"}
 HOSTILE = "<script>alert('&\"')</script>"
 FOUND = (("input-dead-zone", "valve"), ("extra-lag", None))
 KINDS = {
@@ -29,34 +28,6 @@ KINDS = {
     "unknown": with_rest(signals_report(verdict="unknown"), "disturbance"),
     "holdout": signals_report(*FOUND, holdout=True),
 }
-
-
-class Page(HTMLParser):
-    """Elements, attributes and words of a page, and whether every element is closed in its turn."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.faults, self.tags, self.attributes, self.text = [], [], [], [], []
-        self.feed(text)
-        self.close()
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append(tag)
-        self.attributes += [(tag, name, value) for name, value in attrs]
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        if not self.open or self.open.pop() != tag:
-            self.faults.append(tag)
-
-    def handle_data(self, data):
-        if self.open and self.open[-1] != "style":
-            self.text.append(data)
-
-    @property
-    def words(self):
-        return " ".join(" ".join(self.text).split())
 
 
 def _undrawn(report):
