@@ -318,9 +318,13 @@ def find_faults(raw: RawRecord) -> tuple[Fault, ...]:
 
 def reading_notes(record: Record) -> tuple[str, ...]:
     """All that is to be said of how a record was read: what was done, missing outputs, jitter of its stamps."""
+    return (*record.notes, *missing_notes(record), *jitter_note(record.jitter, record.Ts))
+
+
+def missing_notes(record: Record) -> list[str]:
+    """Which samples of each output are missing."""
     outputs = zip(record.outputs, record.output_columns.T, strict=True)
-    missing = [note for name, y in outputs for note in missing_note(y, record.t, name)]
-    return (*record.notes, *missing, *jitter_note(record.jitter, record.Ts))
+    return [note for name, y in outputs for note in missing_note(y, record.t, name)]
 
 
 def between_outputs(record: Record) -> Record:

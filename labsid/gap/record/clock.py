@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from labsid.lab.findings import Finding
-from labsid.records.record import REGULAR_WITHIN, Record
-from labsid.records.signals import missing_note
+from labsid.records.record import REGULAR_WITHIN, Record, missing_notes
 
 MAX_CLOCK_ERROR = 1.0  # samples over the record, by which two sampling times of one rig may differ
 
@@ -24,12 +23,9 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     list of Finding
         Of jitter only if the time stamps deviate from even times by more than 1 % of the sampling time.
     """
-    found = [Finding("note", "file", f"{note}.") for note in (*record.notes, *missing_note(record.y, record.t))]
+    found = [Finding("note", "file", f"{note}.") for note in (*record.notes, *missing_notes(record))]
     if holdout is not None:
-        found += [
-            Finding("note", "file", f"holdout: {note}.")
-            for note in (*holdout.notes, *missing_note(holdout.y, holdout.t))
-        ]
+        found += [Finding("note", "file", f"holdout: {note}.") for note in (*holdout.notes, *missing_notes(holdout))]
     for whose, what, one in (("", "record", record), (" of the holdout", "holdout", holdout)):
         if one is not None and one.jitter > REGULAR_WITHIN:
             text = (

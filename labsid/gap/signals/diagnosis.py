@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.model_file import ExportedModel, export_model
+from labsid.gap.record.clock import clock_findings
 from labsid.gap.reports.quantities import with_units
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.traces import figure_traces
@@ -59,6 +60,7 @@ def diagnose_signals(
     """
     prepared = prepare(record, exclude)
     other = None if holdout is None else prepare_holdout(holdout, prepared)
+    prepared = replace(prepared, findings=(*clock_findings(record, holdout), *prepared.findings))
     explained = explain_outputs(prepared.signals, order, progress)
     made = [_parts(prepared, one, other, seed, progress) for one in explained]
     parts = [part for parts, _ in made for part in parts]

@@ -54,22 +54,21 @@ def linear_parts(pairs: list[Data]) -> LinearParts:
         One input each, with the same output and rows.
     """
     y, rows = pairs[0].y, pairs[0].rows
-    responses = np.zeros((y.size, len(pairs)))
-    rates = [(0.2, 0.01)] * len(pairs)
-    order: list[int] = []
-    while len(order) < len(pairs):
-        left = y - responses.sum(axis=1)
-        fits = {i: _shown(replace(pair, y=left)) for i, pair in enumerate(pairs) if i not in order}
+    alone = [_shown(pair) for pair in pairs]
+    fits = dict(enumerate(alone))
+    responses, own = np.zeros((y.size, len(pairs))), [_not_too_fast(fit) for fit in alone]
+    rates, order = list(own), list[int]()
+    while fits:
         best = min(fits, key=lambda i: fits[i].cost)
         responses[:, best], rates[best] = _response(fits[best], pairs[best]), _not_too_fast(fits[best])
         order.append(best)
+        left = y - responses.sum(axis=1)
+        fits = {i: _shown(replace(pair, y=left)) for i, pair in enumerate(pairs) if i not in order}
     if len(pairs) > 1:
-        alone = [_shown(pair) for pair in pairs]
-        own = [_not_too_fast(fit) for fit in alone]
         joint = [_together(pairs, order, start) for start in (rates, own, [own[order[0]]] * len(pairs))]
         _, responses, rates, e = min(joint, key=lambda found: found.cost)
     else:
-        e = y - fits[0].output
+        e = y - alone[0].output
     power = np.var(e[rows])
     without = np.var((e[:, None] + responses)[rows], axis=0)
     count = int(rows.sum())

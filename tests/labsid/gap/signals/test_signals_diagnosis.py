@@ -77,12 +77,13 @@ def test_a_second_record_is_scored_with_its_own_inputs() -> None:
         assert one["after"] < 1.3 * one["noise_floor"] < one["before"]
 
 
-def test_an_output_that_never_moves_is_left_out_and_named() -> None:
-    record = two_by_two(1)
+def test_an_output_that_never_moves_is_left_out_and_named_and_so_is_what_was_done_in_reading() -> None:
+    record = replace(two_by_two(1), notes=("one row was dropped",))
     still = replace(record, y=np.column_stack([record.y[:, 0], np.full(len(record), 3.0)]))
     found = diagnose(still)
     assert list(found.report["gap"]["outputs"]) == ["y1"]
     assert any("y2" in finding["text"] for finding in found.report["findings"])
+    assert "one row was dropped." in [finding["text"] for finding in found.report["findings"]]
 
 
 def _changed(**columns: np.ndarray) -> Record:
