@@ -81,7 +81,7 @@ class Execution:
     deadline : float, optional
         End of the submission's time, on the monotonic clock; its limit from now if there is none yet.
     functions : RightFunctions, optional
-        The functions that may be served.
+        The functions that may be served: in the second run, whose cells have all run within their time.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class Execution:
             return ExecutedCell(cell, Reply(False), failure)
         action = RunCell(cell, self._replacing() if cell.kind in ("answer", "extra") else ())
         try:
-            reply = self.process.run(source_to_run(cell), action.replacements)
+            reply = self.process.run(source_to_run(cell), action.replacements, again=self._functions is not None)
         except StudentProcessError as failure:
             self.restart()
             return ExecutedCell(cell, Reply(False), failure)
@@ -229,7 +229,7 @@ class Execution:
             if self._functions is not None:
                 self._functions.start_question()
             self._serve(*action.replacements)
-            process.run(source_to_run(action.cell), action.replacements)
+            process.run(source_to_run(action.cell), action.replacements, again=True)
         elif isinstance(action, Replacement):
             self._serve(action)
             process.replace(action)

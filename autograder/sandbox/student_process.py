@@ -26,6 +26,7 @@ from autograder.sandbox.replacing import Replacement
 from labsid.checks.values import Value
 
 _MAX_LINE = 100_000
+_LONGER_AGAIN = 4
 
 REFUSED: dict[str, Any] = {"ok": False, "error": {"kind": "RuntimeError", "text": "no such function is served here"}}
 """Reply to a call of a function that is not served."""
@@ -90,11 +91,15 @@ class StudentProcess:
         if not reply.ok:
             raise MachineError(f"the process did not start: {(reply.error or {}).get('text', '')}")
 
-    def run(self, source: str, replacements: Iterable[Replacement] = ()) -> Reply:
-        """Run one cell, and replace wrong values where its statements make them."""
+    def run(self, source: str, replacements: Iterable[Replacement] = (), again: bool = False) -> Reply:
+        """Run one cell, and replace wrong values where its statements make them.
+
+        A cell that has run within its time may take longer when it runs `again`: values are replaced in it, and the
+        machine may be busier.
+        """
         encoded = [_encode_replacement(one) for one in replacements]
         request = {"op": "run", "source": source, **({"replacements": encoded} if encoded else {})}
-        return self._ask(request, self._limits.cell_seconds)
+        return self._ask(request, self._limits.cell_seconds * (_LONGER_AGAIN if again else 1))
 
     def value(self, name: str) -> Reply:
         """Read a variable."""

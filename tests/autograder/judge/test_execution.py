@@ -71,6 +71,17 @@ def test_cells_that_cannot_be_run_twice_are_said(forked: ProcessLauncher, tmp_pa
             notebook.replayed(0)
 
 
+def test_a_cell_that_has_run_may_take_longer_when_it_runs_again(tmp_path: Path) -> None:
+    slower_again = "import os, time\nif os.path.exists('ran'):\n    time.sleep(2)\na = 1"
+    with (
+        open_launcher("none", Limits(cell_seconds=1.5, call_seconds=20)) as launcher,
+        running(launcher, tmp_path, slower_again) as notebook,
+    ):
+        (tmp_path / "ran").touch()
+        assert notebook.run(cell("import time\ntime.sleep(2)")).failure is not None
+        assert notebook.process.value("a").value == 1
+
+
 def test_running_cells_again_is_not_on_the_notebooks_time(tmp_path: Path) -> None:
     limits = Limits(submission_seconds=4)
     with (
