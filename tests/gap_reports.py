@@ -98,7 +98,7 @@ def effect(name: str, probability: float = 0.999, closed: float | None = 0.97) -
 
 
 def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> dict[str, Any]:
-    """A report of these effects, or of none, in the layout ``labsid.gap/2``."""
+    """A report of these effects, or of none, in the layout ``labsid.gap/4``."""
     n, Ts = 240, 0.5
     t = [Ts * k for k in range(n)]
     u = [float(k // 20 % 4) for k in range(n)]
@@ -113,7 +113,7 @@ def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> 
     effects = [effect(name, probability) for name in names] if verdict in ("effect", "partial") else []
     given = verdict == "effect" and "parameter-mismatch" in names
     return {
-        "schema": "labsid.gap/2",
+        "schema": "labsid.gap/4",
         "verdict": verdict,
         "effects": effects,
         "ambiguous": [],

@@ -35,7 +35,7 @@ def answer_of(result: Mapping[str, Any] | None, right: bool | None = None) -> An
     Parameters
     ----------
     result : dict or None
-        In the layout ``labsid.gap/2``; None if there is none.
+        In the layout ``labsid.gap/4``; None if there is none.
     right : bool, optional
         Whether it agrees with the label of a simulated record.
 

@@ -21,6 +21,7 @@ from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sam
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
 from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
+from labsid.gap.reports.layout import listed_findings
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.quantities import with_units
@@ -457,6 +458,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     report["record_findings"] = [asdict(finding) for finding in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*prepared.notes, *report["screen"]]
+    report["findings"] = listed_findings(findings, report["screen"])
     report["holdout_traces"] = None
     if holdout is not None:
         before, after = (np.asarray(data.y_scale.back(output)) for output in answer.score.outputs)

@@ -213,7 +213,7 @@ def test_the_summary_of_a_batch_is_sorted_by_a_click(context: "BrowserContext", 
     for stem, closed in {"load-step": 0.5, "input-delay": 0.1, "extra-lag": 0.9}.items():
         reports[stem]["gap"] |= {"closed": closed, "after": 0.064 - 0.05 * closed}
     reports["none"] = report(verdict="none")
-    reports["broken"] = {"schema": "labsid.gap/2", "verdict": "error", "message": "broken.csv is empty"}
+    reports["broken"] = {"schema": "labsid.gap/4", "verdict": "error", "message": "broken.csv is empty"}
     path = tmp_path / "summary.html"
     write_batch_page(path, "bench", reports)
     page = context.new_page()

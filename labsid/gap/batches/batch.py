@@ -14,12 +14,12 @@ from labsid.gap.batches.batch_summary import csv_summary, text_summary
 from labsid.gap.batches.scheduler import run_on_scheduler
 from labsid.gap.batches.version import sources_version
 from labsid.gap.batches.workers import ATTEMPTS, run_tasks, serve
+from labsid.gap.reports.layout import SCHEMA
 from labsid.records.reading import Reading
 
 if TYPE_CHECKING:  # only the worker processes import the search
     from labsid.gap.search.beam_search import Progress
 
-SCHEMA = "labsid.gap/2"
 KEY = "made_from"  # entry of a report that identifies its input files, version and seed
 PAGE = "summary.html"
 

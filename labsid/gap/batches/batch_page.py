@@ -42,7 +42,7 @@ def write_batch_page(
     name : str
         Of the folder of records.
     reports : mapping of str to dict
-        Reports in the layout ``labsid.gap/2`` by stem; those with the verdict "error" have a message instead.
+        Reports in the layout ``labsid.gap/4`` by stem; those with the verdict "error" have a message instead.
     nouns : tuple of str
         What one and several of them are called.
 

@@ -1,4 +1,4 @@
-"""The JSON report (layout ``labsid.gap/2``), from which the text and HTML reports are made."""
+"""The JSON report (layout ``labsid.gap/4``), from which the text and HTML reports are made."""
 
 from dataclasses import asdict
 from typing import Any
@@ -19,6 +19,7 @@ from labsid.gap.record.data import Data
 from labsid.gap.reports import location
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
+from labsid.gap.reports.layout import SCHEMA
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.quantities import chance, counted, number, percent
 from labsid.gap.search.explanation import Explanation
@@ -31,7 +32,6 @@ from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
 from labsid.records.signal_quality import lattice_step
 
-SCHEMA = "labsid.gap/2"
 LAGS = 20
 MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
 MIN_FLOOR = 0.5  # rms of the added noise over the error that is left, from which it is said
@@ -55,7 +55,7 @@ def build_report(
     Returns
     -------
     dict
-        JSON-ready, in the layout ``labsid.gap/2``.
+        JSON-ready, in the layout ``labsid.gap/4``.
     """
     explanation, decision, score = answer.explanation, answer.decision, answer.score
     unit = explanation.data.y_scale.unit

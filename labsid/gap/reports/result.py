@@ -21,7 +21,7 @@ class Diagnosis:
     Attributes
     ----------
     report : dict
-        In the layout ``labsid.gap/2``; ``--json`` writes it.
+        In the layout ``labsid.gap/4``; ``--json`` writes it.
     model : ExportedModel
         The simulation with the effects added; ``--export`` writes it.
     """

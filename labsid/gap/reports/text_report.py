@@ -19,7 +19,7 @@ def format_report(report: dict[str, Any]) -> str:
     Parameters
     ----------
     report : dict
-        In the layout ``labsid.gap/2``.
+        In the layout ``labsid.gap/4``.
 
     Returns
     -------

@@ -2,18 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.reports.layout import SCHEMA, listed_findings
 from labsid.gap.reports.traces import extreme_samples
 from labsid.gap.signals.preparation import Prepared
 from labsid.gap.signals.roles import Signals
 from labsid.gap.signals.search import ExplainedOutput
 from labsid.gap.verdict.scores import NO_GAP, closed_share
 
-SCHEMA = "labsid.gap/4"
 MOST_RIVALS = 3
 MIN_CLOSED = 0.2  # share of the gap of an output, from which an effect in another one is said to change it
 KEPT = (  # of the report of an output
@@ -119,14 +120,9 @@ def combine(prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Seq
         "next_experiment": _experiment(signals.inputs, worst, prepared),
         "couplings": _couplings(signals.inputs, signals.outputs, explained),
         "findings": [
-            *({"kind": finding.topic, "signal": None, "text": finding.text} for finding in prepared.findings),
-            *({"kind": "samples", "signal": None, "text": note} for note in prepared.notes),
+            *listed_findings(prepared.findings, prepared.notes),
             *_still(signals.inputs, explained),
-            *(
-                {"kind": "samples", "signal": name, "text": text}
-                for name, part in last.items()
-                for text in part.report["screen"]
-            ),
+            *chain.from_iterable(listed_findings((), part.report["screen"], name) for name, part in last.items()),
         ],
         "record": {"name": signals.name, "samples": len(signals), "Ts": signals.Ts},
         "simulation": {"given": False, "output_only": False, "closed": False, "output": None, "model": None},

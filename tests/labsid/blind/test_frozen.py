@@ -77,7 +77,7 @@ def test_a_missing_answer_counts_as_wrong() -> None:
 
 
 def test_an_error_is_kept_as_one() -> None:
-    assert answer_of({"schema": "labsid.gap/2", "verdict": "error", "message": "x"})["verdict"] == "error"
+    assert answer_of({"schema": "labsid.gap/4", "verdict": "error", "message": "x"})["verdict"] == "error"
 
 
 def test_answers_are_kept_and_found_again(

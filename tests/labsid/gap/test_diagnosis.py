@@ -160,8 +160,11 @@ def number(value: object) -> bool:
 
 def check_layout(report: dict[str, Any], samples: int) -> None:
     """Check the layout of a report, key by key."""
-    assert report["schema"] == "labsid.gap/2"
+    assert report["schema"] == "labsid.gap/4"
     assert report["verdict"] in ("none", "effect", "partial", "unknown")
+    told = [*(finding["text"] for finding in report["record_findings"]), *report["screen"]]
+    assert [finding["text"] for finding in report["findings"]] == told
+    assert all(set(finding) == {"kind", "signal", "text"} for finding in report["findings"])
     assert bool(report["effects"]) == (report["verdict"] in ("effect", "partial"))
     for effect in report["effects"]:
         assert {"name", "path", "parameters", "probability", "closed"} <= set(effect)

@@ -83,7 +83,7 @@ def test_simulate_runs_the_exported_model(labsid, record, tmp_path):
     assert (status, err) == (0, "")
     assert out.strip()
     answer = json.loads((tmp_path / "a.json").read_text())
-    assert (answer["schema"], answer["verdict"]) == ("labsid.gap/2", "none")
+    assert (answer["schema"], answer["verdict"]) == ("labsid.gap/4", "none")
     assert (tmp_path / "a.html").read_text().lstrip().lower().startswith("<!doctype html>")
     status, out, err = labsid("simulate", "better.json", record, "--out", "played.csv")
     assert (status, err) == (0, "")

@@ -86,7 +86,7 @@ def test_every_record_gets_a_report(finished):
         "words.json",
     ]
     answers = {path.stem: json.loads(path.read_text()) for path in out.glob("*.json")}
-    assert {answer["schema"] for answer in answers.values()} == {"labsid.gap/2"}
+    assert {answer["schema"] for answer in answers.values()} == {"labsid.gap/4"}
     assert (answers["a"]["verdict"], answers["b"]["verdict"]) == ("none", "none")
     assert answers["a"]["simulation"]["given"]
     assert not answers["b"]["simulation"]["given"]
@@ -204,7 +204,7 @@ def test_a_killed_record_is_an_error_that_the_next_run_tries_again(tmp_path, cou
     diagnose_folder(tmp_path, out)
     answer = json.loads((out / "killed.json").read_text())
     assert answer == {
-        "schema": "labsid.gap/2",
+        "schema": "labsid.gap/4",
         "verdict": "error",
         "message": "the process was killed 2 times, possibly for lack of memory.",
     }

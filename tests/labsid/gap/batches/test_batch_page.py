@@ -25,7 +25,7 @@ def with_errors(found, after, closed):
 
 
 def error(message):
-    return {"schema": "labsid.gap/2", "verdict": "error", "message": message}
+    return {"schema": "labsid.gap/4", "verdict": "error", "message": message}
 
 
 REPORTS = {
