@@ -7,7 +7,7 @@ from variants import Right, Wrong, variants_of
 
 from labsid.checks.time_limit import limit_time
 
-SECONDS = 60.0
+SECONDS = 300.0
 
 
 def draw(name: str, questions: Iterable[str], draws: int) -> tuple[list[str], int]:

@@ -32,7 +32,7 @@ from autograder.sandbox.isolation import LEVELS, Limits, is_weaker
 from labsid._scheduler import check_address, connect, wait_for_worker
 
 CONNECT_SECONDS = 10.0
-"""Time-out of the scheduler's answer, and of its first worker."""
+"""Time-out of the scheduler's answer."""
 
 CHECK_SECONDS = 60.0
 """Time-out of the workers' check, in which they open their process launchers."""
@@ -101,7 +101,7 @@ class ClusterExecutor:
     def start(self) -> None:
         """Check the workers that are connected; raise `ValueError` if none is usable."""
         with self._scheduler_errors():
-            wait_for_worker(self._client, self._address, CONNECT_SECONDS)
+            wait_for_worker(self._client, self._address, NO_WORKER_SECONDS)
             self._check_new_workers()
             threads = sum(self._threads().values())
         if not self._levels:

@@ -14,13 +14,20 @@ from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
+from labsid.gap.fits.unstable_poles import MOST_CORRECTED
 from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
-from labsid.gap.record.record_findings import filtered_input, findings_from_errors, findings_from_record, plateau_gap
+from labsid.gap.record.record_findings import (
+    about_correction,
+    filtered_input,
+    findings_from_errors,
+    findings_from_record,
+    plateau_gap,
+)
 from labsid.gap.reports.layout import listed_findings
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
@@ -435,10 +442,15 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     data = answer.explanation.data
     model = export_model(data, answer.score.after_fit, answer.elsewhere, answer.start)
     joined, inside = prepared.joined, np.ones(len(record), bool)
+    stabilised = base.structure.feedback is not None
     if joined is None:
         fitted = answer.before if base.given else explanation.path[0]  # to all samples, as the levels are
-        plateau = plateau_gap(
-            record.u, record.y, np.asarray(data.y_scale.back(fitted.output)), answer.outputs[1], data.rows
+        plateau = (
+            None
+            if stabilised
+            else plateau_gap(
+                record.u, record.y, np.asarray(data.y_scale.back(fitted.output)), answer.outputs[1], data.rows
+            )
         )
         found = findings_from_record(prepared.whole, plateau)
     else:
@@ -453,6 +465,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     report["traces"] = figure_traces(
         record.t[inside], record.u[inside], record.y[inside], before, after, prepared.measured[inside]
     )
+    found += about_correction(report["gap"]["corrected"], MOST_CORRECTED)
     findings = [*prepared.findings, *found, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
     report["record_findings"] = [asdict(finding) for finding in findings]
@@ -465,7 +478,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
         shown = prepared.holdout_measured
         report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after, shown)
     measured = (prepared.measured, prepared.holdout_measured)
-    report["replay"] = replay_content(record, inside, measured, answer, holdout)
+    report["replay"] = None if stabilised else replay_content(record, inside, measured, answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model)
 

@@ -15,6 +15,7 @@ from labsid.gap.dynamics.inside import port_from_json
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
 from labsid.gap.effects.families import EFFECTS_BY_KEY
+from labsid.gap.effects.feedback import OUTPUT, OutputFeedback
 from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -93,7 +94,8 @@ class ExportedModel:
         ----------
         u : ndarray, shape (N,)
         y : ndarray, shape (N,), optional
-            Its first samples determine the initial state; without it the simulation starts from rest.
+            Its first samples determine the initial state; without it the simulation starts from rest. All of it acts
+            on the simulation of an unstable rig, which is not bounded otherwise.
         of_record : bool, optional
             Whether loads, sinusoids and drifts of the fitted record act; by default, if `u` is the input of that
             record.
@@ -101,9 +103,14 @@ class ExportedModel:
         Returns
         -------
         ndarray, shape (N,)
+
+        Raises
+        ------
+        ValueError
+            If the rig is unstable and `y` is not given.
         """
         of_record = self._fitted_to(u) if of_record is None else of_record
-        model = (self if of_record else (self.elsewhere or self)._without_time_courses())._at_rest()
+        model = (self if of_record else (self.elsewhere or self)._without_time_courses())._at_rest()._beside(y)
         w = model.u_scale.of(u)
         output = model._from_rest(w) if y is None else model._started(w, model.y_scale.of(y))._output(w)
         return np.asarray(model.y_scale.back(output))
@@ -116,7 +123,19 @@ class ExportedModel:
         ----------
         u, y : ndarray, shape (N,)
         """
-        return self._without_time_courses()._at_rest()._started(self.u_scale.of(u), self.y_scale.of(y))
+        return self._without_time_courses()._at_rest()._beside(y)._started(self.u_scale.of(u), self.y_scale.of(y))
+
+    def _beside(self, y: FloatArray | None) -> "ExportedModel":
+        """The model of an unstable rig with the feedback of a measured output; others as they are."""
+        feedback = self.hypothesis.feedback
+        if feedback is None:
+            return self
+        if y is None:
+            raise ValueError(
+                "the rig is unstable: beside the input alone, its simulation grows without bound. Give the measured "
+                "output as well."
+            )
+        return replace(self, hypothesis=self.hypothesis.with_signals({OUTPUT: feedback.of(self.y_scale.of(y))}))
 
     def _fitted_to(self, u: FloatArray) -> bool:
         """Whether `u` is the input of the fitted record, as far as known."""
@@ -248,9 +267,10 @@ class ExportedModel:
             If it contains a given simulation that is no file.
         """
         plant = self.hypothesis.plant
+        feedback = self.hypothesis.feedback
         content: dict[str, Any] = {
             "schema": SCHEMA,
-            "effects": [effect.key for effect in self.hypothesis.effects],
+            "effects": [effect.key for effect in self.hypothesis.effects if effect is not feedback],
             "parameters": [parameter.name for parameter in self.hypothesis.parameters],
             "theta": self.theta.tolist(),
             "gains": self.gains.tolist(),
@@ -263,6 +283,9 @@ class ExportedModel:
             "u_scale": {"centre": self.u_scale.centre, "unit": self.u_scale.unit},
             "y_scale": {"centre": self.y_scale.centre, "unit": self.y_scale.unit},
         }
+        if feedback is not None:
+            about = {"gains": list(feedback.gains), "closed": list(feedback.closed), "about": feedback.about}
+            content["feedback"] = about
         if plant.kind == "given":
             if not plant.simulation.source:
                 raise ValueError(
@@ -380,6 +403,7 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         weight = float(content.get("offset_weight", 0.0))
         rates = content.get("start_rates")
         start = LEAST if rates is None else RecordStart((float(rates[0]), float(rates[1])))
+        feedback = () if content.get("feedback") is None else (_read_feedback(content["feedback"]),)
         Ts, span, reference = float(content["Ts"]), int(content["span"]), float(content["reference"])
         u_scale, y_scale = (
             Scale(float(content[name]["centre"]), float(content[name]["unit"])) for name in ("u_scale", "y_scale")
@@ -392,7 +416,7 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     if unknown:
         raise ValueError(f"the simulation contains unknown effects: {', '.join(map(repr, unknown))}. Update labsid.")
     given = None if content.get("simulator") is None else _read_given(content["simulator"], (u_scale, y_scale), Ts)
-    hypothesis = Hypothesis(tuple(EFFECTS_BY_KEY[key] for key in keys), given=given)
+    hypothesis = Hypothesis((*feedback, *(EFFECTS_BY_KEY[key] for key in keys)), given=given)
     lower, upper = hypothesis.bounds
     names = [parameter.name for parameter in hypothesis.parameters]
     if written != names:
@@ -411,6 +435,22 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     if means.shape not in ((0,), (INPUT_PARTS,)):
         raise ValueError(wrong.format(f"input_means must hold {INPUT_PARTS} numbers"))
     return ExportedModel(hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, other, weight, start)
+
+
+def _read_feedback(content: dict[str, Any]) -> OutputFeedback:
+    """The feedback of an unstable rig.
+
+    Raises
+    ------
+    ValueError
+        If its numbers are not finite, or its rates not positive.
+    """
+    position, speed = map(float, content["gains"])
+    c, k = map(float, content["closed"])
+    found = OutputFeedback(OUTPUT, (position, speed), (c, k), float(content["about"]))
+    if not np.isfinite([*found.gains, *found.closed, found.about]).all() or min(found.closed) <= 0.0:
+        raise ValueError("the feedback must have finite gains and positive rates")
+    return found
 
 
 def with_sources(content: dict[str, Any], change: Callable[[str], str]) -> dict[str, Any]:

@@ -296,7 +296,7 @@ def test_a_wrong_address_is_said_in_one_line(
 
 
 def test_a_scheduler_without_workers_is_not_waited_for(machines: Machines, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
+    monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 1.0)
     machines.start()
     with (
         pytest.raises(ValueError, match=r"has no worker\. Start some: dask worker tcp://"),

@@ -190,6 +190,8 @@ class PlantForm:
         of a speed, "cubic".
     inside : tuple of str
         Changes inside a given simulation that opens, of `labsid.gap.dynamics.inside.PARTS`.
+    stabilised : bool
+        Whether a feedback of the measured output acts on the dynamics, whose gain then is one.
     parameters : tuple of Parameter
         In their order in theta.
     """
@@ -219,10 +221,16 @@ class PlantForm:
     simulation: GivenSimulation = NOT_GIVEN
     reactions: tuple[str, ...] = ()
     inside: tuple[str, ...] = ()
+    stabilised: bool = False
     parameters: tuple[Parameter, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", self._searched())
+
+    @property
+    def keeps_feedback(self) -> bool:
+        """Whether the dynamics cannot invert a feedback of the measured output, and follow it without an input."""
+        return not self.stabilised or self.kind in ("linear", "mechanics")
 
     def _searched(self) -> tuple[Parameter, ...]:
         if self.kind == "given":

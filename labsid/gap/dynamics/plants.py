@@ -32,7 +32,13 @@ class Plant(PlantForm):
     """Dynamics with their simulation and linearization."""
 
     def columns(
-        self, theta: FloatArray, w: FloatArray, span: int, reference: float | None = None, late: float = 0.0
+        self,
+        theta: FloatArray,
+        w: FloatArray,
+        span: int,
+        reference: float | None = None,
+        late: float = 0.0,
+        feedback: FloatArray | None = None,
     ) -> FloatArray:
         """Columns whose linear combination is the output; NaN where the simulation diverges.
 
@@ -47,6 +53,8 @@ class Plant(PlantForm):
             Operating point of w for a linear plant: the first sample of the fitted record; w[0] by default.
         late : float
             Fraction of each sample at which w changes, 0 to 1.
+        feedback : ndarray, shape (N,), optional
+            What drives the dynamics beside w, but no further lag or mode.
 
         Returns
         -------
@@ -54,7 +62,7 @@ class Plant(PlantForm):
         """
         own = self._by_name(theta)
         start = float(w[0]) if reference is None else reference
-        if late and (not self.nonlinear or self.lag_ahead or self._mode_place == "ahead"):
+        if late and (feedback is not None or not self.nonlinear or self.lag_ahead or self._mode_place == "ahead"):
             w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
         driven = w
         if self.lag:
@@ -66,6 +74,7 @@ class Plant(PlantForm):
             frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
             if self._mode_place == "ahead":
                 driven = mode_mean(driven, frequency, damping)
+        driven = driven if feedback is None else driven + feedback
         columns = response(self, own, driven, span, start, late)
         slope = columns[:, 1] if self.kind == "mechanics" else None
         if self.kind in ("mechanics", "speed"):
@@ -106,8 +115,8 @@ class Plant(PlantForm):
 
     @property
     def has_fixed_gain(self) -> bool:
-        """Whether the gain of the first column is known: of a simulation with numbers of its own, or of a joint."""
-        return bool(self.free) or self.follows or self.simulation.port is not None
+        """Whether the gain of the first column is known: of given numbers, of a joint, or beside a feedback."""
+        return bool(self.free) or self.follows or self.stabilised or self.simulation.port is not None
 
     @property
     def state_columns(self) -> tuple[int, ...]:

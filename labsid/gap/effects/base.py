@@ -236,7 +236,7 @@ class Fitted:
     @property
     def actuator(self) -> FloatArray:
         """The signal that reaches the dynamics, shape (N,)."""
-        return self.hypothesis.actuator(self.theta, self.data.u)
+        return self.hypothesis.driven(self.theta, self.data.u)
 
     @property
     def output(self) -> FloatArray:
@@ -250,6 +250,19 @@ class Fitted:
     def value(self, name: str) -> float:
         """Value of a parameter whose name no other effect has."""
         return float(self.theta[[parameter.name for parameter in self.hypothesis.parameters].index(name)])
+
+    @property
+    def command_unit(self) -> float:
+        """Size in the record's unit of a command that drives the dynamics by one."""
+        feedback = self.hypothesis.feedback
+        gain = 1.0 if feedback is None else abs(float(self.theta_of(feedback)[0])) or 1.0
+        return float(self.data.u_scale.unit / gain)
+
+    @property
+    def own_spring(self) -> float:
+        """Restoring force of the rig itself over that of the simulated dynamics, negative of one that falls over."""
+        feedback = self.hypothesis.feedback
+        return 1.0 if feedback is None else 1.0 - float(feedback.gains[0])
 
     @property
     def state_per_output(self) -> float:

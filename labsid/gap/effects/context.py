@@ -50,8 +50,15 @@ class Structure(Protocol):
     def slices(self) -> Mapping[str, slice]:
         """Slice of theta of the "plant", and of each effect by its key."""
 
+    @property
+    def feedback(self) -> Any:
+        """What stabilises the simulation of an unstable rig; None for others."""
+
     def actuator(self, theta: FloatArray, u: FloatArray) -> FloatArray:
         """The signal that reaches the dynamics, shape (N,)."""
+
+    def driven(self, theta: FloatArray, u: FloatArray) -> FloatArray:
+        """The same with the feedback of an unstable rig, shape (N,)."""
 
     def output(self, theta: FloatArray, gains: FloatArray, u: FloatArray) -> FloatArray:
         """Free-run output for the input `u`, shape (N,)."""
@@ -116,7 +123,7 @@ class Context:
     @property
     def actuator(self) -> FloatArray:
         """The signal that reaches the parent's dynamics."""
-        return self.parent.hypothesis.actuator(self.parent.theta, self.data.u)
+        return self.parent.hypothesis.driven(self.parent.theta, self.data.u)
 
     @property
     def levels(self) -> FloatArray:

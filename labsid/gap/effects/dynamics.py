@@ -315,7 +315,7 @@ class CoulombFriction(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input; with a peak, `break_away`; with the load, its share `load`."""
-        unit, friction = fit.data.u_scale.unit, fit.value("friction")
+        unit, friction = fit.command_unit, fit.value("friction")
         found = {"friction": Value(friction * unit, "u")}
         if self.law == "peak":
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
@@ -367,7 +367,7 @@ class CubicStiffness(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`cubic`: relative increase of the restoring force, per square of the output."""
-        return {"cubic": Value(fit.value("cubic") * fit.state_per_output**2, "1/y^2")}
+        return {"cubic": Value(fit.value("cubic") / fit.own_spring * fit.state_per_output**2, "1/y^2")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A spring that is stiffer by this share at the ends of the motion."""

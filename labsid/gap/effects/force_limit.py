@@ -59,7 +59,7 @@ class ForceLimit(PlantEffect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`limit` in units of the input."""
-        return {"limit": Value(fit.value("limit") * fit.data.u_scale.unit, "u")}
+        return {"limit": Value(fit.value("limit") * fit.command_unit, "u")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A limit below the largest error by a share of it."""

@@ -86,7 +86,7 @@ class Gravity(PlantEffect):
         at = fit.y(gain * fit.value("angle") / turn + offset)
         whole = 2.0 * np.pi * per_radian
         return {
-            "torque": Value(fit.value("torque") * fit.data.u_scale.unit, "u"),
+            "torque": Value(fit.value("torque") * fit.command_unit, "u"),
             "angle": Value(at - whole * round(at / whole) if whole else at, "y"),
             "per_radian": Value(per_radian, "y"),
         }

@@ -129,9 +129,9 @@ class QuadraticDrag(PlantEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drag`: input per square of the speed; of a motor, the output is the speed."""
         if self.variant != "position":
-            return {"drag": Value(fit.value("drag") * fit.data.u_scale.unit * fit.state_per_output**2, "u/y^2")}
+            return {"drag": Value(fit.value("drag") * fit.command_unit * fit.state_per_output**2, "u/y^2")}
         unit = force_unit(np.exp(fit.value("log_c")), np.exp(fit.value("log_k")))
-        size = fit.value("drag") * fit.data.u_scale.unit / unit * (fit.data.Ts * fit.state_per_output) ** 2
+        size = fit.value("drag") * fit.command_unit / unit * (fit.data.Ts * fit.state_per_output) ** 2
         return {"drag": Value(float(size), "u s^2/y^2")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:

@@ -59,7 +59,7 @@ class Friction(_AroundGiven):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input."""
-        return {"friction": Value(fit.value("friction") * fit.data.u_scale.unit, "u")}
+        return {"friction": Value(fit.value("friction") * fit.command_unit, "u")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """Friction up to half the range of the input."""

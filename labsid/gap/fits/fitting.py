@@ -276,7 +276,8 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     e = data.y - point.output
     noise = fit_noise(e, data.complete, data.lags)
     theta, undetermined = hypothesis.completed(point.theta, data.u)
-    known = known_gains(data, hypothesis).size * hypothesis.plant.follows + len(known_values(data, hypothesis))
+    fixed = hypothesis.plant.follows or hypothesis.plant.stabilised
+    known = known_gains(data, hypothesis).size * fixed + len(known_values(data, hypothesis))
     free = point.theta.size - undetermined - known + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     free_run = float(np.mean(e[data.rows] ** 2))

@@ -11,6 +11,7 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect
+from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.restarts import Restarts
 
@@ -112,6 +113,8 @@ class Hypothesis:
             places[key] = slice(len(parameters), len(parameters) + len(own))
             parameters += own
         bounds = np.array([p.lower for p in parameters]), np.array([p.upper for p in parameters])
+        if self.feedback is not None:
+            bounds = self.feedback.limited([parameter.name for parameter in parameters], *bounds)
         derived: dict[str, object] = {
             "plant": plant,
             "inputs": tuple(inputs),
@@ -148,12 +151,19 @@ class Hypothesis:
         return Hypothesis(effects, self.n_given, self.given)
 
     def with_signals(self, signals: Mapping[str, FloatArray]) -> "Hypothesis":
-        """The hypothesis whose further inputs have other scaled signals, by their names."""
+        """The hypothesis whose further inputs, or whose feedback, have other scaled signals, by their names."""
         changed = (
-            replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput | SameEntry) else effect
+            replace(effect, signal=signals[effect.variant])
+            if isinstance(effect, FurtherInput | SameEntry | OutputFeedback)
+            else effect
             for effect in self.effects
         )
         return self.with_effects(tuple(changed))
+
+    @property
+    def feedback(self) -> OutputFeedback | None:
+        """What stabilises the simulation of an unstable rig."""
+        return next((effect for effect in self.effects if isinstance(effect, OutputFeedback)), None)
 
     @property
     def delay_is_an_effect(self) -> bool:
@@ -173,6 +183,11 @@ class Hypothesis:
         """The signal that reaches the dynamics: the input after all actuator effects, interpolated to its delay."""
         w, late = self._delayed_input(theta, u, u.size)
         return _kernels.delayed(w, 0, late)
+
+    def driven(self, theta: FloatArray, u: FloatArray) -> FloatArray:
+        """The signal that drives the dynamics: that of the actuator, with the feedback of an unstable rig."""
+        w = self.actuator(theta, u)
+        return w if self.feedback is None else np.asarray(w + self.feedback.extended(w.size))
 
     def _delayed_input(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
         """The actuator's signal delayed by whole samples, and the remaining fraction of a sample."""
@@ -239,7 +254,8 @@ class Hypothesis:
         """Columns of the dynamics, in one run or one for each record; `near` differs in their initial states only."""
         plant, own, at = self.plant, theta[self.slices["plant"]], self._restarted
         if at.start == at.stop:
-            return plant.columns(own, w, span, reference, late)
+            feedback = None if self.feedback is None else self.feedback.extended(w.size)
+            return plant.columns(own, w, span, reference, late, feedback)
         restarts = next(effect for effect in self.additive if isinstance(effect, Restarts))
         reference = float(w[0]) if reference is None else reference
         before = None if near is None else (near.parts[0], near.theta[at])

@@ -27,7 +27,8 @@ def known_gains(data: Data, hypothesis: Hypothesis) -> FloatArray:
     plant = hypothesis.plant
     if not plant.has_fixed_gain:
         return np.zeros(0)
-    return np.array([data.u_scale.unit / data.y_scale.unit if plant.follows else 1.0])
+    follows = plant.follows and not plant.stabilised
+    return np.array([data.u_scale.unit / data.y_scale.unit if follows else 1.0])
 
 
 def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:

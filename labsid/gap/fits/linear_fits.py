@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
 from labsid.gap.effects.dynamics import DirectFeedthrough
+from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend, finish, minimize
@@ -109,8 +110,8 @@ def fit_highpass(data: Data, base: Fit) -> Fit:
 
 
 def linear_structure_of(fit: Fit) -> Hypothesis:
-    """Second order, with the direct feedthrough, the further inputs, and what belongs to each of several records."""
-    kept = Restarts | DirectFeedthrough | FurtherInput | SameEntry
+    """Second order, with direct term, further inputs, a feedback, and what belongs to each of several records."""
+    kept = Restarts | DirectFeedthrough | FurtherInput | SameEntry | OutputFeedback
     own = tuple(effect for effect in fit.hypothesis.effects if isinstance(effect, kept))
     return Hypothesis(own, len(own))
 

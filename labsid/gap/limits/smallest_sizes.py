@@ -315,7 +315,7 @@ def _missing(data: Data, fit: Fit, rows: Iterable[tuple[str, str]]) -> Iterator[
     for name in dict.fromkeys(family.name for family in FAMILIES if family.planted_variants):
         if name in there:
             continue
-        forms = [family() for family in FAMILIES if family.name == name]
+        forms = [form for family in FAMILIES if family.name == name for form in family.searched()]
         if not any(is_compatible(fit, form) for form in forms):
             yield name, "closed"
         elif all(isinstance(form, InputEffect) and not form.applies(context) for form in forms):

@@ -171,6 +171,29 @@ def findings_from_errors(
     return found
 
 
+def about_correction(corrected: float | None, limit: float) -> list[Finding]:
+    """That an unstable rig was simulated beside its measured output, and by how much that corrects the simulation.
+
+    Parameters
+    ----------
+    corrected : float or None
+        Rms of what the correction moves the output, over that of what the input moves it; None for a free run.
+    limit : float
+        Above it, no cause explains everything.
+    """
+    if corrected is None:
+        return []
+    text = (
+        "the rig is unstable: simulated from its input alone, its output would grow without bound. The simulation is "
+        "corrected by the measured output, with the weakest feedback that keeps it bounded; the correction moves the "
+        f"output by {max(corrected, 0.01):.0%} of what the input moves it{' at most' if corrected < 0.01 else ''}."
+    )
+    if corrected <= limit:
+        return [Finding("note", "stability", text)]
+    more = " So much hides what the simulation lacks: a cause that is named is at most a part."
+    return [Finding("warning", "stability", text + more)]
+
+
 def switches_on_output(u: FloatArray, y: FloatArray) -> bool:
     """Whether an input of two levels is a function of the output of the same sample, as from a relay controller.
 

@@ -162,6 +162,8 @@ def _grown(data: Data, fit: Fit) -> list[Fit]:
     last, found = fit.hypothesis.effects[-1], []
     for form in last.alternatives(fit.hypothesis) if last.grows else ():
         other = fit.hypothesis.with_effects((*fit.hypothesis.effects[:-1], form))
+        if not other.plant.keeps_feedback:
+            continue
         starts = form.grown_starts(fit, other, transfer_theta(fit, other))
         found += [one for start in starts if (one := fit_from(data, other, start, iterations=12)) is not None]
     return [min(found, key=penalized_bic)] if found else []
@@ -189,6 +191,8 @@ def _two_variants(trials: list[Trial], kept: int) -> list[Trial]:
 def is_compatible(parent: Fit, effect: Effect) -> bool:
     """Whether the effect can be added to the dynamics of the parent."""
     old = parent.hypothesis.plant
+    if not effect.extend(old).keeps_feedback:
+        return False
     if old.kind == "given":
         if old.simulation.port is not None and effect.name in INSIDE_NAMES and not isinstance(effect, Inside):
             return False

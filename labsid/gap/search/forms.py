@@ -16,12 +16,13 @@ REMOVAL_ITERATIONS = 6  # after an effect was removed
 
 def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
     """Hypotheses with one of the found effects in another form."""
-    return [
+    others = (
         hypothesis.with_effects((*hypothesis.effects[:i], form, *hypothesis.effects[i + 1 :]))
         for i, effect in enumerate(hypothesis.effects)
         if i >= hypothesis.n_given
         for form in effect.alternatives(hypothesis)
-    ]
+    )
+    return [other for other in others if other.plant.keeps_feedback]
 
 
 def plain_forms(hypothesis: Hypothesis) -> list[Hypothesis]:

@@ -15,6 +15,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import free_responses, single_pole
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
+from labsid.gap.effects.feedback import GAIN, OUTPUT
 from labsid.gap.effects.input import Delay
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.direct_term import estimate_direct_term
@@ -22,6 +23,7 @@ from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
+from labsid.gap.fits.unstable_poles import find_stabilising_feedback
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import switches_on_output
@@ -120,6 +122,13 @@ def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
     structure = linear_structure(order)
     proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)
+    stabilised = None if data.pieces or order != 2 else find_stabilising_feedback(data)
+    if stabilised is not None:
+        feedback, gain = stabilised
+        structure = Hypothesis((feedback, *structure.effects), structure.n_given + 1)
+        start = {"log_c": np.log(feedback.closed[0]), "log_k": np.log(feedback.closed[1]), GAIN: gain}
+        theta = np.array([start.get(parameter.name, parameter.start) for parameter in structure.parameters])
+        return Baseline(None, structure, start=theta)
     if switches_on_output(data.u[data.rows], data.y[data.rows]) and not direct:
         return Baseline(None, structure)
     term = estimate_direct_term(data)
@@ -268,6 +277,8 @@ def _exported(data: Data, model: ExportedModel) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: model.simulate(u[at], y[at])), y)
     hypothesis = model.hypothesis
+    if hypothesis.feedback is not None:
+        hypothesis = hypothesis.with_signals({OUTPUT: hypothesis.feedback.of(model.y_scale.of(y))})
     rates = hypothesis.plant.linear_rates(model.theta[hypothesis.slices["plant"]])
     before = partial(_fit_given, output, np.zeros((data.samples, 0)), rates)
     structure = with_restarts(Hypothesis(hypothesis.effects, len(hypothesis.effects), hypothesis.given), data)

@@ -7,10 +7,12 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
+from labsid.gap.fits.unstable_poles import MOST_CORRECTED, corrected_share
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import plateau_gap
 from labsid.gap.search.beam_search import Progress
@@ -29,6 +31,7 @@ from labsid.gap.verdict.decision import (
     evidence_by_name,
     evidence_in,
     without_curve_of_switch,
+    without_stand_ins,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
@@ -146,8 +149,9 @@ class _Setting:
 
     @property
     def one_input(self) -> bool:
-        """Whether the output has one input, whose levels then tell whether it repeats."""
-        return not any(isinstance(effect, FurtherInput | SameEntry) for effect in self.base.structure.effects)
+        """Whether the output has one input, whose levels then tell whether it repeats; it does not in a loop."""
+        kinds = FurtherInput | SameEntry | OutputFeedback
+        return not any(isinstance(effect, kinds) for effect in self.base.structure.effects)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -299,6 +303,9 @@ def _answer(found: _Comparison, complete: Complete, decision: Decision, search: 
     explanation, score = found.explanation, found.score
     novelty = measure_novelty(explanation.data, explanation.path[0])
     decision = without_curve_of_switch(decision, explanation.data, explanation.best)
+    decision = without_stand_ins(decision, explanation.best)
+    if decision.verdict == "effect" and (corrected_share(explanation.data, explanation.best) or 0.0) > MOST_CORRECTED:
+        decision = replace(decision, verdict="partial")
     capped = {name: novelty.capped(p) for name, p in decision.probability.items()}
     return Answer(
         explanation=explanation,

@@ -27,6 +27,7 @@ STOP_EFFECTS = ("output-saturation", "overflow", "end-stop")  # the output rests
 SEEN_STOP = 0.8  # probability of one of them, if it pays and the record shows the limit
 SHAPES_OF_SWITCH = {"input-saturation", "input-dead-zone", "input-nonlinearity", "input-quantization"}
 SWITCH_PROBABILITY = 0.4  # of one of them, where the fitted actuator only switches
+SPRINGS, CURVES_OF_READING = {"cubic-stiffness", "gravity"}, ("output-nonlinearity", "output-saturation")
 MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
 MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
 
@@ -165,6 +166,20 @@ def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decisio
         return decision
     capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
     return replace(decision, probability=capped)
+
+
+def without_stand_ins(decision: Decision, fit: Fit) -> Decision:
+    """The decision with no spring more likely than not, where it may stand for a curve or limit of the sensor.
+
+    The feedback of an unstable rig takes the reading for the position. Beside it, a curve of the reading acts like one
+    of the restoring force, and is fitted worse.
+    """
+    named = set(decision.names) & SPRINGS
+    if decision.verdict != "partial" or not named or fit.hypothesis.feedback is None:
+        return decision
+    capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
+    rivals = [name for name in (*CURVES_OF_READING, *decision.ambiguous) if name not in decision.names]
+    return replace(decision, probability=capped, ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS])
 
 
 def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = False) -> Decision:

@@ -1,0 +1,131 @@
+"""Whether the rig itself is unstable, and the weakest feedback beside which its simulation stays bounded."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lstsq, pinvh
+
+from labsid.gap.dynamics.responses import denominator, section
+from labsid.gap.effects.feedback import OUTPUT, OutputFeedback
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.record.data import Data
+from labsid.gap.record.record_findings import FEEDBACK_F
+from labsid.records.direction import gain_from_past
+
+START_RATES = 0.01, 0.03, 0.1, 0.3  # per sample: of the filters with which the search begins
+ITERATIONS = 12
+SLOWEST = 3.0  # poles of a filter decay by the exponential of at least this along the record
+GROWTH = 3.0  # an unstable pole that grows by less than the exponential of this along the record is no matter
+MOST_CORRECTED = 0.3  # of what the input moves the output: beside a larger correction no cause explains everything
+SIGNIFICANT = 6.0  # standard errors: the error of the filtered equation is not white
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FilteredEquation:
+    """Second-order dynamics fitted to input and output behind one filter each, which may be unstable.
+
+    With the filter's denominator D, the dynamics A y = B u are y = (D - A)/D y + B/D u + c, which is linear in A and B.
+
+    Attributes
+    ----------
+    poles : ndarray of complex, shape (2,)
+        Of the dynamics, per sample.
+    filter : (float, float)
+        c and k of the filter's s^2 + c s + k, in samples.
+    gain : float
+        Of B/D at standstill.
+    stderr : float
+        Of the pole that grows fastest, if it is real; else infinity.
+    error : float
+        Mean square error of the equation.
+    """
+
+    poles: np.ndarray
+    filter: tuple[float, float]
+    gain: float
+    stderr: float
+    error: float
+
+    @property
+    def fastest_growth(self) -> float:
+        """Rate of the real pole that grows fastest, per sample; minus infinity for a complex pair."""
+        return float(self.poles.real.max()) if np.isreal(self.poles).all() else -np.inf
+
+
+def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None:
+    """The weakest feedback of the output that keeps a simulation of the rig bounded; None for a stable rig.
+
+    The dynamics are fitted behind a filter whose poles are those of the dynamics, the growing ones mirrored at the
+    imaginary axis, until both agree (Steiglitz and McBride, IEEE Transactions on Automatic Control 10 (1965) 461-464,
+    with a stable filter). Feedback that mirrors them needs the least energy of all that stabilise the rig (Kwakernaak
+    and Sivan, Linear Optimal Control Systems, 1972, section 3.8).
+
+    Parameters
+    ----------
+    data : Data
+
+    Returns
+    -------
+    OutputFeedback
+    gain : float
+        Of the actuator, to the output at rest with the feedback; both are scaled.
+    """
+    if gain_from_past(data.y, data.u) < FEEDBACK_F:  # no controller: an unstable rig would have run away
+        return None
+    fits = [fit for rate in START_RATES if (fit := _fitted(data, rate)) is not None]
+    if not fits:
+        return None
+    best = min(fits, key=lambda fit: fit.error)
+    growth = best.fastest_growth
+    if growth * data.longest < GROWTH or growth < SIGNIFICANT * best.stderr or best.gain == 0.0:
+        return None
+    (c, k), (a1, a0) = best.filter, np.poly(best.poles).real[1:]
+    gains = float(1.0 - a0 / k), float((c - a1) / k)
+    return OutputFeedback(OUTPUT, gains, (c, k), float(data.y[0])).on(data.y), best.gain
+
+
+def corrected_share(data: Data, fit: Fit) -> float | None:
+    """Rms of what the feedback of the error moves the output, over that of what the input moves it; None without one.
+
+    A simulation with a large correction follows the measured output, whatever its dynamics.
+    """
+    feedback = fit.hypothesis.feedback
+    if feedback is None:
+        return None
+    w = fit.hypothesis.actuator(fit.theta, data.u)
+    parts = (w - np.mean(w), feedback.of(data.y) - feedback.of(fit.output))
+    moved, corrected = (section(*fit.rates, part)[data.rows, 0] for part in parts)
+    return float(np.std(corrected) / max(np.std(moved), np.finfo(float).tiny))
+
+
+def _fitted(data: Data, rate: float) -> FilteredEquation | None:
+    """The equation from filters of a rate; None if it has no solution in continuous time."""
+    found, (c, k) = None, (2.0 * rate, rate**2)
+    for _ in range(ITERATIONS):
+        found = _equation(data, c, k)
+        if found is None:
+            return None
+        slowest = SLOWEST / data.longest
+        mirrored = [complex(-max(abs(pole.real), slowest), pole.imag) for pole in found.poles]
+        c, k = map(float, np.poly(mirrored).real[1:])
+    return found
+
+
+def _equation(data: Data, c: float, k: float) -> FilteredEquation | None:
+    """The filtered equation with the filter s^2 + c s + k, by least squares."""
+    u, y = section(c, k, data.u - data.u[0]), section(c, k, data.y - data.y[0])
+    X = np.column_stack([y[:, :2], u[:, :2], u[:, 2:], np.ones(data.samples)])[data.rows]
+    target = (data.y - data.y[0])[data.rows]
+    theta = lstsq(X, target, lapack_driver="gelsy")[0]
+    error = target - X @ theta
+    d1, d2 = denominator(c, k)
+    z = np.roots([1.0, d1 - theta[0], d2 - theta[1]])
+    if not np.isfinite(z).all() or np.any(np.isreal(z) & (z.real <= 0.0)) or np.any(z == 0.0):
+        return None
+    largest = z[np.argmax(z.real)]
+    slope = np.array([largest, 1.0]) / (2.0 * largest + d1 - theta[0]) / largest  # of log z by the two numbers
+    square = float(error @ error) / max(target.size - X.shape[1], 1)
+    covariance = pinvh(X.T @ X)[:2, :2] * square
+    variance = float(np.real(slope @ covariance @ slope))
+    gain = float(theta[2] + theta[3]) / (1.0 + d1 + d2)
+    return FilteredEquation(np.log(z.astype(complex)), (c, k), gain, np.sqrt(max(variance, 0.0)), square)

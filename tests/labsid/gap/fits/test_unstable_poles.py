@@ -1,0 +1,175 @@
+"""Rigs that fall without their controller: their poles, the feedback beside which they are simulated, the diagnosis."""
+
+import json
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import solve_continuous_are
+
+from labsid import Record
+from labsid._arrays import FloatArray
+from labsid.gap import diagnose
+from labsid.gap.diagnosis import Diagnosis
+from labsid.gap.effects.feedback import OutputFeedback
+from labsid.gap.fits.unstable_poles import find_stabilising_feedback
+from labsid.gap.model_file import from_json_dict
+from labsid.gap.record.data import Data, scaled
+
+TS, SUBSTEPS = 0.02, 8
+FALL, DAMPING, FORCE = 4.0, 0.6, 7.0  # y'' = FALL y - DAMPING y' + FORCE v
+
+
+def upright(
+    actuator: Callable[[float], float] = float, friction: float = 0.0, samples: int = 1200, seed: int = 1
+) -> Record:
+    """An inverted pendulum near its upright position, held by a controller with a filtered derivative."""
+    rng = np.random.default_rng(seed)
+    r = np.repeat(rng.uniform(-0.3, 0.3, samples // 40 + 1), 40)[:samples]
+    noise = 0.002 * rng.standard_normal(samples)
+    u, y = np.empty(samples), np.empty(samples)
+    angle = speed = slope = before = 0.0
+    h = TS / SUBSTEPS
+    for k in range(samples):
+        y[k] = angle + noise[k]
+        slope = 0.7 * slope + 0.3 * (y[k] - before) / TS
+        before = y[k]
+        u[k] = 3.0 * (r[k] - y[k]) - 0.6 * slope
+        v = actuator(u[k])
+        for _ in range(SUBSTEPS):
+            pull = FALL * angle - DAMPING * speed + FORCE * v
+            if abs(speed) < 1e-9 and abs(pull) <= friction:
+                continue
+            way = np.sign(speed) if abs(speed) >= 1e-9 else np.sign(pull)
+            new = speed + h * (pull - friction * way)
+            speed = 0.0 if friction and speed * new < 0.0 else new
+            angle += h * speed
+    return Record(TS * np.arange(samples), u, y, TS, name="upright")
+
+
+def as_data(record: Record) -> Data:
+    return scaled(record.u, record.y, np.ones(len(record), bool), record.Ts)
+
+
+def found_in(record: Record) -> tuple[OutputFeedback, float]:
+    found = find_stabilising_feedback(as_data(record))
+    assert found is not None
+    return found
+
+
+def test_the_poles_are_those_of_the_rig_and_the_feedback_is_the_regulator_of_least_energy() -> None:
+    record = upright()
+    feedback, gain = found_in(record)
+    A, B = np.array([[0.0, 1.0], [FALL, -DAMPING]]), np.array([[0.0], [1.0]])
+    P = solve_continuous_are(A, B, np.zeros((2, 2)), np.eye(1))
+    closed = np.poly(np.linalg.eigvals(A - B @ B.T @ P))
+    c, k = feedback.closed
+    assert np.allclose([c / TS, k / TS**2], closed[1:], rtol=0.05)
+    position, speed = (B.T @ P)[0]
+    assert np.allclose([k * feedback.gains[0] / TS**2, k * feedback.gains[1] / TS], [position, speed], rtol=0.08)
+    data = as_data(record)
+    assert gain * k / TS**2 == pytest.approx(FORCE * data.u_scale.unit / data.y_scale.unit, rel=0.05)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10_000), st.floats(0.05, 1.5), st.floats(0.3, 5.0), st.booleans())
+def test_a_rig_that_does_not_fall_is_simulated_freely(seed: int, damping: float, rate: float, in_loop: bool) -> None:
+    rng = np.random.default_rng(seed)
+    samples = 800
+    r = np.repeat(rng.standard_normal(samples // 40), 40)
+    u, y = np.empty(samples), np.empty(samples)
+    angle = speed = 0.0
+    for k in range(samples):
+        y[k] = angle + 0.01 * rng.standard_normal()
+        u[k] = r[k] - 0.5 * in_loop * y[k]
+        for _ in range(SUBSTEPS):
+            speed += TS / SUBSTEPS * (rate**2 * (u[k] - angle) - 2.0 * damping * rate * speed)
+            angle += TS / SUBSTEPS * speed
+    assert find_stabilising_feedback(as_data(Record(TS * np.arange(samples), u, y, TS))) is None
+
+
+def test_an_unstable_equation_without_a_controller_is_a_drift() -> None:
+    rng = np.random.default_rng(5)
+    u = np.repeat(rng.standard_normal(20), 40)
+    t = np.linspace(0.0, 1.0, u.size)
+    y = (
+        np.convolve(u, np.exp(-np.arange(80) / 20.0) / 20.0)[: u.size]
+        + np.exp(3.0 * t)
+        + 0.01 * rng.standard_normal(u.size)
+    )
+    assert find_stabilising_feedback(scaled(u, y, np.ones(u.size, bool), 1.0)) is None
+
+
+def dead_zone(u: float) -> float:
+    return np.sign(u) * max(abs(u) - 0.15, 0.0)
+
+
+@cache
+def diagnosed(kind: str) -> Diagnosis:
+    rigs: dict[str, Callable[[], Record]] = {
+        "none": upright,
+        "coulomb-friction": lambda: upright(friction=0.6),
+        "input-dead-zone": lambda: upright(dead_zone),
+    }
+    return diagnose(rigs[kind]())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["none", "coulomb-friction", "input-dead-zone"])
+def test_the_cause_in_an_unstable_rig_is_named(kind: str) -> None:
+    report = diagnosed(kind).report
+    named = [effect["name"] for effect in report["effects"] if effect["probability"] > 0.5]
+    assert named == ([] if kind == "none" else [kind])
+    assert report["gap"]["mode"] == "stabilised"
+    assert report["gap"]["after"] < 1.15 * 0.002
+    assert report["gap"]["corrected"] < 0.1
+    assert "stability" in [finding["kind"] for finding in report["findings"]]
+    assert report["replay"] is None
+    json.dumps(report)
+
+
+@pytest.mark.slow
+def test_friction_beside_a_feedback_is_in_units_of_the_command() -> None:
+    found = diagnosed("coulomb-friction").effects["coulomb-friction"]["friction"]
+    assert found["unit"] == "u"
+    assert found["value"] == pytest.approx(0.6 / FORCE, rel=0.1)
+
+
+@pytest.mark.slow
+def test_the_simulation_of_an_unstable_rig_needs_its_measured_output() -> None:
+    record, model = upright(dead_zone), diagnosed("input-dead-zone").model
+    read = from_json_dict(json.loads(json.dumps(model.to_json_dict())))
+    error = record.y - read.simulate(record.u, record.y)
+    assert np.std(error) < 1.15 * 0.002
+    assert np.array_equal(read.simulate(record.u, record.y), model.simulate(record.u, record.y))
+    with pytest.raises(ValueError, match=r"the rig is unstable: .* Give the measured output as well"):
+        model.simulate(record.u)
+    other = upright(dead_zone, seed=2)
+    assert np.std(other.y - read.simulate(other.u, other.y)) < 1.3 * 0.002
+
+
+@pytest.mark.slow
+def test_a_second_run_of_an_unstable_rig_scores() -> None:
+    report = diagnose(upright(dead_zone), holdout=upright(dead_zone, seed=3)).report
+    assert [effect["name"] for effect in report["effects"]] == ["input-dead-zone"]
+    assert report["gap"]["after"] < 1.3 * 0.002 < 0.5 * report["gap"]["before"]
+
+
+@pytest.mark.slow
+def test_the_exported_simulation_of_an_unstable_rig_has_no_gap() -> None:
+    report = diagnose(upright(dead_zone), diagnosed("input-dead-zone").model.to_json_dict()).report
+    assert report["verdict"] == "none"
+
+
+def closed_by(feedback: OutputFeedback, y: FloatArray) -> FloatArray:
+    return feedback.on(y).extended(y.size + 5)
+
+
+def test_past_its_end_the_feedback_holds_its_last_value() -> None:
+    y = np.sin(np.arange(30) / 5.0)
+    signal = closed_by(OutputFeedback("y", (2.0, 5.0), (0.1, 0.01), 0.0), y)
+    assert np.all(signal[30:] == signal[29])
+    assert signal[29] == pytest.approx(2.0 * y[-1])
