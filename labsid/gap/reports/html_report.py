@@ -74,6 +74,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),
         "simulation": _simulation(report),
+        "stabilised": report["gap"].get("mode") == "stabilised",
         "gap": sentences.gap_sentence(report),
         "start": sentences.start_sentence(report),
         "baseline": sentences.baseline_sentence(report),

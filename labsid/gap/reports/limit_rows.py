@@ -55,6 +55,8 @@ def _why(one: Limits) -> str | None:
         return f"The input has too few levels. Needed: {needed}"
     if one.reason == "closed":
         return "The simulation can only be run as a whole, so this effect cannot be put into it."
+    if one.reason == "stabilised":
+        return "The rig is unstable; beside the correction of its simulation, this effect is not tried."
     if one.reason:
         return f"A refit of the simulation hides it here, at any size. Needed: {needed}"
     if one.named is None:

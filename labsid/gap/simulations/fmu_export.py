@@ -95,9 +95,15 @@ def write_fmu(path: Path, content: dict[str, Any]) -> None:
     Raises
     ------
     ValueError
-        If pythonfmu is not installed or cannot build it, or the given simulation does not run with its own file alone.
+        If pythonfmu is not installed or cannot build it, the given simulation does not run with its own file alone, or
+        the rig is unstable.
     """
     check_fmu_export()
+    if content.get("feedback") is not None:
+        raise ValueError(
+            f"{path.name}: the rig is unstable, so its simulation needs the measured output beside the input, which an "
+            "FMU with one input has no place for. Export it as .json or .py."
+        )
     driven, seen = "u", "y"
     with tempfile.TemporaryDirectory(prefix="labsid-") as temporary:
         folder = Path(temporary)

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from gap_reports import report as made_report
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_are
@@ -18,6 +19,7 @@ from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.fits.unstable_poles import find_stabilising_feedback
 from labsid.gap.model_file import from_json_dict
 from labsid.gap.record.data import Data, scaled
+from labsid.gap.reports.html_report import render_html
 
 TS, SUBSTEPS = 0.02, 8
 FALL, DAMPING, FORCE = 4.0, 0.6, 7.0  # y'' = FALL y - DAMPING y' + FORCE v
@@ -162,6 +164,14 @@ def test_a_second_run_of_an_unstable_rig_scores() -> None:
 def test_the_exported_simulation_of_an_unstable_rig_has_no_gap() -> None:
     report = diagnose(upright(dead_zone), diagnosed("input-dead-zone").model.to_json_dict()).report
     assert report["verdict"] == "none"
+
+
+@pytest.mark.slow
+def test_the_page_of_an_unstable_rig_says_that_its_simulation_is_corrected() -> None:
+    page = render_html(diagnosed("input-dead-zone").report)
+    assert "a correction by its measured output" in page
+    assert "free-running simulation, which receives" not in page
+    assert "free-running simulation, which receives" in render_html(made_report("input-dead-zone"))
 
 
 def closed_by(feedback: OutputFeedback, y: FloatArray) -> FloatArray:
