@@ -9,6 +9,7 @@ import re
 import shutil
 import sys
 from collections.abc import Iterable, Iterator
+from copy import deepcopy
 from importlib import import_module
 from pathlib import Path
 
@@ -17,6 +18,7 @@ import numpy as np
 
 from autograder.course.build import build_source
 from autograder.course.layout import Course
+from autograder.course.lint import METADATA, lint_release
 from autograder.course.nbgrader_access import import_nbgrader_api
 from labsid._files import write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB
@@ -38,13 +40,20 @@ def copied_files() -> list[Path]:
 
 
 def notebook_page(source: Path) -> str:
-    """A text notebook as students get it: nbgrader clears the solutions, the marks stand beside the checks."""
+    """A text notebook as students get it, with the marks of its checks; `ValueError` if a solution is left in it."""
     import_nbgrader_api()
-    from nbgrader.preprocessors import ClearSolutions
+    from nbgrader.preprocessors import ClearHiddenTests, ClearSolutions
 
     notebook = build_source(source)
-    cleared, _ = ClearSolutions(code_stub={"python": CODE_STUB}, text_stub=TEXT_STUB).preprocess(notebook, {})
-    return "\n\n".join(_blocks(cleared.cells)) + "\n"
+    released = deepcopy(notebook)
+    for step in (ClearSolutions(code_stub={"python": CODE_STUB}, text_stub=TEXT_STUB), ClearHiddenTests()):
+        released, _ = step.preprocess(released, {})
+    for cell in released.cells:
+        cell.metadata.pop(METADATA, None)  # rubrics, which no page shows
+    problems = list(lint_release(released, notebook))
+    if problems:
+        raise ValueError(f"{source} cannot be a page: {'; '.join(problems)}")
+    return "\n\n".join(_blocks(released.cells)) + "\n"
 
 
 def _blocks(cells: Iterable[nbformat.NotebookNode]) -> Iterator[str]:
@@ -68,17 +77,34 @@ def notebooks_page(names: Iterable[str]) -> str:
     )
 
 
+def gallery_index() -> str:
+    """The list of the effects, by the place where they act."""
+    parts = [
+        "# Gallery of effects",
+        "One page for each effect that `labsid gap` can name: what it does, what confuses it, and what a record needs "
+        "to show it. The figure is the diagnosis of a simulated rig with it. `make gallery` makes the figures.",
+    ]
+    for path in dict.fromkeys(guide.path for guide in EFFECT_GUIDE.values()):
+        lines = "\n".join(f"gallery/{name}" for name, guide in EFFECT_GUIDE.items() if guide.path == path)
+        parts += [f"## {_capital(path)}", f"```{{toctree}}\n:maxdepth: 1\n\n{lines}\n```"]
+    return "\n\n".join(parts) + "\n"
+
+
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]
+
+
 def gallery_page(name: str) -> str:
     """What an effect is, what shows it and what it is confused with, and a diagnosis of a simulated rig that has it."""
     rows = dict(effect_page(name))
-    noun = EFFECT_TEXTS[name].noun.split(" ", 1)[-1]
     rivals = [f"[{EFFECT_TEXTS[rival].noun}]({rival}.md)" for rival in EFFECT_GUIDE[name].confused_with]
-    parts = [f"# {noun[0].upper()}{noun[1:]}", f"`{name}`, path: {rows['path']}.", rows["rig"]]
+    parts = [f"# {_capital(re.sub('^an? ', '', EFFECT_TEXTS[name].noun))}"]
+    parts += [f"`{name}`, path: {rows['path']}.", f"**{EFFECT_TEXTS[name].clauses[-1]}.** {rows['rig']}"]
     if "parameters" in rows:
         parts += ["## Parameters", "\n".join(f"- {text}" for text in rows["parameters"].split("; "))]
     if rivals:
         parts += ["## What confuses it", "On a poor record it is confused with " + ", ".join(rivals) + "."]
-    parts += ["## How to tell", f"What a record needs: {rows['record'][0].lower()}{rows['record'][1:]}"]
+    parts += ["## How to tell", f"A record shows it that has: {rows['record']}", _LIMITS]
     text = GALLERY / f"{name}.txt"
     if text.is_file():
         given = "" if not (GALLERY / f"{name}.sim.json").is_file() else f" --sim {name}.sim.json"
@@ -109,6 +135,10 @@ def constants_page() -> str:
     return "\n\n".join(parts) + "\n"
 
 
+_LIMITS = (
+    "`labsid gap limits RECORD` prints the smallest size that your record can show, and the smallest that it can tell "
+    "from every other effect; with `--input NEXT.csv` those of an experiment that is not made yet."
+)
 _ORIGINS = (
     "A constant that was fitted or measured says on what; see also "
     "[What the probabilities mean]"
@@ -156,7 +186,7 @@ def _shown(value: object) -> str:
 def write_pages(folder: Path) -> None:
     """Write all sources; files whose content is the same keep their time, so that Sphinx reads the others only."""
     pages = {SITE / "gallery" / f"{name}.md": gallery_page(name) for name in EFFECT_GUIDE}
-    pages[SITE / "constants.md"] = constants_page()
+    pages |= {SITE / "gallery.md": gallery_index(), SITE / "constants.md": constants_page()}
     names = Course(ROOT).assignments()
     pages[SITE / "notebooks.md"] = notebooks_page(names)
     for name in names:
