@@ -9,9 +9,12 @@ from docutils import nodes
 from latex2mathml.converter import convert
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
+from sphinx.ext import autosummary
 from sphinx.writers.html5 import HTML5Translator
 
 import labsid
+
+autosummary.WELL_KNOWN_ABBREVIATIONS = (*autosummary.WELL_KNOWN_ABBREVIATIONS, " eq.", " Fig.")  # type: ignore[assignment]
 
 project, author, version = "labsid", "the labsid authors", labsid.__version__
 copyright = author
@@ -45,8 +48,8 @@ linkcheck_ignore = [r"https?://"]  # no network at build
 def mathml(formula: str, display: str) -> str:
     """A formula as MathML; names of functions get the space around them that MathML leaves out."""
     name = r"\\(ln|log|exp|sin|cos|tan|det|min|max)(?![a-z])"
-    formula = re.sub(rf"(?<=[\w}}]) +(?={name})", r"\\,", formula)
-    return str(convert(re.sub(rf"{name} *(?=[\w\\])(?!\\left|\\[bB]ig|\\,)", r"\\\1\\,", formula), display=display))
+    formula = re.sub(rf"(?<=[\w}})]) +(?={name})", r"\\,", formula)
+    return str(convert(re.sub(rf"{name} *(?=[^\W_]|\\)(?!\\left|\\[bB]ig|\\,)", r"\\\1\\,", formula), display=display))
 
 
 def visit_math(self: HTML5Translator, node: nodes.math) -> None:

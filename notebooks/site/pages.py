@@ -34,7 +34,14 @@ DECIDING = ("record", "effects", "fits", "search", "simulations", "verdict", "li
 
 def copied_files() -> list[Path]:
     """The guides, the pages of the site and the figures of both, relative to the root."""
-    patterns = ("README.md", "[!.]*/README.md", "labsid/*/README.md", "notebooks/ERRATA.md", "data/*.png")
+    patterns = (
+        "README.md",
+        "[!.]*/README.md",
+        "labsid/*/README.md",
+        "notebooks/ERRATA.md",
+        "CITATION.cff",
+        "data/*.png",
+    )
     found = [path for pattern in (*patterns, ".github/*.md", f"{SITE}/*.md") for path in sorted(ROOT.glob(pattern))]
     return [path.relative_to(ROOT) for path in found]
 
@@ -104,7 +111,7 @@ def gallery_page(name: str) -> str:
         parts += ["## Parameters", "\n".join(f"- {text}" for text in rows["parameters"].split("; "))]
     if rivals:
         parts += ["## What confuses it", "On a poor record it is confused with " + ", ".join(rivals) + "."]
-    parts += ["## How to tell", f"A record shows it that has: {rows['record']}", _LIMITS]
+    parts += ["## How to tell", f"What a record needs: *{rows['record']}*", _LIMITS]
     text = GALLERY / f"{name}.txt"
     if text.is_file():
         given = "" if not (GALLERY / f"{name}.sim.json").is_file() else f" --sim {name}.sim.json"
