@@ -32,6 +32,8 @@ def write_records(folder: Path) -> Iterator[str]:
                 missing.remove(name)
                 write_case(folder, replace(case, name=name))
                 yield name
+    if missing:
+        print(f"no record among {ROWS}: {', '.join(sorted(missing))}")
 
 
 def make_entry(name: str, folder: Path) -> None:
