@@ -38,7 +38,7 @@ format: set-up  ## rewrite the code in the project's format
 docs: set-up  ## the site, in build/docs: sources, pages, doctests and links checked (a minute; no network)
 	@.venv/bin/python -P notebooks/site/pages.py build/site
 	@for builder in html doctest linkcheck; do \
-	    .venv/bin/sphinx-build -b $$builder -c notebooks/site -j auto -n -W --keep-going -q -d build/docs/.doctrees \
+	    .venv/bin/sphinx-build -b $$builder -c notebooks/site -n -W --keep-going -q -d build/docs/.doctrees \
 	        build/site build/docs/$$builder || exit 1; \
 	done
 	@echo 'the site: build/docs/html/index.html'

@@ -6,7 +6,6 @@ from course_work import ROOT
 
 BUILT = ROOT / "build" / "docs" / "html"
 PAGES = (
-    "README",
     "notebooks/site/index",
     "notebooks/site/gallery/input-dead-zone",
     "notebooks/site/decision",
