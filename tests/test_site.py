@@ -81,6 +81,8 @@ def test_every_constant_of_the_diagnosis_says_what_it_means(pages):
     assert len(rows) > 250
     assert [name for name, _, meaning in rows if not meaning.strip()] == []
     assert ("BIC_MARGIN", "12") in {row[:2] for row in rows}
+    used = re.findall(r"`([A-Z][A-Z_]+)`", (SITE / "decision.md").read_text(encoding="utf-8"))
+    assert set(used) <= {name for name, _, _ in rows}, "the page of the formulas names constants that do not exist"
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
