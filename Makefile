@@ -12,7 +12,7 @@ FUZZ_ARGS ?=
 MUTANTS_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check lint format bars mutants fuzz bench lock clean set-up
+.PHONY: help demo test check lint format docs gallery bars mutants fuzz bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -34,6 +34,17 @@ lint: set-up  ## style, format and types
 format: set-up  ## rewrite the code in the project's format
 	@.venv/bin/ruff check --fix .
 	@.venv/bin/ruff format .
+
+docs: set-up  ## the site, in build/docs: sources, pages, doctests and links checked (a minute; no network)
+	@.venv/bin/python -P notebooks/site/pages.py build/site
+	@for builder in html doctest linkcheck; do \
+	    .venv/bin/sphinx-build -b $$builder -c notebooks/site -n -W --keep-going -q -d build/docs/.doctrees \
+	        build/site build/docs/$$builder || exit 1; \
+	done
+	@echo 'the site: build/docs/html/index.html'
+
+gallery: set-up  ## the figures of the site: a simulated rig with each effect, diagnosed (minutes; kept in build/gallery)
+	@.venv/bin/python -P notebooks/site/gallery.py
 
 bars: set-up  ## every bar, measured here: marks, slips, attacks, speed beside nbgrader, kills, Dask, simulators (an hour)
 	@.venv/bin/python -P tests/bars_grading.py $(BARS_ARGS)

@@ -26,6 +26,7 @@ TOP_LEVEL = {
     "data",
     "tests",
     "README.md",
+    "CITATION.cff",  # GitHub and Zenodo read it here only; the other texts for contributors are in .github
     "LICENSE",
     "pyproject.toml",
     "requirements.lock",

@@ -59,7 +59,7 @@ class Structure:
 
     @property
     def kind(self) -> str:
-        """The acronym: ARX, AR, ARMA, ARMAX, FIR or MA."""
+        """The acronym, ARX, AR, ARMA, ARMAX, FIR or MA."""
         if self.nb:
             return "ARMAX" if self.nc else ("ARX" if self.na else "FIR")
         return ("AR" if self.na else "") + ("MA" if self.nc else "")

@@ -12,7 +12,7 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS
 from labsid.gap.record.data import Data
 
-DEGREES = 180.0 / np.pi
+DEGREES = 180.0 / np.pi  # in a radian
 LEAST_SWING, LARGEST_SWING = 0.25, 13.0  # radians: less shows a constant and a spring, more is no swing of an arm
 UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree
 MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command

@@ -15,7 +15,7 @@ NEARLY_ALL = 0.999  # of the samples
 PRINTED = 1e-3  # of the range: a decimal step below is how the numbers are printed, one above may be a converter's
 DITHER = 1.5  # standard deviation of the noise that hides a rounding error, in steps: 4 % of its power repeat then
 NOISY = 3.0  # rms of what the past does not foretell over the step of the digits, from which they do not matter
-SEED = 0
+SEED = 0  # of the white noise that is added
 
 
 def digit_steps(values: FloatArray) -> FloatArray:

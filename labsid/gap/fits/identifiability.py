@@ -18,8 +18,8 @@ COLLINEAR = 1e-2  # smallest singular value, of columns of unit length, of a cha
 NO_INFLUENCE = 1e-7  # change of the output by twice the number, over the output
 SHARE = 0.1  # of a change of unit length: smaller parts of it are rounding
 FACTOR = 2.0  # over which a change is followed
-LARGEST_POWER = 3
-NEARLY_WHOLE = 0.05
+LARGEST_POWER = 3  # of a number in a combination that is reported
+NEARLY_WHOLE = 0.05  # distance of the powers of a combination from whole ones, over the largest
 SAME = 1e-3  # change of the output over that by one of the numbers alone, where the combination stays
 
 

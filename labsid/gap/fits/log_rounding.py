@@ -9,8 +9,8 @@ from labsid.records.signal_quality import lattice_step, runs
 
 MAX_STEPS = 1000  # of the log in the range of the input, from which its rounding is not looked at
 MIN_LEVELS = 20  # of the input: fewer are those of a staircase, not of a coarse log
-DRAWS = 8
-SEED = 0
+DRAWS = 8  # of the digits that the log of the input has lost
+SEED = 0  # of these draws
 
 
 def log_rounding_error(data: Data, fit: Fit) -> float:

@@ -9,7 +9,7 @@ from labsid.gap.record.data import MAX_LAGS, lagged_columns
 
 MIN_SAMPLES = 20  # rows for a noise model
 MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding
-ORDERS = (0, 1, 2, 3, 4, 6, 8)
+ORDERS = (0, 1, 2, 3, 4, 6, 8)  # of the autoregressive model, of which BIC selects one
 SLOWEST_POLE = 1.0 - 1e-6  # of the noise
 
 

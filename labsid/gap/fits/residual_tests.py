@@ -10,10 +10,10 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 
-FOLDS = 5
+FOLDS = 5  # of the cross-validated prediction of the residual from past inputs
 RIDGE = 0.01  # relative to the mean square of a column
-NEIGHBOURS = 60
-MAX_POINTS = 3000
+NEIGHBOURS = 60  # samples of similar input history with which a sample is compared
+MAX_POINTS = 3000  # samples that are compared
 MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits
 MAX_LAG = 25  # samples: largest lag of the autocorrelation
 MIN_PAIRS = 100  # samples per lag

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-BLOCKS = 6
+BLOCKS = 6  # of a record, each with a part that is held out
 HELD_OUT = 0.32  # of the record
 EDGE_MARGIN = 0.02  # of a sixth: an onset this close to a block counts as inside
 LATE = 0.6  # of a sixth: later onsets move the block to the first third

@@ -36,7 +36,7 @@ class Diagnosis:
 
     @property
     def effects(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """Parameters of the effects found, by name: ``{name: {parameter: {value, stderr, unit}}}``."""
+        """Parameters of the effects found, by name, as ``{name: {parameter: {value, stderr, unit}}}``."""
         return {effect["name"]: effect["parameters"] for effect in self.report["effects"]}
 
     @property

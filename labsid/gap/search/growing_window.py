@@ -15,7 +15,7 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
 
 SHARES = (0.1, 0.4)  # of the record
-ITERATIONS = 4
+ITERATIONS = 4  # of a fit to such a share
 LOST = 0.3**2  # mean square error over the variance of the output, from which a simulation has lost its phase
 
 

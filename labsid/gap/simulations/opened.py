@@ -21,8 +21,8 @@ from labsid.simulators.simulator import Simulator, SimulatorError
 
 SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo
 FIRST = 8  # samples that give the initial state
-LEAST_UNIT = 1e-9
-START_ITERATIONS = 30
+LEAST_UNIT = 1e-9  # of a signal that does not move
+START_ITERATIONS = 30  # of the fit of the initial state
 
 
 def opened_structure(data: Data, simulate: Simulator, rates: tuple[float, float]) -> tuple[Hypothesis, FloatArray]:

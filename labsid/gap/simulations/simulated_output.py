@@ -15,7 +15,7 @@ from labsid.gap.fits.floor import digit_step
 from labsid.gap.simulations.model_json import TransferFunction
 from labsid.records.signal_quality import lattice_step
 
-HIGHEST_ORDER = 6
+HIGHEST_ORDER = 6  # of the models that are compared
 ENOUGH = 1e-9  # of the standard deviation: what rounding leaves of a free run
 ROUNDING = 0.5  # units of the last digit, rms; pure rounding leaves 0.29
 MAX_ERROR = 1e-3  # of the standard deviation: what a solver's tolerance leaves
@@ -25,7 +25,7 @@ EVALUATIONS = 30  # of the refinement
 LONGEST = 3000  # samples from which a model is identified; it has to reproduce all
 LONGEST_DEAD_TIME = 200  # samples
 DEAD_TIME_ORDER = 3  # of the difference equations that are compared for the dead time
-DIVERGED = 1e6
+DIVERGED = 1e6  # size of a state from which a simulation has diverged
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,7 +19,7 @@ from labsid.gap.verdict.held_out_search import HeldOutSearch
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
-MAX_RIVALS = 3
+MAX_RIVALS = 3  # alternatives that are reported
 MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
 RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
@@ -70,7 +70,7 @@ class Evidence(NamedTuple):
     unrepeated: float = 0.0
 
 
-PRIOR = 3.5
+PRIOR = 3.5  # constant of the logistic function of the evidence; fitted with `WEIGHTS`
 WEIGHTS = Evidence(
     colour=-5.2,
     repeats=-6.0,
@@ -82,7 +82,8 @@ WEIGHTS = Evidence(
     reduction=0.33,
     unrepeated=-6.0,
 )
-MAX_FIT_REDUCTION = 4.0
+"""Weights of that function: fitted by `python -m labsid.blind.calibration` to the explanations of `dev` records."""
+MAX_FIT_REDUCTION = 4.0  # logarithm of the reduction on the fitted samples: more is no more certain
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
 CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
 CHANCE_BLACK_BOX = 0.15  # the same for all black boxes together
@@ -243,8 +244,10 @@ class PartialEvidence(NamedTuple):
     missed: float = 0.0
 
 
-PARTIAL_PRIOR = -3.5
+PARTIAL_PRIOR = -3.5  # the same of the effects of a partial explanation; lowered by hand from the fitted -2.7
 PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=-0.1, together=1.9, missed=1.9)
+"""Weights of that function: fitted to 154 named effects of `dev` records by the regression of
+`labsid.blind.calibration`; `others` and `together` were then set by hand (README)."""
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
