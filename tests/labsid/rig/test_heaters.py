@@ -34,7 +34,7 @@ def test_it_begins_at_rest_and_each_power_moves_the_other_temperature_too() -> N
 
 
 def test_the_static_gains_are_found(log: Path) -> None:
-    """Of two heaters that exchange heat: their own losses 1, the exchange e, so G(1) = inv([[1+e, -e], [-e, 1+e]]) K."""
+    """Two heaters with losses 1 that exchange heat e: G(1) = inv([[1 + e, -e], [-e, 1 + e]]) K."""
     found = identify_system(load_record(log, inputs="Q1,Q2", outputs="T1,T2"), order=4).model
     losses = (1 + 2 * EXCHANGE) * np.eye(2) - EXCHANGE
     assert found.static_gain == pytest.approx(np.linalg.inv(losses) @ np.diag(GAINS), abs=0.06)

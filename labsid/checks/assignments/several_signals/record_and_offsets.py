@@ -18,7 +18,7 @@ from labsid.rig.lab.heaters import SAMPLES, TS, heater_signals
 def check_read(ask: Ask) -> Iterator[Verdict]:
     """`u`, `y` and `Ts` of the log."""
     u, y = heater_signals()
-    for name, right, other, symbols in (("u", u, y, "QT"), ("y", y, u, "TQ")):
+    for name, right, other, symbols in (("u", u, y, ("Q", "T")), ("y", y, u, ("T", "Q"))):
         yield _judge_signals(name, ask.value(name), right, other, symbols)
     Ts = as_number("Ts", ask.value("Ts"))
     yield judge(
@@ -37,7 +37,7 @@ def right_read(_: Ask) -> dict[str, Value]:
     return {"u": u, "y": y, "Ts": TS}
 
 
-def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray, symbols: str) -> Verdict:
+def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray, symbols: tuple[str, str]) -> Verdict:
     got = as_array(name, value)
     own, others = symbols
     if got.ndim == 1 and any(SAME(got, column) for column in (*right.T, *other.T)):
