@@ -153,7 +153,10 @@ class Hypothesis:
             replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput | SameEntry) else effect
             for effect in self.effects
         )
-        return self.with_effects(tuple(changed))
+        given = self.given
+        if given is not None:
+            given = replace(given, simulation=given.simulation.with_signals(signals))
+        return Hypothesis(tuple(changed), self.n_given, given)
 
     @property
     def delay_is_an_effect(self) -> bool:

@@ -287,6 +287,15 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "A random disturbance that keeps its sign for many samples. It does not depend on the input, so no simulation "
         "can reproduce it; it limits the accuracy of every simulation.",
     ),
+    "coupling": EffectText(
+        "a coupling",
+        (
+            "The input moves the output, and in the simulation it does not; the steady gain is {gain}",
+            "The input moves the output, and in the simulation it does not",
+        ),
+        "The simulation has no path from this input to this output; the rig has one. Look for shared supplies, heat or flow "
+        "between neighbours, and forces through a common frame.",
+    ),
     "parameter-mismatch": EffectText(
         "a parameter mismatch",
         ("The structure of the simulation is right, but its parameters are wrong",),
