@@ -5,7 +5,6 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import Any
 
-
 SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 

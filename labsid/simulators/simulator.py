@@ -162,8 +162,10 @@ def as_outputs(returned: Any, samples: int, label: str) -> FloatArray:
     """
     try:
         shape = np.shape(returned)
-    except ValueError:  # rows of different lengths
-        shape = ()
+    except ValueError:
+        raise SimulatorError(
+            f"{label} returns rows of different lengths; it must return the outputs, with a row for each sample."
+        ) from None
     if shape and (len(shape) > 2 or shape[0] != samples):
         raise SimulatorError(
             f"{label} returns an array of shape {shape} for {samples} samples; it must return the outputs, with a row for "

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.model_file import ExportedModel, export_model
+from labsid.gap.model_file import export_model
 from labsid.gap.record.clock import clock_findings
 from labsid.gap.reports.quantities import with_units
 from labsid.gap.reports.report import build_report
@@ -23,7 +23,8 @@ from labsid.gap.signals.result import SignalsDiagnosis
 from labsid.gap.signals.roles import Role, Signals
 from labsid.gap.signals.search import ExplainedOutput, Through, explain_outputs
 from labsid.gap.simulations.baseline import AnySimulation, Baseline
-from labsid.gap.verdict.answer import answer_from
+from labsid.gap.system_file import Actuator, ExportedOutput, ExportedSystem
+from labsid.gap.verdict.answer import Answer, answer_from
 from labsid.gap.verdict.scores import NO_GAP, GapScore, closed_share
 from labsid.records.record import Record
 from labsid.simulators.meter import SEARCH_SHARE
@@ -86,9 +87,11 @@ def diagnose_signals(
     made = [_parts(prepared, one, other, seed, progress) for one in explained]
     parts = [part for parts, _ in made for part in parts]
     if explained[0].search.signals is not prepared.signals:  # beside measured neighbours
-        parts = _simulated_together(prepared, explained, parts, [score for _, score in made], other, order)
-    models = {prepared.signals.outputs[one.output]: _model(one.through[-1]) for one in explained}
-    return SignalsDiagnosis(combine(prepared, explained, parts), models)
+        parts = _simulated_together(prepared, explained, parts, [answer.score for _, answer in made], other, order)
+    system = _system(prepared.signals, explained, [answer for _, answer in made], record.outputs)
+    models = {name: one.model for name, one in system.outputs.items()}
+    exportable = None if explained[0].search.signals is not prepared.signals else system
+    return SignalsDiagnosis(combine(prepared, explained, parts), models, exportable)
 
 
 def _with_simulation(
@@ -107,13 +110,23 @@ def _with_simulation(
     return replace(prepared, signals=replace(signals, given=replace(given, couplings=couplings)))
 
 
-def _model(through: Through) -> ExportedModel:
-    return export_model(through.explanation.data, through.explanation.best)
+def _system(
+    signals: Signals, explained: Sequence[ExplainedOutput], answers: Sequence[Answer], outputs: Sequence[str]
+) -> ExportedSystem:
+    """The corrected simulation of every output through the input by which everything that was found is explained."""
+    found = {}
+    for one, answer in zip(explained, answers, strict=True):
+        through = one.through[-1]
+        inputs = one.search.signals.inputs
+        model = export_model(answer.explanation.data, answer.score.after_fit, answer.elsewhere, answer.start)
+        actuators = tuple(Actuator.of(inputs[at.role.main], at.fit) for at in through.others)
+        found[signals.outputs[one.output]] = ExportedOutput(model, inputs[through.role.main], actuators)
+    return ExportedSystem(signals.inputs, signals.input_scales, found, tuple(outputs))
 
 
 def _parts(
     prepared: Prepared, one: ExplainedOutput, other: Prepared | None, seed: int, progress: Progress | None
-) -> tuple[list[Part], GapScore]:
+) -> tuple[list[Part], Answer]:
     """The report of an output through each input at which effects were found; the last one is that of the output."""
     whole, signals, parts = prepared.signals, one.search.signals, []
     name = whole.outputs[one.output]
@@ -139,7 +152,7 @@ def _parts(
             before, after = (np.asarray(back(output)) for output in answer.score.outputs)
             report["holdout_traces"] = figure_traces(scored.t, scored.u, scored.y, before, after, measured)
         parts.append(Part(name, signals.inputs[i], report, float(np.std(record.y[rows]))))
-    return parts, answer.score
+    return parts, answer
 
 
 def _on_holdout(role: Role, signals: Signals, other: Signals | None) -> Baseline:

@@ -1,17 +1,17 @@
 """A given simulation of several signals: seen as one output and one input, and the paths that it lacks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import denominator, free_responses
-from labsid.gap.effects.further_inputs import FurtherInput, extended
+from labsid.gap.effects.further_inputs import FurtherInput
 from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
+from labsid.gap.model_file import ExportedModel
 from labsid.gap.record.data import Data, Scale
 from labsid.gap.search.beam_search import is_improvement
 from labsid.gap.signals.input_responses import LinearParts
@@ -23,14 +23,23 @@ from labsid.gap.simulations.baseline import (
     simulator_baseline,
 )
 from labsid.gap.simulations.model_json import started
+from labsid.gap.simulations.simulated_output import SimulatedOutput
+from labsid.gap.simulations.system_pairs import in_order, one_pair, output_places, pair_simulation, unscaled_inputs
 from labsid.gap.verdict.decision import mismatch_probability
 from labsid.records.record import Record
 from labsid.simulators.control_systems import FreeResponses, is_control_system, read_system_of_several
-from labsid.simulators.simulator import Simulator, SimulatorError, as_outputs, function_simulator
+from labsid.simulators.simulator import Simulator, function_simulator
 
-CACHED_RUNS = 32  # every output of a run is asked for
 NO_PATH = 1e-6  # of the standard deviation of an output: a smaller response to an input is none
 COUPLING_ITERATIONS = 40
+
+
+_KINDS: dict[type, str] = {
+    dict: "MODEL.json or an exported JSON",
+    SimulatedOutput: "a simulated output",
+    np.ndarray: "a simulated output",
+    ExportedModel: "an exported simulation",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,7 +135,7 @@ def as_system(
         as_simulation(None, record.Ts, free)  # refuses free numbers
         return None
     if not isinstance(simulation, Simulator) or simulation.joint is not None:
-        kind = "a model of MuJoCo" if isinstance(simulation, Simulator) else f"a {type(simulation).__name__}"
+        kind = "a model of MuJoCo" if isinstance(simulation, Simulator) else _KINDS.get(type(simulation), "this")
         raise ValueError(
             f"a record of several signals needs a simulation of all of them: a function simulate(t, u) with u of shape "
             f"(N, {record.input_columns.shape[1]}), an FMU or a system of python-control; got {kind}. Give one of these, "
@@ -156,29 +165,7 @@ def read_system(
     ValueError
         If it has another number of inputs or outputs, cannot be run on the record, or an output diverges.
     """
-    columns = _order(simulator.inputs, record.inputs, "input", simulator.label)
-    places = dict(zip(outputs, _order(simulator.outputs, outputs, "output", simulator.label), strict=True))
-    rows = [places[name] for name in record.outputs]
-    back = [columns.index(i) for i in range(len(columns))]  # the column of the record for each input of the simulation
-    ny = len(outputs)
-
-    kept: dict[tuple[int, bytes, tuple[tuple[str, float], ...]], FloatArray] = {}
-
-    def run(t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
-        key = len(t), u.tobytes(), tuple(numbers.items())
-        if key not in kept:
-            y = as_outputs(simulator.run(t, np.ascontiguousarray(u[:, back]), numbers), len(t), simulator.label)
-            if y.shape[1] != ny:
-                raise SimulatorError(
-                    f"{simulator.label} returns {_counted(y.shape[1])} for {', '.join(outputs)}; it must return an "
-                    f"array of shape ({len(t)}, {ny}). Choose the outputs of the record with --outputs."
-                )
-            if len(kept) == CACHED_RUNS:
-                del kept[next(iter(kept))]
-            kept[key] = y[:, rows]
-        return kept[key]
-
-    ordered = replace(simulator, run=run, inputs=record.inputs, outputs=record.outputs)
+    ordered = in_order(simulator, record.inputs, outputs, record.outputs)
     u = record.input_columns
     y = ordered(record.t, u)
     for simulated, measured in zip(y.T, record.output_columns.T, strict=True):
@@ -189,41 +176,10 @@ def read_system(
         still[:, i] = first
         moved = np.std(y - ordered(record.t, still), axis=0)
         paths[:, i] = moved > NO_PATH * np.nanstd(record.output_columns, axis=0)
-    responses = None if free is None else lambda samples, j: free(samples, rows[j])
-    return GivenSystem(ordered, responses, paths)
-
-
-def _counted(count: int) -> str:
-    return "one output" if count == 1 else f"{count} outputs"
-
-
-def _order(names: Sequence[str], wanted: Sequence[str], what: str, label: str) -> list[int]:
-    """For each signal of a record its place in a simulation: by name if all names agree, else in order."""
-    if names and len(names) != len(wanted):
-        raise ValueError(
-            f"{label} has {len(names)} {what}s ({', '.join(names)}); the record has {len(wanted)} "
-            f"({', '.join(wanted)}). Choose the columns with --{what}s."
-        )
-    return [names.index(name) for name in wanted] if set(names) == set(wanted) else list(range(len(wanted)))
-
-
-def one_pair(system: GivenSystem, u: FloatArray, i: int, j: int) -> Simulator:
-    """The simulation as one of input i and output j.
-
-    Parameters
-    ----------
-    system : GivenSystem
-    u : ndarray, shape (N, nu)
-        All inputs, in units of the record. Past their end the other inputs hold their last values.
-    i, j : int
-    """
-
-    def run(t: FloatArray, own: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
-        columns = [own if k == i else extended(u[:, k], own.size) for k in range(u.shape[1])]
-        return np.asarray(system.simulator.run(t, np.column_stack(columns), numbers))[:, j]
-
-    whole = system.simulator
-    return replace(whole, run=run, inputs=(), outputs=())
+    if free is None:
+        return GivenSystem(ordered, None, paths)
+    rows = output_places(simulator, outputs, record.outputs)
+    return GivenSystem(ordered, lambda samples, j: free(samples, rows[j]), paths)
 
 
 def given_baseline(
@@ -255,24 +211,13 @@ def given_baseline(
     rates : tuple of float
         c and k of the response of the rig to the input, for its initial state and its loads.
     """
-    i, j = pair
-
-    def simulator_with(signals: Mapping[str, FloatArray]) -> Simulator:
-        scaled = [signals.get(name, inputs[:, k]) for k, name in enumerate(names)]
-        size = max(signal.size for signal in scaled)
-        columns = [np.asarray(scale.back(extended(w, size))) for scale, w in zip(scales, scaled, strict=True)]
-        return one_pair(system, np.column_stack(columns), i, j)
-
-    def beside(signals: Mapping[str, FloatArray]) -> GivenSimulation:
-        ends = data.u_scale, data.y_scale
-        return GivenSimulation.of(simulator_with(signals), ends, data.Ts, rates, float(t[0]))
-
-    states = system.states(data.samples, j, rates)
-    base = simulator_baseline(data, t, simulator_with({}), rates, states)
+    u = unscaled_inputs(inputs, names, scales, {})
+    states = system.states(data.samples, pair[1], rates)
+    base = simulator_baseline(data, t, one_pair(system.simulator, u, *pair), rates, states)
     assert base.structure.given is not None
-    simulation = base.structure.given.simulation
-    others = tuple(name for k, name in enumerate(names) if k != i)
-    simulation = replace(simulation, others=others, beside=lambda signals: beside(signals).simulate)
+    about = names, scales, data.y_scale, data.Ts, rates, float(t[0])
+    beside = pair_simulation(system.simulator, inputs, pair, *about)
+    simulation = replace(base.structure.given.simulation, others=beside.others, beside=beside.beside)
     given = replace(base.structure.given, simulation=simulation)
     return replace(base, structure=Hypothesis(base.structure.effects, base.structure.n_given, given))
 

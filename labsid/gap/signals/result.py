@@ -7,6 +7,7 @@ from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.page_parts import in_frame
 from labsid.gap.reports.signals_page import render_signals, with_titles
 from labsid.gap.reports.signals_text import format_signals
+from labsid.gap.system_file import ExportedSystem
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -21,10 +22,13 @@ class SignalsDiagnosis:
         In the layout ``labsid.gap/4``; ``--json`` writes it.
     models : dict
         By output: the simulation with the effects added.
+    system : ExportedSystem or None
+        All of them as one simulation; None where each output was explained beside the measured other outputs.
     """
 
     report: dict[str, Any]
     models: dict[str, ExportedModel]
+    system: ExportedSystem | None = None
 
     @property
     def verdict(self) -> str:
