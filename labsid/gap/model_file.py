@@ -418,7 +418,8 @@ def from_json_dict(content: dict[str, Any], read_given: ReadGiven | None = None)
     ----------
     content : dict
     read_given : callable, optional
-        ``read_given(content, scales, Ts) -> Plant`` opens the given simulation in it; by default one of one signal each.
+        ``read_given(content, scales, Ts) -> Plant`` opens the given simulation in it; by default one of one input and
+        one output.
 
     Raises
     ------
@@ -486,7 +487,7 @@ def in_folder(content: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def opened_given(
     content: Any, opened: Callable[[str], Simulator]
-) -> tuple[Simulator, tuple[float, float], dict[str, dict[str, Any]]]:
+) -> tuple[Simulator, tuple[float, float], dict[str, float], dict[str, tuple[float, float]]]:
     """The simulator of an exported simulation, its rates, and the units and ranges of its free numbers."""
     try:
         source, rates = str(content["source"]), (float(content["rates"][0]), float(content["rates"][1]))
@@ -503,13 +504,13 @@ def opened_given(
             f"{source} has changed: {changed[0]} is {simulate.nominal[changed[0]]:g}, and was {nominal[changed[0]]:g} "
             "when the simulation was exported. Export it again."
         )
-    return simulate, rates, {"units": units, "ranges": ranges}
+    return simulate, rates, units, ranges
 
 
 def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
     """Open the simulator of an exported simulation of one input and one output."""
-    simulate, rates, about = opened_given(content, open_in_process)
-    given = replace(GivenSimulation.of(simulate, scales, Ts, rates), **about)
+    simulate, rates, units, ranges = opened_given(content, open_in_process)
+    given = replace(GivenSimulation.of(simulate, scales, Ts, rates), units=units, ranges=ranges)
     if content.get("port") is not None:
         given = replace(given, port=port_from_json(content["port"]))
     return Plant(kind="given", simulation=given)

@@ -108,8 +108,8 @@ class ExportedSystem:
     simulated: tuple[str, ...] = ()
 
     @property
-    def Ts(self) -> float:
-        """Sampling time in seconds."""
+    def sampling_time(self) -> float:
+        """In seconds."""
         return next(iter(self.outputs.values())).model.Ts
 
     def simulate(self, u: FloatArray, y: FloatArray | None = None) -> FloatArray:
@@ -171,7 +171,7 @@ class ExportedSystem:
         """
         return {
             "schema": SYSTEM_SCHEMA,
-            "Ts": self.Ts,
+            "Ts": self.sampling_time,
             "inputs": [
                 {"name": name, "centre": scale.centre, "unit": scale.unit}
                 for name, scale in zip(self.inputs, self.scales, strict=True)
@@ -257,10 +257,10 @@ def _given_reader(
                 opened[source] = in_order(open_in_process(source), inputs, simulated, names)
             return opened[source]
 
-        simulate, rates, about = opened_given(content, open_once)
+        simulate, rates, units, ranges = opened_given(content, open_once)
         at_rest = np.zeros((1, len(inputs)))
         simulation = pair_simulation(simulate, at_rest, (inputs.index(main), j), inputs, scales, ends[1], Ts, rates)
-        return Plant(kind="given", simulation=replace(simulation, **about))
+        return Plant(kind="given", simulation=replace(simulation, units=units, ranges=ranges))
 
     return read
 

@@ -79,17 +79,20 @@ def read_system_of_several(system: Any, Ts: float) -> tuple[Simulator, FreeRespo
 
     _check_kind(system)
     _check_sampling_time(system, Ts)
-    ports = {"inputs": tuple(system.input_labels), "outputs": tuple(system.output_labels)}
+    inputs, outputs = tuple(map(str, system.input_labels)), tuple(map(str, system.output_labels))
     label = f"the {type(system).__name__}"
     if isinstance(system, ct.StateSpace):
         discrete = ct.c2d(system, Ts) if system.isctime() else system
         model = StateSpaceModel(discrete.A, discrete.B, discrete.C, discrete.D, Ts)
-        run = partial(_run_states, model)
-        return Simulator(run, label, **ports), lambda samples, j: free_responses(model, samples)[:, j]
+        run: Run = partial(_run_states, model)
+        return Simulator(run, label, inputs=inputs, outputs=outputs), lambda samples, j: free_responses(model, samples)[
+            :, j
+        ]
     if isinstance(system, ct.TransferFunction):
         pairs = [[_delays(system[j, i], Ts) for i in range(system.ninputs)] for j in range(system.noutputs)]
-        return Simulator(partial(_run_pairs, pairs), label, **ports), lambda samples, j: _free(pairs[j], samples)
-    return replace(_nonlinear(system), **ports), None
+        run = partial(_run_pairs, pairs)
+        return Simulator(run, label, inputs=inputs, outputs=outputs), lambda samples, j: _free(pairs[j], samples)
+    return replace(_nonlinear(system), inputs=inputs, outputs=outputs), None
 
 
 def _check_kind(system: Any) -> None:

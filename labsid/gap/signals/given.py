@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from labsid.gap.simulations.baseline import (
 from labsid.gap.simulations.model_json import started
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.gap.simulations.system_pairs import in_order, one_pair, output_places, pair_simulation, unscaled_inputs
+from labsid.gap.system_file import SYSTEM_SCHEMA, system_from_json
 from labsid.gap.verdict.decision import mismatch_probability
 from labsid.records.record import Record
 from labsid.simulators.control_systems import FreeResponses, is_control_system, read_system_of_several
@@ -131,6 +133,8 @@ def as_system(
         simulation, responses = read_system_of_several(simulation, record.Ts)
     elif callable(simulation) and not isinstance(simulation, Simulator):
         simulation = function_simulator(simulation)
+    elif isinstance(simulation, dict) and simulation.get("schema") == SYSTEM_SCHEMA:
+        simulation = _exported_simulator(simulation)
     if simulation is None or (responses is not None and free):
         as_simulation(None, record.Ts, free)  # refuses free numbers
         return None
@@ -138,10 +142,22 @@ def as_system(
         kind = "a model of MuJoCo" if isinstance(simulation, Simulator) else _KINDS.get(type(simulation), "this")
         raise ValueError(
             f"a record of several signals needs a simulation of all of them: a function simulate(t, u) with u of shape "
-            f"(N, {record.input_columns.shape[1]}), an FMU or a system of python-control; got {kind}. Give one of these, "
+            f"(N, {record.input_columns.shape[1]}), an FMU or a system of python-control; got {kind}. Give one of "
+            "these, "
             "or choose one input and one output."
         )
     return read_system(simulation.with_free(free) if free else simulation, responses, record, outputs)
+
+
+def _exported_simulator(content: dict[str, Any]) -> Simulator:
+    """An exported simulation of several signals, from rest."""
+    system = system_from_json(content)
+    return Simulator(
+        lambda t, u, numbers: system.simulate(u),
+        "the exported simulation",
+        inputs=system.inputs,
+        outputs=tuple(system.outputs),
+    )
 
 
 def read_system(

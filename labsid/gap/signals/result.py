@@ -37,8 +37,8 @@ class SignalsDiagnosis:
 
     @property
     def effects(self) -> dict[tuple[str, str | None], dict[str, dict[str, Any]]]:
-        """Parameters of the effects found, by name and signal."""
-        return {(effect["name"], effect["signal"]): effect["parameters"] for effect in self.report["effects"]}
+        """Parameters of the effects found, by name and signal; of a coupling, ``"u2 -> y1"``."""
+        return {(effect["name"], _place(effect)): effect["parameters"] for effect in self.report["effects"]}
 
     def with_report(self, report: dict[str, Any]) -> "SignalsDiagnosis":
         """The same result with another report, such as one with the command line."""
@@ -64,3 +64,11 @@ class SignalsDiagnosis:
 
     def _repr_html_(self) -> str:
         return in_frame(render_signals(self.report))
+
+
+def _place(effect: dict[str, Any]) -> str | None:
+    """The signal of an effect, or both ends of a coupling."""
+    if effect.get("from"):
+        return f"{effect['from']} -> {effect['to']}"
+    signal: str | None = effect["signal"]
+    return signal

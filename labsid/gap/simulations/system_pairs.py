@@ -42,21 +42,21 @@ def in_order(simulator: Simulator, inputs: Sequence[str], outputs: Sequence[str]
     back = [columns.index(i) for i in range(len(columns))]  # the column of the record for each input of the simulation
     ny = len(outputs)
 
-    kept: dict[tuple[int, bytes, tuple[tuple[str, float], ...]], FloatArray] = {}
+    done: dict[tuple[int, bytes, tuple[tuple[str, float], ...]], FloatArray] = {}
 
     def run(t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         key = len(t), u.tobytes(), tuple(numbers.items())
-        if key not in kept:
+        if key not in done:
             y = as_outputs(simulator.run(t, np.ascontiguousarray(u[:, back]), numbers), len(t), simulator.label)
             if y.shape[1] != ny:
                 raise SimulatorError(
                     f"{simulator.label} returns {_counted(y.shape[1])} for {', '.join(outputs)}; it must return an "
                     f"array of shape ({len(t)}, {ny}). Choose the outputs of the record with --outputs."
                 )
-            if len(kept) == CACHED_RUNS:
-                del kept[next(iter(kept))]
-            kept[key] = y[:, rows]
-        return kept[key]
+            if len(done) == CACHED_RUNS:
+                del done[next(iter(done))]
+            done[key] = y[:, rows]
+        return done[key]
 
     return replace(simulator, run=run, inputs=tuple(inputs), outputs=tuple(kept))
 
