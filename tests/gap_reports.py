@@ -75,6 +75,7 @@ DYNAMICS = (
     "gravity",
     "force-limit",
     "slow-mode",
+    "coupling",
     "parameter-drift",
 )
 
