@@ -273,7 +273,7 @@ def simulate(
     These are two of its slowest time constants, at least 50 samples and at most a quarter of the record.
     """
     from labsid.gap.record.clock import clock_findings
-    from labsid.gap.signals.replay import exported_system, names_in, replay_signals, write_signals_replay
+    from labsid.gap.signals.signals_replay import exported_system, names_in, replay_signals, write_signals_replay
     from labsid.gap.simulations.simulation_files import replay, write_replay
     from labsid.records.record import between_outputs, read_record
     from labsid.simulators.mjcf.sources import is_mjcf

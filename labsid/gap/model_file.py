@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, field, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -88,7 +88,6 @@ class ExportedModel:
     elsewhere: "ExportedModel | None" = None
     offset_weight: float = 0.0
     start: RecordStart = LEAST
-    SETTLING: ClassVar[int] = SETTLING_SAMPLES
 
     def simulate(self, u: FloatArray, y: FloatArray | None = None, of_record: bool | None = None) -> FloatArray:
         """Free-run output for an input in the record's unit.
@@ -115,7 +114,7 @@ class ExportedModel:
     def settled(self, u: FloatArray) -> FloatArray:
         """Free-run output that begins with dynamics at zero, without loads, sinusoids and drifts.
 
-        It is that from rest once `u` has held its first value for `SETTLING` samples.
+        It is that from rest once `u` has held its first value for `SETTLING_SAMPLES`.
 
         Parameters
         ----------

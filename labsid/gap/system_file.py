@@ -14,6 +14,7 @@ from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import (
+    SETTLING_SAMPLES,
     ExportedModel,
     from_json_dict,
     further_from_json,
@@ -22,7 +23,7 @@ from labsid.gap.model_file import (
     with_sources,
 )
 from labsid.gap.record.data import Scale
-from labsid.gap.simulations.system_pairs import in_order, pair_simulation
+from labsid.gap.system_pairs import in_order, pair_simulation
 from labsid.records.record import bridge_gaps
 from labsid.simulators.process import open_in_process
 
@@ -148,7 +149,7 @@ class ExportedSystem:
         )
 
     def _from_rest(self, u: FloatArray) -> FloatArray:
-        ahead = ExportedModel.SETTLING
+        ahead = SETTLING_SAMPLES
         whole = np.concatenate([np.repeat(u[:1], ahead, axis=0), u])
         scaled = self._scaled(whole)
         found = [

@@ -347,6 +347,7 @@ _LABELS = {
     "size": "final change of the output",
 }
 _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
+    ("coupling", "gain"): "steady gain",
     ("input-dead-zone", "low"): "lower edge of the band",
     ("input-dead-zone", "high"): "upper edge of the band",
     ("end-stop", "low"): "lower stop",

@@ -25,8 +25,8 @@ from labsid.gap.simulations.baseline import (
 )
 from labsid.gap.simulations.model_json import started
 from labsid.gap.simulations.simulated_output import SimulatedOutput
-from labsid.gap.simulations.system_pairs import in_order, one_pair, output_places, pair_simulation, unscaled_inputs
 from labsid.gap.system_file import SYSTEM_SCHEMA, system_from_json
+from labsid.gap.system_pairs import in_order, one_pair, output_places, pair_simulation, unscaled_inputs
 from labsid.gap.verdict.decision import mismatch_probability
 from labsid.records.record import Record
 from labsid.simulators.control_systems import FreeResponses, is_control_system, read_system_of_several
