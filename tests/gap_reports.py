@@ -56,6 +56,7 @@ PARAMETERS: dict[str, dict[str, dict[str, Any]]] = {
     "load-step": {"onset": quantity(374.25, 0.8, "s"), "size": quantity(-0.21, 0.004, "y")},
     "periodic-disturbance": {"frequency": quantity(0.0861, 0.0002, "Hz"), "amplitude": quantity(0.00467, 1e-5, "y")},
     "coloured-noise": {"amplitude": quantity(0.0454, 0.0022, "y"), "pole": quantity(0.94, 0.006, "1")},
+    "coupling": {"gain": quantity(0.699, 0.0, "y/u")},
     "parameter-mismatch": {},
 }
 
@@ -74,6 +75,7 @@ DYNAMICS = (
     "gravity",
     "force-limit",
     "slow-mode",
+    "coupling",
     "parameter-drift",
 )
 

@@ -11,6 +11,7 @@ HOURS = {
     "armax-and-instruments": 2.75,
     "nonlinear-least-squares": 2.75,
     "sim-to-real-gap": 3.0,
+    "several-signals": 1.5,
 }
 """Hours for each assignment, estimated from the length of its text and the number of its questions."""
 

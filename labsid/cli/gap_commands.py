@@ -16,6 +16,7 @@ from labsid.cli.options import RecordPath, RecordPaths, reads_log, reads_signals
 
 if TYPE_CHECKING:  # a slow import
     from labsid.gap.reports.result import Diagnosis
+    from labsid.gap.signals.result import SignalsDiagnosis
     from labsid.gap.simulations.simulation_files import Ports
     from labsid.records.reading import Reading
     from labsid.records.record import Record
@@ -28,8 +29,8 @@ gap = typer.Typer(
 
 _OUTPUT_OPTIONS = ("json_file", "html", "export")
 
-Inputs = Annotated[str | None, typer.Option(metavar="NAME", help="The actuator of FILE.xml that takes u.")]
-Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="The joint or sensor of FILE.xml that y measures.")]
+Inputs = Annotated[str | None, typer.Option(metavar="NAME", help="The actuator of FILE.xml, or columns.")]
+Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="The joint or sensor of FILE.xml, or columns.")]
 MatchText = Annotated[
     str | None,
     typer.Option(
@@ -120,8 +121,8 @@ def diagnose(
     if holdout is not None:
         other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
     several = any(record.several for record in loaded)
-    if several and export is not None:
-        raise ValueError("a simulation of several signals cannot be exported yet. Omit --export.")
+    if several and export is not None and export.suffix.lower() not in (".json", ".py"):
+        raise ValueError(f"a simulation of several signals is exported as .json or .py; got {export}.")
     stated = None if units is None or several else _units(units)
     if units is not None and several:
         loaded = [_with_signal_units(record, units) for record in loaded]
@@ -149,8 +150,10 @@ def diagnose(
         write_html_report(html, report)
     print(found.with_report(report))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
-        assert isinstance(found, diagnosis.Diagnosis)  # several signals were refused
-        _write_simulation(export, found)
+        if isinstance(found, diagnosis.Diagnosis):
+            _write_simulation(export, found)
+        else:
+            _write_system(export, found)
 
 
 @gap.command("batch")
@@ -270,10 +273,25 @@ def simulate(
     These are two of its slowest time constants, at least 50 samples and at most a quarter of the record.
     """
     from labsid.gap.record.clock import clock_findings
+    from labsid.gap.signals.signals_replay import exported_system, names_in, replay_signals, write_signals_replay
     from labsid.gap.simulations.simulation_files import replay, write_replay
     from labsid.records.record import between_outputs, read_record
+    from labsid.simulators.mjcf.sources import is_mjcf
 
+    content = None
+    if not is_mjcf(str(model)) and (inputs is None) == (outputs is None):  # the columns of a record
+        content = exported_system(model)
+        named = (None, None) if content is None else names_in(content)
+        how = replace(how, inputs=inputs or named[0], outputs=outputs or named[1])
+        inputs = outputs = None
     loaded = between_outputs(_matcher(match)(read_record(record, how)))
+    if loaded.several or content is not None:
+        found = replay_signals(model, loaded)
+        if out is not None:
+            write_signals_replay(out, loaded, found.y)
+        errors = ", ".join(f"{name} {error:.6g}" for name, error in zip(loaded.outputs, found.rmse, strict=True))
+        print(f"{len(loaded)} samples, free run: rmse {errors} after the first {found.start} samples")
+        return
     played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
         write_replay(out, loaded, played.y)
@@ -416,6 +434,23 @@ def _matcher(match: str | None) -> "Callable[[Record], Record]":
 
     how = None if match is None else read_match(match)
     return lambda record: record if how is None else matched(record, how)
+
+
+def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
+    """Write an exported simulation of several signals, as JSON or as a Python module."""
+    from labsid._files import write_json
+    from labsid.gap.simulations.python_export import write_system_module
+
+    if found.system is None:
+        raise ValueError(
+            "the outputs were explained beside the measured other outputs, so there is no simulation that runs "
+            "from the "
+            "inputs alone. Export each output by itself (--inputs, --outputs)."
+        )
+    if path.suffix.lower() == ".py":
+        write_system_module(path, found.system)
+    else:
+        write_json(path, found.system.to_json_dict())
 
 
 def _write_simulation(path: Path, found: "Diagnosis") -> None:

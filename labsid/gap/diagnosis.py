@@ -64,7 +64,7 @@ from labsid.gap.verdict.several_records import (
 from labsid.lab.findings import Finding
 from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.records.several_signals import one_signal_each
-from labsid.simulators.meter import RunMeter
+from labsid.simulators.meter import SEARCH_SHARE, RunMeter
 from labsid.simulators.simulator import Simulator
 
 _Times = Sequence[tuple[float, float]]
@@ -73,7 +73,6 @@ MIN_HOLDOUT = LEAST_START + MIN_SCORED  # samples, of which the first determine 
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 LIMITS_SCHEMA = "labsid.gap.limits/1"
 TESTED_SIZE = 1.5  # over the smallest size that is named
-SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
 
 
 def diagnose(
@@ -98,7 +97,8 @@ def diagnose(
     simulation : dict, ndarray, callable, Simulator or system of python-control, optional
         MODEL.json or an exported simulation; the output of any simulator on the record's input, shape (N,);
         ``simulate(t, u, **numbers) -> y``, whose keyword defaults are its nominal numbers; or a system with one input
-        and one output, which starts from rest at zero. By default a linear model of the given order, fitted by output
+        and one output, which starts from rest at zero. Of several signals a function, with u of shape (N, nu) and y of
+        shape (N, ny), a Simulator, or a system. By default a linear model of the given order, fitted by output
         error.
     free : sequence of str
         Numbers of a callable or nonlinear simulation that may be fitted: if only other values of them are needed, the
@@ -134,9 +134,19 @@ def diagnose(
     """
     records = [record] if isinstance(record, Record) else record
     if any(one.several for one in records):
-        _check_several_signals(records, simulation is not None or bool(free), evaluations)
+        _check_several_signals(records, simulation is not None, evaluations)
         with _on_one_thread(progress) as said:
-            return diagnose_signals(records[0], holdout=holdout, order=order, exclude=exclude, seed=seed, progress=said)
+            return diagnose_signals(
+                records[0],
+                simulation,
+                free=free,
+                holdout=holdout,
+                order=order,
+                exclude=exclude,
+                seed=seed,
+                evaluations=evaluations,
+                progress=said,
+            )
     if holdout is not None:
         one_signal_each(holdout, "the diagnosis of a record of one input and one output")
     simulation = as_simulation(simulation, records[0].Ts if records else 1.0, free)
@@ -173,12 +183,7 @@ def _check_several_signals(records: Sequence[Record], is_given: bool, evaluation
             f"got {len(records)} records of several signals; one can be diagnosed at a time. Give another run as the "
             "holdout."
         )
-    if is_given:
-        raise ValueError(
-            "a given simulation of several signals cannot be diagnosed yet. Omit --sim, or choose one input and one "
-            "output."
-        )
-    _check_evaluations(evaluations, is_run=False)
+    _check_evaluations(evaluations, is_run=is_given)
 
 
 def _in_units(found: Diagnosis, units: tuple[str, ...]) -> Diagnosis:

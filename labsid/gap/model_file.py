@@ -1,7 +1,7 @@
 """Exported simulations: a fitted hypothesis as JSON and as a callable."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, field, replace
 from itertools import product
 from pathlib import Path
@@ -14,13 +14,16 @@ from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.inside import port_from_json
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
+from labsid.gap.effects.base import Effect
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.feedback import OUTPUT, OutputFeedback
+from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale
 from labsid.simulators.process import open_in_process
+from labsid.simulators.simulator import Simulator
 
 SCHEMA = "labsid.model/1"
 SETTLING_SAMPLES = 5000  # at constant input before a simulation from rest
@@ -114,6 +117,18 @@ class ExportedModel:
         w = model.u_scale.of(u)
         output = model._from_rest(w) if y is None else model._started(w, model.y_scale.of(y))._output(w)
         return np.asarray(model.y_scale.back(output))
+
+    def settled(self, u: FloatArray) -> FloatArray:
+        """Free-run output that begins with dynamics at zero, without loads, sinusoids and drifts.
+
+        It is that from rest once `u` has held its first value for `SETTLING_SAMPLES`.
+
+        Parameters
+        ----------
+        u : ndarray, shape (N,)
+        """
+        model = (self.elsewhere or self)._without_time_courses()._at_rest()
+        return np.asarray(model.y_scale.back(model._output(model.u_scale.of(u))))
 
     def started_on(self, u: FloatArray, y: FloatArray) -> "ExportedModel":
         """The model with which another record of the rig is simulated: without loads, sinusoids and drifts, and with
@@ -267,9 +282,10 @@ class ExportedModel:
             If it contains a given simulation that is no file.
         """
         plant = self.hypothesis.plant
-        feedback = self.hypothesis.feedback
+        feedback, further = self.hypothesis.feedback, further_to_json(self.hypothesis.effects)
         content: dict[str, Any] = {
             "schema": SCHEMA,
+            **({"further": further} if further else {}),
             "effects": [effect.key for effect in self.hypothesis.effects if effect is not feedback],
             "parameters": [parameter.name for parameter in self.hypothesis.parameters],
             "theta": self.theta.tolist(),
@@ -386,8 +402,45 @@ def _means(u: FloatArray) -> FloatArray:
     return np.array([part.mean() for part in np.array_split(u, INPUT_PARTS)])
 
 
-def from_json_dict(content: dict[str, Any]) -> ExportedModel:
+def further_to_json(effects: Sequence[Effect]) -> list[dict[str, Any]]:
+    """The further inputs among effects, without their signals."""
+    return [
+        {
+            "name": one.variant,
+            "same_entry": isinstance(one, SameEntry),
+            "reference": one.reference,
+            **({"about": list(one.about), "shared": one.shared} if isinstance(one, FurtherInput) else {}),
+        }
+        for one in effects
+        if isinstance(one, FurtherInput | SameEntry)
+    ]
+
+
+def further_from_json(content: Sequence[dict[str, Any]]) -> dict[str, Effect]:
+    """The further inputs that `further_to_json` wrote, by their keys; their signals are those of a record."""
+    found: list[Effect] = []
+    for one in content:
+        name, reference = str(one["name"]), float(one["reference"])
+        if one["same_entry"]:
+            found.append(SameEntry(name, reference))
+        else:
+            about = float(one["about"][0]), float(one["about"][1])
+            found.append(FurtherInput(name, about, reference, bool(one["shared"])))
+    return {effect.key: effect for effect in found}
+
+
+ReadGiven = Callable[[Any, tuple[Scale, Scale], float], Plant]
+
+
+def from_json_dict(content: dict[str, Any], read_given: ReadGiven | None = None) -> ExportedModel:
     """Read a JSON object written by `to_json_dict`.
+
+    Parameters
+    ----------
+    content : dict
+    read_given : callable, optional
+        ``read_given(content, scales, Ts) -> Plant`` opens the given simulation in it; by default one of one input and
+        one output.
 
     Raises
     ------
@@ -398,7 +451,8 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
     try:
         keys, written = [str(key) for key in content["effects"]], content["parameters"]
         theta, gains = np.array(content["theta"], float), np.array(content["gains"], float)
-        other = None if content.get("elsewhere") is None else from_json_dict(content["elsewhere"])
+        other = None if content.get("elsewhere") is None else from_json_dict(content["elsewhere"], read_given)
+        table = EFFECTS_BY_KEY | further_from_json(content.get("further", []))
         means = np.array(content.get("input_means", []), float)  # files of earlier versions have none
         weight = float(content.get("offset_weight", 0.0))
         rates = content.get("start_rates")
@@ -412,11 +466,12 @@ def from_json_dict(content: dict[str, Any]) -> ExportedModel:
         raise ValueError(wrong.format(f"{error} is missing")) from None
     except (TypeError, ValueError, OverflowError, IndexError):
         raise ValueError(wrong.format("a value has the wrong type")) from None
-    unknown = [key for key in keys if key not in EFFECTS_BY_KEY]
+    unknown = [key for key in keys if key not in table]
     if unknown:
         raise ValueError(f"the simulation contains unknown effects: {', '.join(map(repr, unknown))}. Update labsid.")
-    given = None if content.get("simulator") is None else _read_given(content["simulator"], (u_scale, y_scale), Ts)
-    hypothesis = Hypothesis((*feedback, *(EFFECTS_BY_KEY[key] for key in keys)), given=given)
+    read_given = read_given or _read_given
+    given = None if content.get("simulator") is None else read_given(content["simulator"], (u_scale, y_scale), Ts)
+    hypothesis = Hypothesis((*feedback, *(table[key] for key in keys)), given=given)
     lower, upper = hypothesis.bounds
     names = [parameter.name for parameter in hypothesis.parameters]
     if written != names:
@@ -468,8 +523,10 @@ def in_folder(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     return with_sources(content, lambda source: str(folder / source))
 
 
-def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
-    """Open the simulator of an exported simulation."""
+def opened_given(
+    content: Any, opened: Callable[[str], Simulator]
+) -> tuple[Simulator, tuple[float, float], dict[str, float], dict[str, tuple[float, float]]]:
+    """The simulator of an exported simulation, its rates, and the units and ranges of its free numbers."""
     try:
         source, rates = str(content["source"]), (float(content["rates"][0]), float(content["rates"][1]))
         free = {str(name): dict(one) for name, one in content["free"].items()}
@@ -478,13 +535,19 @@ def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
         ranges = {name: (float(one["range"][0]), float(one["range"][1])) for name, one in free.items() if one["range"]}
     except (KeyError, IndexError, TypeError, ValueError, AttributeError):
         raise ValueError('not an exported simulation: its "simulator" has the wrong form. Export it again.') from None
-    simulate = open_in_process(source).with_free(list(nominal))
+    simulate = opened(source).with_free(list(nominal))
     changed = [name for name, value in nominal.items() if simulate.nominal[name] != value]
     if changed:
         raise ValueError(
             f"{source} has changed: {changed[0]} is {simulate.nominal[changed[0]]:g}, and was {nominal[changed[0]]:g} "
             "when the simulation was exported. Export it again."
         )
+    return simulate, rates, units, ranges
+
+
+def _read_given(content: Any, scales: tuple[Scale, Scale], Ts: float) -> Plant:
+    """Open the simulator of an exported simulation of one input and one output."""
+    simulate, rates, units, ranges = opened_given(content, open_in_process)
     given = replace(GivenSimulation.of(simulate, scales, Ts, rates), units=units, ranges=ranges)
     if content.get("port") is not None:
         given = replace(given, port=port_from_json(content["port"]))

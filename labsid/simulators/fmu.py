@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.simulator import Simulator
+from labsid.simulators.simulator import Simulator, one_of_each
 
 _REAL = ("Real", "Float32", "Float64")
 
 
 def open_fmu(path: Path) -> Simulator:
-    """Open a co-simulation FMU with one input and one output, in this process.
+    """Open a co-simulation FMU, in this process.
 
     Its real parameters with a start value are its numbers, arrays excepted. The input is held between samples.
 
@@ -30,7 +30,7 @@ def open_fmu(path: Path) -> Simulator:
         If fmpy is not installed, or the file is no such FMU.
     """
     fmpy, description = _read(path)
-    driven, seen = _ends(path, description)
+    driven, seen = (_reals(path, description, causality) for causality in ("input", "output"))
     _check_platform(path, fmpy, description)
     real = [one for one in description.modelVariables if one.type in _REAL and one.causality == "parameter"]
     nominal = {one.name: float(one.start) for one in real if one.start is not None and not one.dimensions}
@@ -39,7 +39,9 @@ def open_fmu(path: Path) -> Simulator:
 
     def run(t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> Any:
         step = float(t[-1] - t[0]) / max(t.size - 1, 1)
-        signal = np.array(list(zip(t, u, strict=True)), dtype=[("time", float), (driven, float)])
+        columns = np.atleast_2d(u.T)
+        types = [("time", float), *((name, float) for name in driven)]
+        signal = np.array(list(zip(t, *columns, strict=True)), dtype=types)
         result = fmpy.simulate_fmu(
             folder,
             start_time=float(t[0]),
@@ -47,19 +49,22 @@ def open_fmu(path: Path) -> Simulator:
             output_interval=step,
             step_size=step,
             input=signal,
-            output=[seen],
+            output=list(seen),
             start_values={name: value for name, value in numbers.items() if value != nominal[name]},
             fmi_type="CoSimulation",
             model_description=description,
         )
-        return result[seen]
+        return np.column_stack([result[name] for name in seen]) if u.ndim > 1 else result[seen[0]]
 
-    return Simulator(run, path.name, nominal)
+    return Simulator(run, path.name, nominal, inputs=driven, outputs=seen)
 
 
 def input_and_output(path: Path) -> tuple[str, str]:
-    """Names of the input and the output of an FMU; for the errors see `open_fmu`."""
-    return _ends(path, _read(path)[1])
+    """Names of the input and the output of an FMU that has one of each; for the other errors see `open_fmu`."""
+    description = _read(path)[1]
+    ends = {what: _reals(path, description, what) for what in ("input", "output")}
+    one_of_each(Simulator(lambda t, u, numbers: u, path.name, inputs=ends["input"], outputs=ends["output"]))
+    return ends["input"][0], ends["output"][0]
 
 
 def _read(path: Path) -> tuple[Any, Any]:
@@ -94,15 +99,12 @@ def _check_platform(path: Path, fmpy: Any, description: Any) -> None:
         raise ValueError(f"{path.name} has no binary for {here}, only for {others}. Export it for this platform.")
 
 
-def _ends(path: Path, description: Any) -> tuple[str, str]:
-    """Names of the input and the output."""
-    ends = []
-    for causality in ("input", "output"):
-        found = [one for one in description.modelVariables if one.type in _REAL and one.causality == causality]
-        if len(found) != 1:
-            named = f"{len(found)} ({', '.join(one.name for one in found)})" if found else "none"
-            raise ValueError(f"{path.name} has {named} as real {causality}, expected one.")
-        if found[0].dimensions:
-            raise ValueError(f"the {causality} {found[0].name} of {path.name} is an array, expected one number.")
-        ends.append(found[0].name)
-    return ends[0], ends[1]
+def _reals(path: Path, description: Any, causality: str) -> tuple[str, ...]:
+    """Names of the real inputs or outputs, in the order of the model."""
+    found = [one for one in description.modelVariables if one.type in _REAL and one.causality == causality]
+    if not found:
+        raise ValueError(f"{path.name} has none as real {causality}, expected one.")
+    for one in found:
+        if one.dimensions:
+            raise ValueError(f"the {causality} {one.name} of {path.name} is an array, expected one number.")
+    return tuple(one.name for one in found)

@@ -5,6 +5,8 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import Any
 
+SEARCH_SHARE = 0.75  # of a budget of runs, for the beam search; the rest is for the search on held-out samples
+
 
 class BudgetSpentError(ValueError):
     """A search has asked for more runs than its budget allows."""

@@ -37,7 +37,16 @@ def open_in_process(source: str, call_seconds: float = CALL_SECONDS) -> Simulato
         If the source cannot be opened.
     """
     process = _Process(source, call_seconds)
-    return Simulator(process, process.label, process.nominal, source=source, joint=process.joint, ranges=process.ranges)
+    return Simulator(
+        process,
+        process.label,
+        process.nominal,
+        source=source,
+        joint=process.joint,
+        ranges=process.ranges,
+        inputs=process.inputs,
+        outputs=process.outputs,
+    )
 
 
 class _Process:
@@ -61,14 +70,14 @@ class _Process:
         opened = self._reply("be opened")
         if isinstance(opened, str):
             raise ValueError(opened)
-        self.label, self.nominal, self.joint, self.ranges = opened
+        self.label, self.nominal, self.joint, self.ranges, self.inputs, self.outputs = opened
 
     def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         try:
             write_message(self._requests, (t, u, dict(numbers)))
         except OSError:
             raise SimulatorError(f"{self.label} has ended its process. Does it call exit, or crash?", True) from None
-        reply = self._reply(f"simulate {u.size} samples")
+        reply = self._reply(f"simulate {len(u)} samples")
         if isinstance(reply, str):
             raise SimulatorError(reply)
         output: FloatArray = reply

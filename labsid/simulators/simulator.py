@@ -31,7 +31,8 @@ class Simulator:
     Attributes
     ----------
     run : callable
-        ``run(t, u, numbers) -> y`` for times in seconds and an input, each of shape (N,), and all numbers by name.
+        ``run(t, u, numbers) -> y`` for times in seconds and an input, each of shape (N,), and all numbers by name; of
+        several signals u has the shape (N, nu) and y (N, ny).
     label : str
         What messages call it, such as ``rig.py:simulate``.
     nominal : dict
@@ -46,6 +47,8 @@ class Simulator:
         Counts its runs.
     joint : OneJoint or None
         Of a model of one joint: the same model as a compiled loop, in which effects can be put.
+    inputs, outputs : tuple of str
+        Names of its signals, in their order; empty if unknown.
     """
 
     run: Run
@@ -56,9 +59,11 @@ class Simulator:
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
     joint: Any = None
+    inputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
 
     def __call__(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float] | None = None) -> FloatArray:
-        """Simulated output, shape (N,), with other values of some numbers.
+        """Simulated output, shape (N,), with other values of some numbers; (N, ny) for inputs of shape (N, nu).
 
         Raises
         ------
@@ -74,7 +79,7 @@ class Simulator:
             raise
         except Exception as error:
             raise SimulatorError(f"{self.label} stopped with {type(error).__name__}: {error}{_place(error)}") from error
-        return as_output(returned, u.size, self.label)
+        return as_output(returned, u.size, self.label) if u.ndim == 1 else as_outputs(returned, len(u), self.label)
 
     def with_free(self, wanted: Sequence[str]) -> "Simulator":
         """The simulation with some of its numbers free.
@@ -122,6 +127,52 @@ def _range(name: str, text: str, nominal: float) -> tuple[float, float]:
             "Widen it, or change the nominal value."
         )
     return limits
+
+
+def one_of_each(simulator: Simulator) -> Simulator:
+    """The simulator, if it is not known to have several inputs or outputs.
+
+    Raises
+    ------
+    ValueError
+        If it has.
+    """
+    for names, what in ((simulator.inputs, "input"), (simulator.outputs, "output")):
+        if len(names) > 1:
+            raise ValueError(f"{simulator.label} has {len(names)} ({', '.join(names)}) as real {what}, expected one.")
+    return simulator
+
+
+def as_outputs(returned: Any, samples: int, label: str) -> FloatArray:
+    """Validate what a simulation of several signals returned.
+
+    Parameters
+    ----------
+    returned : object
+        Shape (N, ny), or (N,) for one output.
+    samples : int
+        N.
+    label : str
+        What messages call the simulation.
+
+    Raises
+    ------
+    SimulatorError
+        If it is not finite numbers with a row for each sample.
+    """
+    try:
+        shape = np.shape(returned)
+    except ValueError:
+        raise SimulatorError(
+            f"{label} returns rows of different lengths; it must return the outputs, with a row for each sample."
+        ) from None
+    if shape and (len(shape) > 2 or shape[0] != samples):
+        raise SimulatorError(
+            f"{label} returns an array of shape {shape} for {samples} samples; it must return the outputs, with a "
+            "row for "
+            f"each sample and a column for each output, shape ({samples}, ny)."
+        )
+    return as_output(returned, int(np.prod(shape)) if shape else samples, label).reshape(samples, -1)
 
 
 def as_output(returned: Any, samples: int, label: str) -> FloatArray:

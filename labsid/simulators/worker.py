@@ -23,7 +23,8 @@ def main() -> None:
     except (ValueError, OSError) as error:
         write_message(replies, str(error))
         return
-    write_message(replies, (simulator.label, simulator.nominal, simulator.joint, simulator.ranges))
+    ports = simulator.inputs, simulator.outputs
+    write_message(replies, (simulator.label, simulator.nominal, simulator.joint, simulator.ranges, *ports))
     while True:
         try:
             t, u, numbers = read_message(requests)

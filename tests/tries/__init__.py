@@ -23,6 +23,7 @@ ASSIGNMENTS = (
     "armax-and-instruments",
     "nonlinear-least-squares",
     "sim-to-real-gap",
+    "several-signals",
 )
 TAUGHT, VAGUE, MISLEADING, TICK, ACCEPTED = "taught", "vague", "misleading", "false tick", "acceptable"
 _SECONDS = 5.0

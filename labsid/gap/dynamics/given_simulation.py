@@ -1,7 +1,7 @@
 """A given simulation as dynamics: its output, its free numbers, and forces that react to its motion."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -48,6 +48,10 @@ class GivenSimulation:
         Counts its runs.
     port : InsidePort or None
         Where effects are put inside it; None for a simulation that is a whole.
+    others : tuple of str
+        Names of its other inputs, of a simulation of several signals.
+    beside : callable or None
+        ``beside(signals)`` is `simulate` with other scaled signals at these inputs, by name.
     _outputs, _pulses : dict
         The last outputs, and the responses to a unit pulse.
     """
@@ -64,6 +68,8 @@ class GivenSimulation:
     source: str = ""
     meter: RunMeter = field(default_factory=RunMeter)
     port: Any = None
+    others: tuple[str, ...] = ()
+    beside: Callable[[Mapping[str, FloatArray]], Callable[[FloatArray, dict[str, float]], FloatArray]] | None = None
     _outputs: dict[tuple[bytes, tuple[tuple[str, float], ...]], FloatArray] = field(
         default_factory=dict, init=False, repr=False
     )
@@ -124,6 +130,10 @@ class GivenSimulation:
             source=simulator.source,
             meter=simulator.meter,
         )
+
+    def with_signals(self, signals: Mapping[str, FloatArray]) -> "GivenSimulation":
+        """The simulation with other scaled signals at its other inputs, by name; itself where it has none."""
+        return self if self.beside is None else replace(self, simulate=self.beside(signals))
 
     def run(self, w: FloatArray, numbers: dict[str, float]) -> FloatArray:
         """Output for the input `w`. The last outputs are kept, but no failure: it may be that of a budget."""

@@ -75,7 +75,7 @@ class FurtherInput(AdditiveEffect):
 
     def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
         """The response, shape (samples, width); past its end the signal holds its last value."""
-        w = np.asarray(_extended(self.signal, samples) - self.reference, np.float64)
+        w = np.asarray(extended(self.signal, samples) - self.reference, np.float64)
         if not self.shared:
             c, k = np.multiply(self.about, np.exp(own))
             return section(float(c), float(k), w)
@@ -121,7 +121,7 @@ class SameEntry(InputEffect):
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Add the input."""
         gain, lead, lag, ahead = own
-        signal = _extended(self.signal, w.size) - self.reference
+        signal = extended(self.signal, w.size) - self.reference
         if ahead:
             signal = (1.0 - ahead) * signal + ahead * np.append(signal[1:], signal[-1])
         if lead:
@@ -131,7 +131,7 @@ class SameEntry(InputEffect):
         return np.asarray(w + gain * signal)
 
 
-def _extended(signal: FloatArray, samples: int) -> FloatArray:
+def extended(signal: FloatArray, samples: int) -> FloatArray:
     """The first samples of a signal; past its end it holds its last value."""
     if signal.size >= samples:
         return signal[:samples]

@@ -158,7 +158,10 @@ class Hypothesis:
             else effect
             for effect in self.effects
         )
-        return self.with_effects(tuple(changed))
+        given = self.given
+        if given is not None:
+            given = replace(given, simulation=given.simulation.with_signals(signals))
+        return Hypothesis(tuple(changed), self.n_given, given)
 
     @property
     def feedback(self) -> OutputFeedback | None:

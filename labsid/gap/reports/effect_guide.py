@@ -192,6 +192,12 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
         "A record much longer than the time over which the noise is correlated.",
         ("output-drift", "periodic-disturbance"),
     ),
+    "coupling": EffectGuide(
+        "dynamics",
+        {"gain": "y/u"},
+        "Several inputs, each of which moves while the others rest; only with --sim.",
+        ("parameter-mismatch",),
+    ),
     "parameter-mismatch": EffectGuide(
         "parameters", {}, "An input that excites the rig as a linear model needs it; only with --sim.", ("extra-lag",)
     ),

@@ -287,6 +287,16 @@ EFFECT_TEXTS: dict[str, EffectText] = {
         "A random disturbance that keeps its sign for many samples. It does not depend on the input, so no simulation "
         "can reproduce it; it limits the accuracy of every simulation.",
     ),
+    "coupling": EffectText(
+        "a coupling",
+        (
+            "The input moves the output, and in the simulation it does not; the steady gain is {gain}",
+            "The input moves the output, and in the simulation it does not",
+        ),
+        "The simulation has no path from this input to this output; the rig has one. Look for shared supplies, "
+        "heat or flow "
+        "between neighbours, and forces through a common frame.",
+    ),
     "parameter-mismatch": EffectText(
         "a parameter mismatch",
         ("The structure of the simulation is right, but its parameters are wrong",),
@@ -337,6 +347,7 @@ _LABELS = {
     "size": "final change of the output",
 }
 _SPECIFIC_LABELS: dict[tuple[str, ...], str] = {
+    ("coupling", "gain"): "steady gain",
     ("input-dead-zone", "low"): "lower edge of the band",
     ("input-dead-zone", "high"): "upper edge of the band",
     ("end-stop", "low"): "lower stop",

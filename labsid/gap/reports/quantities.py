@@ -9,6 +9,7 @@ UNITS = {
     "u": "units of u",
     "y": "units of y",
     "u/s": "units of u a second",
+    "y/u": "units of y for a unit of u",
     "y/s": "units of y a second",
     "1/u": "per unit of u",
     "1/y": "per unit of y",

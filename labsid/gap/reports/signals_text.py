@@ -50,8 +50,10 @@ def verdict_sentence(report: dict[str, Any]) -> str:
     if not effects:
         size = _over_noise(gap, "before")
         if report["verdict"] == "none":
-            return f"There is no gap beyond noise: the rms error of a linear model fitted to the record is {size}."
-        return f"None of the effects tried explains the gap: the rms error of the linear model is {size}."
+            before = "the simulation" if report["simulation"]["given"] else "a linear model fitted to the record"
+            return f"There is no gap beyond noise: the rms error of {before} is {size}."
+        before = "simulation" if report["simulation"]["given"] else "linear model"
+        return f"None of the effects tried explains the gap: the rms error of the {before} is {size}."
     explain = _gain(gap)
     probable = [effect for effect in effects if sentences.is_probable(effect)]
     if not probable:
@@ -84,7 +86,9 @@ def finding_sentences(report: dict[str, Any]) -> list[str]:
 
 
 def _placed(effect: dict[str, Any]) -> str:
-    """``At u2: `` or ``In the dynamics of y1: ``."""
+    """``At u2: ``, ``from u2 to y1: `` or ``In the dynamics of y1: ``."""
+    if effect.get("from"):
+        return f"from {effect['from']} to {effect['to']}: "
     if effect["signal"]:
         return f"at {effect['signal']}: "
     what = "Beside" if effect["path"] == "disturbance" else "In the dynamics of"
@@ -99,6 +103,8 @@ def _qualified(effect: dict[str, Any]) -> str:
 
 def place_of(effect: dict[str, Any]) -> str:
     """Where an effect acts, and on which outputs."""
+    if effect.get("from"):
+        return f"from {effect['from']} to {effect['to']}"
     outputs = sentences.joined(effect["outputs"])
     return f"at {effect['signal']}, seen in {outputs}" if effect["signal"] else f"seen in {outputs}"
 

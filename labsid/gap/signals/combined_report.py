@@ -125,7 +125,13 @@ def combine(prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Seq
             *chain.from_iterable(listed_findings((), part.report["screen"], name) for name, part in last.items()),
         ],
         "record": {"name": signals.name, "samples": len(signals), "Ts": signals.Ts},
-        "simulation": {"given": False, "output_only": False, "closed": False, "output": None, "model": None},
+        "simulation": {
+            "given": signals.given is not None,
+            "output_only": False,
+            "closed": signals.given is not None and not signals.given.linear,
+            "output": None,
+            "model": None,
+        },
         "numbers": [],
         "inputs": {name: _input_trace(signals, i) for i, name in enumerate(signals.inputs)},
         "outputs": {
@@ -145,11 +151,12 @@ def _signal(path: str, part: Part) -> str | None:
 
 def _effects(parts: Sequence[Part]) -> list[dict[str, Any]]:
     """Every effect once, with the outputs that it changes, largest gap first; its numbers are those of that output."""
-    found: dict[tuple[str, str | None], dict[str, Any]] = {}
+    found: dict[tuple[str | None, ...], dict[str, Any]] = {}
     for part in sorted(parts, key=lambda part: -part.gap_size):
         for effect in part.report["effects"]:
             signal = _signal(effect["path"], part)
-            own = found.setdefault((effect["name"], signal), effect | {"signal": signal, "outputs": []})
+            pair = effect.get("from"), effect.get("to")
+            own = found.setdefault((effect["name"], signal, *pair), effect | {"signal": signal, "outputs": []})
             if part.output not in own["outputs"]:
                 own["outputs"].append(part.output)
             if part.together:
@@ -191,13 +198,14 @@ def _gap(last: dict[str, Part]) -> dict[str, Any]:
         max((one["before"] / noise[name]) ** 2 - 1.0, 0.0) if one["closed"] is not None else 0.0
         for name, one in own.items()
     ]
+    unsure = any(size and not one["ci95"] for one, size in zip(own.values(), open_gap, strict=True))
     closed = closed_share(before**2, after**2, 1.0) if before**2 > NO_GAP and any(open_gap) else None
     return {
         "before": before,
         "after": after,
         "noise_floor": 1.0,
         "closed": closed,
-        "ci95": None if closed is None else _interval(list(own.values()), open_gap),
+        "ci95": None if closed is None or unsure else _interval(list(own.values()), open_gap),
         "over_sd": {
             key: float(np.sqrt(np.mean([(one[key] / sds[name]) ** 2 for name, one in own.items()])))
             for key in ("before", "after", "noise_floor")

@@ -2,35 +2,44 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.model_file import ExportedModel, export_model
+from labsid.gap.model_file import export_model
 from labsid.gap.record.clock import clock_findings
 from labsid.gap.reports.quantities import with_units
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.signals.combined_report import Part, combine
+from labsid.gap.signals.couplings import couplings_of, with_couplings
+from labsid.gap.signals.given import as_system, simulate_elsewhere
 from labsid.gap.signals.linear_free_run import simulate_linear_models
 from labsid.gap.signals.neighbours import Coupled, simulate_together
 from labsid.gap.signals.preparation import Prepared, prepare, prepare_holdout
 from labsid.gap.signals.result import SignalsDiagnosis
-from labsid.gap.signals.roles import Signals
+from labsid.gap.signals.roles import Role, Signals
 from labsid.gap.signals.search import ExplainedOutput, Through, explain_outputs
-from labsid.gap.verdict.answer import answer_from
+from labsid.gap.simulations.baseline import AnySimulation, Baseline
+from labsid.gap.system_file import Actuator, ExportedOutput, ExportedSystem
+from labsid.gap.verdict.answer import Answer, answer_from
 from labsid.gap.verdict.scores import NO_GAP, GapScore, closed_share
 from labsid.records.record import Record
+from labsid.simulators.meter import SEARCH_SHARE
 
 
 def diagnose_signals(
     record: Record,
+    simulation: AnySimulation | None = None,
     *,
+    free: Sequence[str] = (),
     holdout: Record | None = None,
     order: int = 2,
     exclude: Sequence[tuple[float, float]] = (),
     seed: int = 0,
+    evaluations: int | None = None,
     progress: Progress | None = None,
 ) -> SignalsDiagnosis:
     """Find the effects at every input and output of a record, and in its dynamics.
@@ -39,6 +48,10 @@ def diagnose_signals(
     ----------
     record : Record
         Of several inputs or outputs.
+    simulation : callable, Simulator or system of python-control, optional
+        A simulation of all of them; see `as_system`.
+    free : sequence of str
+        Numbers of it that may be fitted.
     holdout : Record, optional
         Another record of the same signals, for scoring.
     order : int
@@ -47,6 +60,8 @@ def diagnose_signals(
         Time ranges, in seconds, that are neither fitted nor scored.
     seed : int
         Random seed of the confidence intervals.
+    evaluations : int, optional
+        Largest number of runs of the simulation in the search.
     progress : callable, optional
 
     Returns
@@ -61,22 +76,57 @@ def diagnose_signals(
     prepared = prepare(record, exclude)
     other = None if holdout is None else prepare_holdout(holdout, prepared)
     prepared = replace(prepared, findings=(*clock_findings(record, holdout), *prepared.findings))
-    explained = explain_outputs(prepared.signals, order, progress)
+    prepared = _with_simulation(prepared, simulation, record.outputs, free)
+    given = prepared.signals.given
+    if given is None:
+        explained = explain_outputs(prepared.signals, order, progress)
+    else:
+        given.simulator.meter.begin(evaluations)
+        with given.simulator.meter.searching(SEARCH_SHARE):
+            explained = explain_outputs(prepared.signals, order, progress)
     made = [_parts(prepared, one, other, seed, progress) for one in explained]
     parts = [part for parts, _ in made for part in parts]
     if explained[0].search.signals is not prepared.signals:  # beside measured neighbours
-        parts = _simulated_together(prepared, explained, parts, [score for _, score in made], other, order)
-    models = {prepared.signals.outputs[one.output]: _model(one.through[-1]) for one in explained}
-    return SignalsDiagnosis(combine(prepared, explained, parts), models)
+        parts = _simulated_together(prepared, explained, parts, [answer.score for _, answer in made], other, order)
+    system = _system(prepared.signals, explained, [answer for _, answer in made], record.outputs)
+    models = {name: one.model for name, one in system.outputs.items()}
+    exportable = None if explained[0].search.signals is not prepared.signals else system
+    return SignalsDiagnosis(combine(prepared, explained, parts), models, exportable)
 
 
-def _model(through: Through) -> ExportedModel:
-    return export_model(through.explanation.data, through.explanation.best)
+def _with_simulation(
+    prepared: Prepared, simulation: AnySimulation | None, outputs: Sequence[str], free: Sequence[str]
+) -> Prepared:
+    """The record with a given simulation, and the paths between its signals that it lacks."""
+    signals = prepared.signals
+    record = Record(
+        signals.t, signals.u, signals.y, signals.Ts, name=signals.name, inputs=signals.inputs, outputs=signals.outputs
+    )
+    given = as_system(simulation, record, outputs, free)
+    if given is None:
+        return prepared
+    signals = replace(signals, given=given)
+    couplings = tuple(couplings_of(signals, j) for j in range(len(signals.outputs)))
+    return replace(prepared, signals=replace(signals, given=replace(given, couplings=couplings)))
+
+
+def _system(
+    signals: Signals, explained: Sequence[ExplainedOutput], answers: Sequence[Answer], outputs: Sequence[str]
+) -> ExportedSystem:
+    """The corrected simulation of every output through the input by which everything that was found is explained."""
+    found = {}
+    for one, answer in zip(explained, answers, strict=True):
+        through = one.through[-1]
+        inputs = one.search.signals.inputs
+        model = export_model(answer.explanation.data, answer.score.after_fit, answer.elsewhere, answer.start)
+        actuators = tuple(Actuator.of(inputs[at.role.main], at.fit) for at in through.others)
+        found[signals.outputs[one.output]] = ExportedOutput(model, inputs[through.role.main], actuators)
+    return ExportedSystem(signals.inputs, signals.input_scales, found, tuple(outputs))
 
 
 def _parts(
     prepared: Prepared, one: ExplainedOutput, other: Prepared | None, seed: int, progress: Progress | None
-) -> tuple[list[Part], GapScore]:
+) -> tuple[list[Part], Answer]:
     """The report of an output through each input at which effects were found; the last one is that of the output."""
     whole, signals, parts = prepared.signals, one.search.signals, []
     name = whole.outputs[one.output]
@@ -88,8 +138,10 @@ def _parts(
         scored = None if scored_signals is None else _pair(scored_signals, i, j)
         measured = None if scored_signals is None else scored_signals.rows[:, j]
         further = None if scored_signals is None else _further(through, signals, scored_signals)
-        answer = answer_from(record, through.explanation, through.role.base, scored, rng, progress, measured, further)
+        base = _on_holdout(through.role, signals, scored_signals)
+        answer = answer_from(record, through.explanation, base, scored, rng, progress, measured, further)
         report = build_report(record, answer, through.role.base, rng, scored)
+        report = with_couplings(report, whole, one.output, answer.explanation.path[0])
         units = prepared.units[whole.inputs.index(signals.inputs[i])], prepared.units[len(whole.inputs) + one.output]
         report = with_units(report, *units) if all(units) else report
         before, after = answer.outputs
@@ -100,7 +152,16 @@ def _parts(
             before, after = (np.asarray(back(output)) for output in answer.score.outputs)
             report["holdout_traces"] = figure_traces(scored.t, scored.u, scored.y, before, after, measured)
         parts.append(Part(name, signals.inputs[i], report, float(np.std(record.y[rows]))))
-    return parts, answer.score
+    return parts, answer
+
+
+def _on_holdout(role: Role, signals: Signals, other: Signals | None) -> Baseline:
+    """The baseline of an output, its given simulation on another record with all inputs of that one."""
+    if other is None or signals.given is None:
+        return role.base
+    rates = role.base.structure.plant.simulation.rates if role.kind == "given" else role.rates
+    run = partial(simulate_elsewhere, signals.given, other.t, other.u, role.output, rates)
+    return replace(role.base, simulate_record=run)
 
 
 def _seen_as(signals: Signals, other: Signals) -> Signals:

@@ -41,8 +41,8 @@ class LinearParts:
 
     @property
     def strongest(self) -> int:
-        """The input that moves the output most."""
-        return int(np.argmax(self.strength))
+        """The input that moves the output most, of those whose effects can be seen."""
+        return int(np.argmax(np.where(self.seen, self.strength, 0.0) if self.seen.any() else self.strength))
 
 
 def linear_parts(pairs: list[Data]) -> LinearParts:

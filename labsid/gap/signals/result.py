@@ -7,6 +7,7 @@ from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.page_parts import in_frame
 from labsid.gap.reports.signals_page import render_signals, with_titles
 from labsid.gap.reports.signals_text import format_signals
+from labsid.gap.system_file import ExportedSystem
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -21,10 +22,13 @@ class SignalsDiagnosis:
         In the layout ``labsid.gap/4``; ``--json`` writes it.
     models : dict
         By output: the simulation with the effects added.
+    system : ExportedSystem or None
+        All of them as one simulation; None where each output was explained beside the measured other outputs.
     """
 
     report: dict[str, Any]
     models: dict[str, ExportedModel]
+    system: ExportedSystem | None = None
 
     @property
     def verdict(self) -> str:
@@ -33,8 +37,8 @@ class SignalsDiagnosis:
 
     @property
     def effects(self) -> dict[tuple[str, str | None], dict[str, dict[str, Any]]]:
-        """Parameters of the effects found, by name and signal."""
-        return {(effect["name"], effect["signal"]): effect["parameters"] for effect in self.report["effects"]}
+        """Parameters of the effects found, by name and signal; of a coupling, ``"u2 -> y1"``."""
+        return {(effect["name"], _place(effect)): effect["parameters"] for effect in self.report["effects"]}
 
     def with_report(self, report: dict[str, Any]) -> "SignalsDiagnosis":
         """The same result with another report, such as one with the command line."""
@@ -60,3 +64,11 @@ class SignalsDiagnosis:
 
     def _repr_html_(self) -> str:
         return in_frame(render_signals(self.report))
+
+
+def _place(effect: dict[str, Any]) -> str | None:
+    """The signal of an effect, or both ends of a coupling."""
+    if effect.get("from"):
+        return f"{effect['from']} -> {effect['to']}"
+    signal: str | None = effect["signal"]
+    return signal

@@ -10,6 +10,7 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale, scaled
+from labsid.gap.signals.given import GivenSystem, given_baseline
 from labsid.gap.signals.input_responses import LinearParts, others_beside
 from labsid.gap.simulations.baseline import Baseline, linear_structure, make_baseline
 
@@ -34,6 +35,8 @@ class Signals:
         Names.
     name : str
         Of the record.
+    given : GivenSystem or None
+        A given simulation.
     """
 
     t: FloatArray
@@ -44,6 +47,7 @@ class Signals:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     name: str = ""
+    given: GivenSystem | None = None
 
     def data(self, i: int, j: int) -> Data:
         """Input i and output j as the search uses them."""
@@ -78,18 +82,26 @@ class Role:
         Which output and which input.
     data : Data
     base : Baseline
-        The linear structure, with the responses to the other inputs.
+        The linear structure, with the responses to the other inputs, or a given simulation.
+    kind : str
+        How the other inputs act, as of `make_role`.
+    rates : (float, float)
+        c and k of the response to the main input.
     """
 
     output: int
     main: int
     data: Data
     base: Baseline
+    kind: str = "apart"
+    rates: tuple[float, float] = (0.5, 0.05)
 
     @property
     def further(self) -> tuple[str, ...]:
         """Names of the other inputs that move the output."""
-        return tuple(one.variant for one in self.base.structure.effects if isinstance(one, FurtherInput | SameEntry))
+        structure = self.base.structure
+        found = [one.variant for one in structure.effects if isinstance(one, FurtherInput | SameEntry)]
+        return (*found, *(() if structure.given is None else structure.given.simulation.others))
 
 
 def make_role(
@@ -112,8 +124,8 @@ def make_role(
         Of the output.
     order : int
         Of the linear model.
-    kind : {"apart", "coupled", "same entry"}
-        As of `others_beside`.
+    kind : {"apart", "coupled", "same entry", "given"}
+        As of `others_beside`; "given" for a simulation that is run.
     start : ndarray, optional
         Parameters of the structure.
     applied : mapping of int to ndarray, optional
@@ -121,8 +133,19 @@ def make_role(
     """
     data = signals.data(main, output)
     inputs = signals.scaled_inputs()
+    as_recorded = inputs.copy()
     for i, w in (applied or {}).items():
         inputs[:, i] = w
+    if signals.given is not None:
+        ends = (main, output), signals.inputs, signals.input_scales, parts.rates[main]
+        given = given_baseline(signals.given, data, signals.t, as_recorded, *ends)
+        if kind == "given":
+            structure = (
+                given_baseline(signals.given, data, signals.t, inputs, *ends).structure if applied else given.structure
+            )
+            lacking = signals.given.lacking(output, inputs)
+            given = replace(given, structure=_beside(structure, lacking))
+            return Role(output, main, data, given, kind, parts.rates[main])
     further = others_beside(parts, main, inputs, signals.inputs, kind)
     base = make_baseline(data, signals.t, None, order)
     if kind == "coupled":
@@ -133,7 +156,10 @@ def make_role(
     structure = _beside(base.structure, further)
     if kind == "same entry":
         base = replace(base, start=_behind_first_state(structure, parts.rates[main]))
-    return Role(output, main, data, replace(base, structure=structure, alternative=alternative))
+    if signals.given is not None:
+        base = replace(base, before=given.before, simulate_record=given.simulate_record)
+    base = replace(base, structure=structure, alternative=alternative)
+    return Role(output, main, data, base, kind, parts.rates[main])
 
 
 def _behind_first_state(structure: Hypothesis, rates: tuple[float, float]) -> FloatArray:

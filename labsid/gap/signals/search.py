@@ -106,6 +106,8 @@ class OutputSearch:
         As of `others_beside`.
     start : ndarray or None
         Parameters of the linear structure.
+    beside : tuple of AtInput
+        Effects at inputs whose path to the output the given simulation lacks, which other outputs have shown.
     """
 
     signals: Signals
@@ -115,11 +117,12 @@ class OutputSearch:
     progress: Progress | None
     kind: str = "apart"
     start: FloatArray | None = None
+    beside: tuple[AtInput, ...] = ()
 
     def role(self, main: int, others: Sequence[AtInput] = ()) -> Role:
         """The output seen through an input, with effects at others."""
         inputs = self.signals.scaled_inputs()
-        applied = {one.role.main: one.applied(inputs[:, one.role.main]) for one in others}
+        applied = {one.role.main: one.applied(inputs[:, one.role.main]) for one in (*self.beside, *others)}
         return make_role(self.signals, self.output, main, self.parts, self.order, self.kind, self.start, applied)
 
     def through(self, main: int, others: Sequence[AtInput], most: int) -> Through:
@@ -131,10 +134,10 @@ class OutputSearch:
         only = most == 1 and main != self.seen[0]
         found = explain_record(replace(role.data, at_input=only), role.base, self.progress, most)[0]
         found = replace(found, data=replace(found.data, at_input=False))
-        if others:
-            plain = self.through(main, (), 0).explanation.best
+        if others or self.beside:
+            plain = replace(self, beside=()).through(main, (), 0).explanation.best
             found = replace(found, path=(plain, *(found.path[1:] or found.path)))
-        return Through(role, found, tuple(others))
+        return Through(role, found, (*self.beside, *others))
 
     @property
     def seen(self) -> list[int]:
@@ -190,6 +193,10 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     """
     nu, ny = len(signals.inputs), len(signals.outputs)
     parts = [linear_parts([signals.data(i, j) for i in range(nu)]) for j in range(ny)]
+    if signals.given is not None and not signals.given.linear:
+        parts = [_with_paths(own, signals.given.paths[j]) for j, own in enumerate(parts)]
+        closed = [_linear(signals, j, own, order, "given") for j, own in enumerate(parts)]
+        return [_deepened(one) for one in _explained(signals, parts, order, progress, closed)]
     plain = [_linear(signals, j, own, order, "apart") for j, own in enumerate(parts)]
     apart = [_likeliest(signals, j, own, order, one) for j, (own, one) in enumerate(zip(parts, plain, strict=True))]
     if not may_be_coupled(signals, parts) or all(residual_is_white(*one.fitted) for one in apart):
@@ -199,7 +206,7 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     better = bool(coupled) and _total(coupled) < _total(apart) - BIC_MARGIN
     if better and have_poles_in_common([one.fitted for one in coupled]):
         return [_deepened(one) for one in _explained(signals, parts, order, progress, coupled)]
-    searches = _beside_neighbours(signals, parts, order, progress)
+    searches = _beside_neighbours(signals, parts, order, progress) if signals.given is None else []
     likely = any(
         residual_is_white(*_linear_fit(one)) and not residual_is_white(*apart[j].fitted)
         for j, one in enumerate(searches)
@@ -218,6 +225,11 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
         options += [other] if have_poles_in_common([one.last for one in other]) else []
     best = min(options, key=lambda option: _rank(signals, option))
     return _own_poles(signals, [_deepened(one) for one in best])
+
+
+def _with_paths(parts: LinearParts, paths: np.ndarray) -> LinearParts:
+    """The responses of an output; effects are searched at inputs that move it in the simulation, too."""
+    return replace(parts, seen=parts.seen & paths) if np.any(parts.seen & paths) else parts
 
 
 def _rank(signals: Signals, option: Sequence[ExplainedOutput]) -> tuple[int, float]:
@@ -354,6 +366,7 @@ def _explained(
     found: dict[int, ExplainedOutput] = {}
     known: list[AtInput] = []
     for one in sorted(searches, key=lambda one: -gaps[one.output]):
+        one = _with_known(one, known)
         explained = _explain_output(one, known)
         other = _OTHER_KIND.get(one.kind)
         if other and not explained.white and one.parts.moves.sum() > 1:
@@ -363,6 +376,15 @@ def _explained(
         at_inputs = (through.found for through in explained.through)
         known += [at for at in at_inputs if at is not None and not _has(known, at)]
     return [found[j] for j in range(ny)]
+
+
+def _with_known(search: OutputSearch, known: Sequence[AtInput]) -> OutputSearch:
+    """The search of an output, with the effects at inputs that move it by paths that the given simulation lacks."""
+    given = search.signals.given
+    if given is None or search.kind != "given" or not given.couplings:
+        return search
+    lacking = {one.input for one in given.couplings[search.output]}
+    return replace(search, beside=tuple(at for at in known if at.role.main in lacking))
 
 
 def _of_output(progress: Progress | None, j: int, ny: int) -> Progress | None:

@@ -33,7 +33,7 @@ from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
 from labsid.simulators.meter import RunMeter
-from labsid.simulators.simulator import Simulator, function_simulator
+from labsid.simulators.simulator import Simulator, function_simulator, one_of_each
 
 DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero
 MIN_MOVED = 1e-3  # of the standard deviation of the output
@@ -173,7 +173,7 @@ def make_baseline(data: Data, t: FloatArray, simulation: Simulation | None, orde
     if isinstance(simulation, dict):
         return _transfer_function(data, read_transfer_function(simulation, data.Ts))
     if isinstance(simulation, Simulator):
-        return _simulator(data, t, simulation)
+        return simulator_baseline(data, t, simulation)
     assert simulation is not None
     return _simulated_output(data, simulation)
 
@@ -205,6 +205,7 @@ def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[st
             "simulates nothing. Check the run of the simulator, or leave out --sim."
         )
     if isinstance(simulation, Simulator):
+        one_of_each(simulation)
         return simulation.with_free(free) if free else simulation
     if free:
         what = "the fitted model" if simulation is None else "this simulation"
@@ -290,13 +291,35 @@ def _exported(data: Data, model: ExportedModel) -> Baseline:
     return Baseline(before, structure, simulate_record, start)
 
 
-def _simulator(data: Data, t: FloatArray, simulate: Simulator) -> Baseline:
+def simulator_baseline(
+    data: Data,
+    t: FloatArray,
+    simulate: Simulator,
+    rates: tuple[float, float] | None = None,
+    states: FloatArray | None = None,
+) -> Baseline:
+    """Baseline of a simulator that is run.
+
+    Parameters
+    ----------
+    data : Data
+    t : ndarray, shape (N,)
+        Times in seconds.
+    simulate : Simulator
+    rates : tuple of float, optional
+        c and k of a linear model of the rig, for its initial state and its loads; by default those of the record, or of
+        the simulation.
+    states : ndarray, shape (N, n), optional
+        What unit initial states leave of its output; by default responses of second order with these rates.
+    """
     if simulate.joint is not None:
         return _opened(data, simulate)
     u, y = _unscaled(data)
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: simulate(t[: u[at].size], u[at])), y)
-    rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
-    before = partial(_fit_given, output, free_responses(data.samples, *rates), rates)
+    if rates is None:
+        rates = fit_baseline(data).rates if simulate.free else _linear_rates(data, output)
+    states = free_responses(data.samples, *rates) if states is None else states
+    before = partial(_fit_given, output, states, rates)
     scales = data.u_scale, data.y_scale
     given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
     given = replace(given, units=_units(given, data.u))

@@ -21,7 +21,7 @@ from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.records.several_signals import one_signal_each
 from labsid.simulators.mjcf.sources import MjcfSource, parse_mjcf
 from labsid.simulators.process import open_in_process
-from labsid.simulators.simulator import Simulator
+from labsid.simulators.simulator import Simulator, one_of_each
 from labsid.simulators.sources import is_source
 
 MAX_MISSING = 0.5  # samples of the record by which a simulated output may begin later or end earlier
@@ -144,7 +144,7 @@ def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
     measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
     chosen, content = ports.of(source), read_fmu_content(source)
     if content is None and is_source(chosen):
-        y, start = _play(open_in_process(chosen), record)
+        y, start = _play(one_of_each(open_in_process(chosen)), record)
     else:
         content = content or load_model(source)
         record = at_sampling_time(record, stated_sampling_time(content))

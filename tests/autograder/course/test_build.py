@@ -100,7 +100,7 @@ def _in_order() -> list[str]:
     return [
         "prelab-sinusoids", "lab-identification", "postlab-model-order", "step-response", "least-squares",
         "model-structures", "recursive-identification", "armax-and-instruments", "nonlinear-least-squares",
-        "sim-to-real-gap",
+        "sim-to-real-gap", "several-signals",
     ]  # fmt: skip
 
 

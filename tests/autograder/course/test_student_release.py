@@ -69,7 +69,7 @@ def test_the_start_page_lists_the_assignments_in_order(course: Course, shared: d
         rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ") and "ipynb" in line]
         assert [row[1].split("](")[1] for row in rows] == [f"{name}/{name}.ipynb)" for name in course.assignments()]
         assert [row[2] for row in rows] == [f"{HOURS[name]:g}" for name in course.assignments()]
-        assert [row[3] for row in rows] == ["1", "2", "1", "1", "1", "1", "1", "1", "1", "2"]
+        assert [row[3] for row in rows] == ["1", "2", "1", "1", "1", "1", "1", "1", "1", "2", "1"]
         assert rows[1][4] == "Monday, 30 November, 23:59 |"
         assert "labsid submit" in page
         assert RULE.format(seconds=CELL_SECONDS) in page

@@ -16,6 +16,7 @@ LECTURES = (
     "recursive-identification",
     "armax-and-instruments",
     "nonlinear-least-squares",
+    "several-signals",
 )
 QUESTIONS = [
     pytest.param(name, question, id=question.id) for name in LECTURES for question in load_assignment(name).questions

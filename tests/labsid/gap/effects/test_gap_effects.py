@@ -54,6 +54,7 @@ TABLE = {
     "load-step": "disturbance",
     "periodic-disturbance": "disturbance",
     "coloured-noise": "disturbance",
+    "coupling": "dynamics",
     "parameter-mismatch": "parameters",
 }
 PARAMETERS = {

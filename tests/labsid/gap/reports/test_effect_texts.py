@@ -39,6 +39,7 @@ CLAUSES = {
     "load-step": "An unmeasured load starts at 374.2 s and changes the output by -0.210",
     "periodic-disturbance": "The output oscillates at 0.0861 Hz with amplitude 0.00467, independent of the command",
     "coloured-noise": "The output contains noise of 0.045 rms that is correlated over many samples",
+    "coupling": "The input moves the output, and in the simulation it does not; the steady gain is 0.699",
     "parameter-mismatch": "The structure of the simulation is right, but its parameters are wrong",
 }
 

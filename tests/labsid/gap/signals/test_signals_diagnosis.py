@@ -118,5 +118,5 @@ def test_what_is_not_there_for_several_signals_is_said_in_one_line() -> None:
     record = two_by_two(1)
     with pytest.raises(ValueError, match="2 records of several signals"):
         diagnose([record, record])
-    with pytest.raises(ValueError, match="given simulation of several signals"):
-        diagnose(record, lambda t, u: u)
+    with pytest.raises(ValueError, match="needs a simulation of all of them"):
+        diagnose(record, {"num": [1.0], "den": [1.0, -0.5], "dt": record.Ts})

@@ -1,0 +1,129 @@
+"""Check of the fit in a closed loop, with the reference as instrument."""
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_theta
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.estimation.instrumental import instrumental_variables
+from labsid.lab.regressor import build_phi
+from labsid.least_squares.solve import solve_least_squares
+
+_START = 2
+_CALL = "fit_with_reference(u, y, r)"
+
+
+@first_failure
+def check_reference(ask: Ask) -> Iterator[Verdict]:
+    """`fit_with_reference(u, y, r)`, in two loops with slow disturbances."""
+    for gain in (1.0, 2.0):
+        yield _judge_fit(ask, *_loop(ask.rng, gain))
+    yield Verdict(True, "instruments that nobody made from the disturbance.")
+
+
+def _loop(rng: np.random.Generator, gain: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Input, output and reference of a first-order rig in a proportional loop."""
+    samples, a, b = int(rng.integers(150, 170)), -rng.uniform(0.7, 0.9), rng.uniform(0.2, 0.3)
+    r, e = rng.uniform(-2, 2, samples), 0.5 * rng.standard_normal(samples)
+    u, y, v = np.zeros(samples), np.zeros(samples), 0.0
+    for k in range(samples):
+        v = 0.8 * v + e[k]
+        y[k] = (b * u[k - 1] - a * y[k - 1] if k else 0.0) + v
+        u[k] = gain * (r[k] - y[k])
+    return u, y, r
+
+
+def _past(x: FloatArray, lags: tuple[int, ...]) -> FloatArray:
+    """The columns x(k - lag) of the rows k = 2, ..., N - 1."""
+    return np.column_stack([x[_START - lag : len(x) - lag] for lag in lags])
+
+
+def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict:
+    got = as_theta(_CALL, returned(ask, "fit_with_reference", u, y, r), 2)
+    rows = build_phi(u, y, 1, _START)
+    Phi, Y = rows.Phi, rows.Y
+
+    def by(Z: FloatArray) -> FloatArray:
+        return instrumental_variables(Z, Phi, Y).theta
+
+    Z = _past(r, (1, 2))
+    right = by(Z)
+    loop = "Both are in the loop and hold past disturbances; the reference does not."
+    lags = f"the instruments of `{_CALL}` are r(k-1) and r(k-2): the slices begin elsewhere."
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        f"`{_CALL}` does not solve Z'Phi theta = Z'Y. Write z(2), phi(2) and y(2) down by hand.",
+        [
+            *(
+                Slip(
+                    "least squares",
+                    f"`{_CALL}` is least squares, biased by the disturbance. Multiply by Z', not by Phi'.",
+                    partial(_least_squares, u, y, start),
+                )
+                for start in (1, _START)
+            ),
+            Slip(
+                "past inputs as instruments",
+                f"`{_CALL}` takes past inputs for instruments. In a loop they hold the controller's answer to past "
+                "disturbances.",
+                lambda: by(_past(u, (1, 2))),
+            ),
+            Slip(
+                "past outputs as instruments",
+                f"`{_CALL}` takes past outputs or inputs for instruments. {loop}",
+                lambda: by(_past(y, (1, 2))),
+            ),
+            Slip(
+                "past outputs as instruments",
+                f"`{_CALL}` takes past outputs or inputs for instruments. {loop}",
+                lambda: by(np.column_stack([_past(y, (2,)), _past(u, (2,))])),
+            ),
+            Slip(
+                "past outputs as instruments",
+                f"`{_CALL}` keeps the past output or input beside the reference. {loop}",
+                lambda: by(np.column_stack([_past(y, (1,)), _past(r, (1,))])),
+            ),
+            Slip(
+                "past outputs as instruments",
+                f"`{_CALL}` keeps the past output or input beside the reference. {loop}",
+                lambda: by(np.column_stack([_past(r, (1,)), _past(u, (1,))])),
+            ),
+            Slip("lag off by one", lags, lambda: by(_past(r, (0, 1)))),
+            Slip("lag off by one", lags, lambda: by(_past(r, (0, 2)))),
+            Slip(
+                "regressed on the instruments",
+                f"`{_CALL}` regresses on Z, (Z'Z)^-1 Z'Y; the estimate is (Z'Phi)^-1 Z'Y.",
+                lambda: solve_least_squares(Z, Y).theta,
+            ),
+            Slip(
+                "Phi'Z for Z'Phi",
+                f"`{_CALL}` solves with Phi'Z, the transpose of Z'Phi.",
+                lambda: np.asarray(np.linalg.solve(Phi.T @ Z, Z.T @ Y), np.float64),
+            ),
+            Slip(
+                "Phi and Z exchanged",
+                f"`{_CALL}` has Phi and Z exchanged: it is (Z'Phi)^-1 Z'Y.",
+                lambda: np.asarray(np.linalg.solve(Phi.T @ Z, Phi.T @ Y), np.float64),
+            ),
+            Slip("sign of a", f"`{_CALL}` returns [a, b]; theta is [-a, b].", lambda: right * [-1, 1]),
+            Slip("a and b swapped", f"`{_CALL}` returns b first.", lambda: right[::-1]),
+            Slip("inverse forgotten", f"`{_CALL}` returns Z'Y: the inverse of Z'Phi is missing.", lambda: Z.T @ Y),
+            Slip(
+                "u(k) for u(k-1)",
+                f"Phi of `{_CALL}` holds u(k); the equation has u(k-1).",
+                lambda: instrumental_variables(Z, np.column_stack([_past(y, (1,)), _past(u, (0,))]), Y).theta,
+            ),
+        ],
+    )
+
+
+def _least_squares(u: FloatArray, y: FloatArray, start: int) -> FloatArray:
+    rows = build_phi(u, y, 1, start)
+    return solve_least_squares(rows.Phi, rows.Y).theta

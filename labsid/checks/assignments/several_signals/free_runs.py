@@ -1,0 +1,108 @@
+"""Checks of the free run of one output with several inputs."""
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.compare import SAME, as_array, as_vector
+from labsid.checks.question import Ask, returned
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.lab.arx_system import simulate_system, system_from_thetas
+from labsid.records.several_signals import names_of
+
+_POLES = ((0.6, 0.9), (-0.5, 0.3), (0.2, 0.5))
+
+
+@first_failure
+def check_run(ask: Ask) -> Iterator[Verdict]:
+    """`simulate_output(theta, u, n)`, for several numbers of inputs and orders."""
+    for nu, n in ((2, 2), (3, 1), (2, 3)):
+        poles = [ask.rng.uniform(*limits) for limits in _POLES[:n]]
+        theta = np.concatenate([-np.poly(poles)[1:], ask.rng.uniform(0.5, 2, nu * n)])
+        yield _judge_run(ask, theta, ask.rng.uniform(-2, 2, (int(ask.rng.integers(30, 40)), nu)), n)
+    yield Verdict(True, "all inputs move the output, and only simulated outputs are fed back.")
+
+
+def _run(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:
+    model = system_from_thetas([theta], n, 1.0, names_of("u", (), u.shape[1]), ("y",))
+    return simulate_system(model, u)[:, 0]
+
+
+def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
+    call = f"simulate_output(theta, u, {n})"
+    value = returned(ask, "simulate_output", theta, u, n)
+    nu, N = u.shape[1], len(u)
+    a, b = theta[:n], theta[n:]
+    parts = np.column_stack([_run(theta, u * only, n) for only in np.eye(nu)])
+    got = as_array(call, value)
+    if got.shape in ((N, nu), (nu, N)) and SAME(got if got.shape == (N, nu) else got.T, parts):
+        return Verdict(False, f"`{call}` returns a run for each input: the output is their sum.", "runs not added up")
+    got = as_vector(call, value, N)
+    right = _run(theta, u, n)
+    alone = f"`{call}` has one input in it; the output is moved by all {nu}."
+    flipped = np.concatenate([-a, b])
+    return judge(
+        got,
+        right,
+        SAME,
+        "",
+        f"`{call}` is not the free run from rest. Work out the first two samples by hand, with n = 1.",
+        [
+            *(Slip("one input only", alone, partial(np.copy, part)) for part in parts.T),
+            Slip(
+                "sign of a",
+                f"`{call}` has the wrong sign of a: theta holds -a, the denominator [1, a1, ...].",
+                lambda: _run(flipped, u, n),
+            ),
+            Slip(
+                "numbers taken lag by lag",
+                f"`{call}` deals the b's out lag by lag; theta has a block of n for each input.",
+                lambda: _run(np.r_[a, b.reshape(n, nu).T.ravel()], u, n),
+            ),
+            Slip(
+                "one block of b",
+                f"`{call}` uses the b's of one input for all inputs: that of input j begins at n + j n.",
+                lambda: _run(np.r_[a, np.tile(b[:n], nu)], u, n),
+            ),
+            Slip(
+                "one block of b",
+                f"`{call}` uses the b's of one input for all inputs: that of input j begins at n + j n.",
+                lambda: _run(np.r_[a, np.tile(b[-n:], nu)], u, n),
+            ),
+            Slip(
+                "lag off by one",
+                f"`{call}` lets u(k) move y(k). The first lag is 1: the numerator begins with a zero.",
+                lambda: _run(theta, np.vstack([u, np.zeros(nu)]), n)[1:],
+            ),
+            Slip(
+                "oldest lag first",
+                f"`{call}` has the lags of its b's in reverse order.",
+                lambda: _run(np.r_[a, b.reshape(nu, n)[:, ::-1].ravel()], u, n),
+            ),
+            Slip(
+                "first samples left at zero",
+                f"`{call}` leaves the first n samples at zero: lags before sample 0 are zero, the others count.",
+                lambda: _from_n(theta, u, n),
+            ),
+            Slip(
+                "past outputs left out",
+                f"`{call}` feeds nothing back: the past simulated outputs are missing.",
+                lambda: _run(np.r_[np.zeros(n), b], u, n),
+            ),
+            Slip(
+                "inputs in reverse order",
+                f"`{call}` takes the inputs in reverse order.",
+                lambda: _run(theta, u[:, ::-1], n),
+            ),
+        ],
+    )
+
+
+def _from_n(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:
+    """The run of a loop that begins at sample n."""
+    y = np.zeros(len(u))
+    for k in range(n, len(u)):
+        y[k] = theta @ np.concatenate([y[k - n : k][::-1], *(column[k - n : k][::-1] for column in u.T)])
+    return y

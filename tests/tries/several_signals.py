@@ -1,0 +1,203 @@
+"""First tries at the assignment on several signals."""
+
+from tries import Try
+
+READ, OFF, PHI, THETA, RUN, LOOP = (
+    "sev-1-read",
+    "sev-2-offsets",
+    "sev-3-phi",
+    "sev-4-theta",
+    "sev-5-run",
+    "sev-6-reference",
+)
+
+
+def read(columns: str, end: str = "u, y, Ts = record.u, record.y, record.Ts") -> str:
+    return f'record = load_record("TwoHeaters.csv"{columns})\n{end}'
+
+
+def off(body: str) -> str:
+    return f"def without_offsets(u, y):\n    {body}\n"
+
+
+def phi(body: str) -> str:
+    return f"def regressor(u, y, i, n):\n    N = len(y)\n    {body}\n"
+
+
+def theta(body: str) -> str:
+    return f"def fit_outputs(u, y, n):\n    {body}\n"
+
+
+def run(body: str) -> str:
+    return f"def simulate_output(theta, u, n):\n    {body}\n"
+
+
+def loop(body: str) -> str:
+    return f"def fit_with_reference(u, y, r):\n    {body}\n"
+
+
+PHI_Y = "Phi = np.column_stack([y[1:-1], u[1:-1]]); Z = np.column_stack([r[1:-1], r[:-2]]); "
+FILTERS = "[scipy.signal.lfilter(np.r_[0, theta[n + j * n : n + (j + 1) * n]], np.r_[1, -theta[:n]], u[:, j]) for j in "
+
+TRIES = (
+    Try(READ, "no columns named", read(""), "no columns|inputs"),
+    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "comma"),
+    Try(READ, "swapped", read(', inputs="T1,T2", outputs="Q1,Q2"'), "powers are inputs"),
+    Try(READ, "alternating", read(', inputs="Q1,T1", outputs="Q2,T2"'), "alternate"),
+    Try(
+        READ,
+        "first column of each",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u[:, 0], record.y[:, 0], record.Ts"),
+        "shape \\(600, 2\\)",
+    ),
+    Try(
+        READ,
+        "transposed",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u.T, record.y.T, record.Ts"),
+        "row for each signal",
+    ),
+    Try(READ, "Ts forgotten", read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y = record.u, record.y"), "Ts"),
+    Try(OFF, "no axis", off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u[0], y - np.mean(y[:n])"), "axis=0"),
+    Try(
+        OFF,
+        "first input only",
+        off("n = np.argmax(u[:, 0] != u[0, 0]); return u - u[0], y - y[:n].mean(axis=0)"),
+        "one certain input",
+    ),
+    Try(OFF, "all over the record", off("return u - u[0], y - y.mean(axis=0)"), "whole record"),
+    Try(OFF, "first row", off("return u - u[0], y - y[0]"), "noise"),
+    Try(OFF, "nothing returned", off("n = np.argmax(np.any(u != u[0], axis=1)); y - y[:n].mean(axis=0)"), "return"),
+    Try(OFF, "y alone", off("n = np.argmax(np.any(u != u[0], axis=1)); return y - y[:n].mean(axis=0)"), "two arrays"),
+    Try(
+        OFF,
+        "means of u",
+        off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u.mean(axis=0), y - y[:n].mean(axis=0)"),
+        "first value",
+    ),
+    Try(
+        PHI,
+        "own input only",
+        phi(
+            "return np.column_stack([x[n - l : N - l] for x in (y[:, i], u[:, 0]) for l in range(1, n + 1)]), y[n:, i]"
+        ),
+        "past of one input",
+    ),
+    Try(
+        PHI,
+        "all outputs",
+        phi("return np.column_stack([x[n - l : N - l] for x in (*y.T, *u.T) for l in range(1, n + 1)]), y[n:, i]"),
+        "every output",
+    ),
+    Try(
+        PHI,
+        "rows of u",
+        phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u) for l in range(1, n + 1)]), y[n:, i]"),
+        "dimension|shape|length|size",
+    ),
+    Try(
+        PHI,
+        "2-d blocks",
+        phi("return np.column_stack([x[n - l : N - l] for l in range(1, n + 1) for x in (y[:, i], u)]), y[n:, i]"),
+        "lag by lag",
+    ),
+    Try(
+        PHI,
+        "from zero",
+        phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u.T) for l in range(n)]), y[n:, i]"),
+        "1 to n",
+    ),
+    Try(
+        PHI,
+        "i from one",
+        phi(
+            "return np.column_stack([x[n - l : N - l] for x in (y[:, i - 1], *u.T) for l in range(1, n + 1)]), "
+            "y[n:, i - 1]"
+        ),
+        "from zero",
+    ),
+    Try(
+        PHI,
+        "all of y in Y",
+        phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u.T) for l in range(1, n + 1)]), y[n:]"),
+        "Y of",
+    ),
+    Try(
+        THETA, "first output", theta("Phi, Y = regressor(u, y, 0, n); return np.linalg.lstsq(Phi, Y)[0]"), "one output"
+    ),
+    Try(
+        THETA,
+        "all of lstsq",
+        theta("return [np.linalg.lstsq(*regressor(u, y, i, n)) for i in range(y.shape[1])]"),
+        "whole results",
+    ),
+    Try(
+        THETA,
+        "columns",
+        theta("return np.column_stack([np.linalg.lstsq(*regressor(u, y, i, n))[0] for i in range(y.shape[1])])"),
+        "transpose",
+    ),
+    Try(
+        THETA,
+        "end to end",
+        theta("return np.concatenate([np.linalg.lstsq(*regressor(u, y, i, n))[0] for i in range(y.shape[1])])"),
+        "flat|end to end",
+    ),
+    Try(THETA, "one Phi", theta("Phi, Y = regressor(u, y, 0, n); return np.linalg.lstsq(Phi, y[n:])[0].T"), "own past"),
+    Try(
+        THETA,
+        "inputs counted",
+        theta("return np.array([np.linalg.lstsq(*regressor(u, y, 0, n))[0] for i in range(y.shape[1])])"),
+        "index of the loop",
+    ),
+    Try(RUN, "first input", run(f"return {FILTERS} [0]][0]"), "moved by all"),
+    Try(RUN, "list of runs", run(f"return np.array({FILTERS} range(u.shape[1])])"), "their sum"),
+    Try(RUN, "signs", run(f"return sum({FILTERS} range(u.shape[1])])".replace("-theta", "theta")), "denominator"),
+    Try(
+        RUN,
+        "no zero",
+        run(
+            f"return sum({FILTERS} range(u.shape[1])])".replace(
+                "np.r_[0, theta[n + j * n : n + (j + 1) * n]]", "theta[n + j * n : n + (j + 1) * n]"
+            )
+        ),
+        "begins with a zero",
+    ),
+    Try(
+        RUN,
+        "same b",
+        run(
+            f"return sum({FILTERS} range(u.shape[1])])".replace(
+                "theta[n + j * n : n + (j + 1) * n]", "theta[n : 2 * n]"
+            )
+        ),
+        "begins at",
+    ),
+    Try(
+        RUN,
+        "whole u",
+        run("return scipy.signal.lfilter(np.r_[0, theta[n:]], np.r_[1, -theta[:n]], u)"),
+        "column of numbers|shape",
+    ),
+    Try(LOOP, "least squares", loop(PHI_Y + "return np.linalg.lstsq(Phi, y[2:])[0]"), "biased"),
+    Try(LOOP, "on Z", loop(PHI_Y + "return np.linalg.lstsq(Z, y[2:])[0]"), "regresses on Z"),
+    Try(LOOP, "elementwise", loop(PHI_Y + "return np.linalg.solve(Z.T * Phi, Z.T @ y[2:])"), "@|shape|broadcast"),
+    Try(
+        LOOP,
+        "past inputs",
+        loop(PHI_Y.replace("r[1:-1], r[:-2]", "u[1:-1], u[:-2]") + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])"),
+        "controller's answer",
+    ),
+    Try(
+        LOOP,
+        "r now",
+        loop(PHI_Y.replace("r[1:-1], r[:-2]", "r[2:], r[1:-1]") + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])"),
+        "slices begin",
+    ),
+    Try(LOOP, "Y forgotten", loop(PHI_Y + "return np.linalg.inv(Z.T @ Phi)"), "table|column of numbers"),
+    Try(
+        LOOP,
+        "u now",
+        loop(PHI_Y.replace("u[1:-1]", "u[2:]") + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])"),
+        "u\\(k-1\\)",
+    ),
+)
