@@ -295,7 +295,8 @@ def simulate(
     played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
         write_replay(out, loaded, played.y)
-    print(f"{len(loaded)} samples, free run: rmse {played.rmse:.6g} after the first {played.start} samples")
+    how = "corrected by the measured output" if played.stabilised else "free run"
+    print(f"{len(loaded)} samples, {how}: rmse {played.rmse:.6g} after the first {played.start} samples")
     for finding in clock_findings(loaded):
         print(f"note: {finding.text}")
 

@@ -69,11 +69,14 @@ class Replay:
         Root mean square error after the first `start` samples.
     start : int
         Number of samples that determine the initial state.
+    stabilised : bool
+        Whether the measured output corrects it, as that of an unstable rig.
     """
 
     y: FloatArray
     rmse: float
     start: int
+    stabilised: bool = False
 
 
 def load_simulation(source: str | Path, record: Record, several: bool = False, ports: Ports = NO_PORTS) -> Simulation:
@@ -142,6 +145,7 @@ def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
     """
     one_signal_each(record, "this simulation")
     measured, record = ~record.missing, replace(record, y=bridge_gaps(record.y))
+    stabilised = False
     chosen, content = ports.of(source), read_fmu_content(source)
     if content is None and is_source(chosen):
         y, start = _play(one_of_each(open_in_process(chosen)), record)
@@ -151,12 +155,14 @@ def replay(source: Path, record: Record, ports: Ports = NO_PORTS) -> Replay:
         if content.get("schema") == SCHEMA:
             model = read_exported_model(content, record.Ts)
             y, start = model.simulate(filtered_input(record), record.y), model.start
+            stabilised = model.hypothesis.feedback is not None
         else:
             function = read_transfer_function(content, record.Ts)
             y, start = function.simulate(record.u, record.y), function.start
     check_bounded(y, record.y)
     first = start.samples(len(record)) if len(record) > 2 * LEAST_START else 0
-    return Replay(y, float(np.sqrt(np.mean((record.y - y)[first:][measured[first:]] ** 2))), first)
+    rmse = float(np.sqrt(np.mean((record.y - y)[first:][measured[first:]] ** 2)))
+    return Replay(y, rmse, first, stabilised)
 
 
 def _play(simulate: Simulator, record: Record) -> tuple[FloatArray, RecordStart]:
