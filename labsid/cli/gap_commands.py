@@ -295,8 +295,8 @@ def simulate(
     played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
         write_replay(out, loaded, played.y)
-    how = "corrected by the measured output" if played.stabilised else "free run"
-    print(f"{len(loaded)} samples, {how}: rmse {played.rmse:.6g} after the first {played.start} samples")
+    mode = "corrected by the measured output" if played.stabilised else "free run"
+    print(f"{len(loaded)} samples, {mode}: rmse {played.rmse:.6g} after the first {played.start} samples")
     for finding in clock_findings(loaded):
         print(f"note: {finding.text}")
 
