@@ -16,8 +16,8 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.families import EFFECTS_BY_KEY
-from labsid.gap.effects.feedback import OUTPUT, OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
+from labsid.gap.effects.output_feedback import OUTPUT, OutputFeedback
 from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis

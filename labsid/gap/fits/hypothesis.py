@@ -11,8 +11,8 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect
-from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
+from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.effects.restarts import Restarts
 
 NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig

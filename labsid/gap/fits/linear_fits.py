@@ -9,8 +9,8 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import single_pole
 from labsid.gap.effects import output
 from labsid.gap.effects.dynamics import DirectFeedthrough
-from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
+from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis

@@ -6,14 +6,14 @@ import numpy as np
 from scipy.linalg import lstsq, pinvh
 
 from labsid.gap.dynamics.responses import denominator, section
-from labsid.gap.effects.feedback import OUTPUT, OutputFeedback
+from labsid.gap.effects.output_feedback import OUTPUT, OutputFeedback
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import FEEDBACK_F
 from labsid.records.direction import gain_from_past
 
 START_RATES = 0.01, 0.03, 0.1, 0.3  # per sample: of the filters with which the search begins
-ITERATIONS = 12
+ITERATIONS = 12  # of the filter and the dynamics fitted behind it
 SLOWEST = 3.0  # poles of a filter decay by the exponential of at least this along the record
 GROWTH = 3.0  # an unstable pole that grows by less than the exponential of this along the record is no matter
 MOST_CORRECTED = 0.3  # of what the input moves the output: beside a larger correction no cause explains everything

@@ -15,8 +15,8 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import free_responses, single_pole
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
-from labsid.gap.effects.feedback import GAIN, OUTPUT
 from labsid.gap.effects.input import Delay
+from labsid.gap.effects.output_feedback import GAIN, OUTPUT
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.direct_term import estimate_direct_term
 from labsid.gap.fits.fitting import Fit, fit_from

@@ -7,8 +7,8 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.base import AdditiveEffect
-from labsid.gap.effects.feedback import OutputFeedback
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
+from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual

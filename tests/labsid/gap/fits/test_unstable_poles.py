@@ -15,7 +15,7 @@ from labsid import Record
 from labsid._arrays import FloatArray
 from labsid.gap import diagnose
 from labsid.gap.diagnosis import Diagnosis
-from labsid.gap.effects.feedback import OutputFeedback
+from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.fits.unstable_poles import find_stabilising_feedback
 from labsid.gap.model_file import from_json_dict
 from labsid.gap.record.data import Data, scaled

@@ -26,6 +26,8 @@ class OutputFeedback(InputEffect):
     Attributes
     ----------
     name : str
+    position : int
+        In the actuator's chain: behind all effects of the input.
     gains : tuple of float
         Of the output and of its speed per sample, scaled: what they add to the output at rest.
     closed : tuple of float
