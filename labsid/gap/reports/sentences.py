@@ -20,6 +20,7 @@ NOVELTIES = {
     "gap": "the size of the gap",
     "fastest": "the rates of its dynamics",
     "direct": "its response within the sample",
+    "unstable": "its unstable dynamics",
 }  # by the names of `novelty.RANGES`
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant

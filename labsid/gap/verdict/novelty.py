@@ -9,13 +9,14 @@ from labsid.gap.fits.direct_term import innovations
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.record.data import Data
 
-RANGES: dict[str, tuple[float, float]] = {  # of the `dev` records: `python -m labsid.blind.novelty` prints them
+RANGES: dict[str, tuple[float, float]] = {  # smallest and largest of the `dev` records of `labsid.blind.calibration`
     "samples": (300.0, 5000.0),
     "changes": (6e-4, 1.0),
     "noise": (4e-3, 0.16),
     "gap": (0.0, 25.0),
     "fastest": (4e-3, 8.0),
     "direct": (0.0, 0.0),
+    "unstable": (0.0, 0.0),
 }
 OUTSIDE = 0.89  # largest probability outside of them
 
@@ -30,7 +31,7 @@ class Novelty:
         By name: ``samples``; ``changes``, the share of the samples at which the input changes; ``noise``, the rms of
         what the past does not foretell of the output, over its standard deviation; ``gap``, the rms error of the
         simulation before over that; ``fastest``, the fastest rate of the linear dynamics per sample; ``direct``, 1 for
-        a direct term.
+        a direct term; ``unstable``, 1 for a simulation that a feedback of the output stabilises.
     beyond : tuple of str
         Those that no rig of `RANGES` had.
     """
@@ -66,6 +67,7 @@ def measure_novelty(data: Data, before: Fit) -> Novelty:
         "gap": float(np.sqrt(mean_square(data, before))) / max(noise, np.finfo(float).tiny),
         "fastest": real_rates(*before.rates)[1],
         "direct": float(before.hypothesis.plant.feedthrough),
+        "unstable": float(before.hypothesis.plant.stabilised),
     }
     beyond = [name for name, (low, high) in RANGES.items() if not low <= features[name] <= high]
     return Novelty(features, tuple(beyond))

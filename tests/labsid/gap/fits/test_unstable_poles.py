@@ -129,6 +129,8 @@ def test_the_cause_in_an_unstable_rig_is_named(kind: str) -> None:
     assert report["gap"]["after"] < 1.15 * 0.002
     assert report["gap"]["corrected"] < 0.1
     assert "stability" in [finding["kind"] for finding in report["findings"]]
+    assert report["reference"] == "outside"  # no unstable rig is among those on which probabilities were measured
+    assert all(effect["probability"] < 0.9 for effect in report["effects"])
     assert report["replay"] is None
     json.dumps(report)
 
