@@ -1,4 +1,4 @@
-"""Code that Python runs, however deeply it is nested, is judged as other code is: no walk through it needs recursion."""
+"""Code that Python runs, however deeply it is nested, is judged as other code is: no walk through it is recursive."""
 
 import ast
 import time
