@@ -115,9 +115,9 @@ class Execution:
         if not source_to_run(cell):
             return ExecutedCell(cell, Reply(True))
         max_cells = self._launcher.limits.cells
-        self._cells += 1
+        self._cells += cell.kind in ("answer", "extra")
         if self._cells > max_cells:
-            failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells")
+            failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells of your own code")
             return ExecutedCell(cell, Reply(False), failure)
         action = RunCell(cell, self._replacing() if cell.kind in ("answer", "extra") else ())
         try:
