@@ -18,7 +18,8 @@ ALLOWED_MODULES = (
     "checks.relations", "checks.stops", "checks.summary", "checks.syntax_trees", "checks.time_limit",
     "checks.values", "checks.verdict",
     "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
-    "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "rig", "rig.seeds",
+    "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "plots.visible",
+    "rig", "rig.seeds",
 )  # fmt: skip
 """The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
 of a student's own results and the rigs with withheld effects are not among them."""
