@@ -78,7 +78,7 @@ def _limit_threads() -> None:
             raise RuntimeError("can't start new thread")
         usual(thread)
 
-    threading.Thread.start = start  # type: ignore[method-assign]
+    threading.Thread.start = start  # type: ignore[method-assign,assignment]
 
 
 def _note_files_elsewhere(variables: Mapping[str, object]) -> Callable[[str, tuple[Any, ...]], None]:

@@ -34,8 +34,8 @@ def is_patch_seen(patch: Any) -> bool:
 
 def is_collection_seen(collection: Any) -> bool:
     """Whether the points of ``scatter``, or the lines of ``hlines``, can be seen."""
-    sizes = getattr(collection, "get_sizes", list)()
-    if not collection.get_visible() or (len(sizes) > 0 and np.max(sizes) <= _LEAST_WIDTH):
+    sizes = np.atleast_1d(getattr(collection, "get_sizes", tuple)())
+    if not collection.get_visible() or (sizes.size > 0 and np.max(sizes) <= _LEAST_WIDTH):
         return False
     widths = np.atleast_1d(collection.get_linewidth())
     edges = list(collection.get_edgecolor()) if widths.size and np.max(widths) > _LEAST_WIDTH else []
