@@ -28,7 +28,7 @@ _NUMBER_BYTES = 8  # of a number in a list
 _MOST_BITS = 10_000  # of an integer that is read
 
 
-def checksums(variables: Mapping[str, Any]) -> dict[str, int]:
+def checksums_of(variables: Mapping[str, Any]) -> dict[str, int]:
     """The checksum of each variable that can be changed in place: arrays, lists, dicts and sets."""
     found: dict[str, int] = {}
     left = MOST_ITEMS_IN_ALL

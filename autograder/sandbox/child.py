@@ -25,7 +25,7 @@ from autograder.sandbox.channel import (
     receive,
     send,
 )
-from autograder.sandbox.checksums import checksums
+from autograder.sandbox.checksums import checksums_of
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from autograder.sandbox.replacing import Replacement, in_event_loop, run_replacing, set_right
 from autograder.sandbox.served_calls import ServedCalls
@@ -237,7 +237,7 @@ def _decode_replacement(encoded: dict[str, Any]) -> Replacement:
 
 def _save(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     """Save the variables, with checksums that reveal changes in place."""
-    _SAVED[request["key"]] = dict(shell.user_ns), checksums(shell.user_ns)
+    _SAVED[request["key"]] = dict(shell.user_ns), checksums_of(shell.user_ns)
     return {"ok": True}
 
 
@@ -246,7 +246,7 @@ def _restore(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     variables, saved = _SAVED[request["key"]]
     shell.user_ns.clear()
     shell.user_ns.update(variables)
-    return {"ok": True, "value": checksums(variables) != saved}
+    return {"ok": True, "value": checksums_of(variables) != saved}
 
 
 _HANDLERS = {

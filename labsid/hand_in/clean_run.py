@@ -192,7 +192,7 @@ class _Runner:
         over = self._over_a_limit(left)
         if over:
             if question:
-                self._fail(question, over)
+                self._fail(question, f"{question}: {over}")
             return
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
         outcome = self._run(step.source, step.cell_id, min(left, allowed))

@@ -17,7 +17,7 @@ from typing import Any
 from labsid.checks.time_limit import CPU_SECONDS, FILE_BYTES, MEMORY_BYTES, OPEN_FILES, THREADS
 
 _AT_START_BYTES = 600 * 1024**2  # address space of a student's process at its start, of which MEMORY_BYTES is the limit
-_FILES_AT_START = 8  # open in a student's process at its start
+_KERNEL_FILES = 8  # that a kernel opens after its start, more than a student's process has open at grading
 _PROGRAMS = ("subprocess.", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.startfile", "pty.")
 _NETWORK = (
     "socket.connect",
@@ -52,7 +52,7 @@ def limit_process(variables: Mapping[str, object]) -> None:
             size = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
         _limit("RLIMIT_AS", size + MEMORY_BYTES - _AT_START_BYTES)
     with suppress(OSError):
-        _limit("RLIMIT_NOFILE", len(os.listdir("/dev/fd")) + OPEN_FILES - _FILES_AT_START)
+        _limit("RLIMIT_NOFILE", len(os.listdir("/dev/fd")) + OPEN_FILES + _KERNEL_FILES)
     _limit("RLIMIT_FSIZE", FILE_BYTES)
     _limit("RLIMIT_CPU", int(time.process_time()) + CPU_SECONDS)
 

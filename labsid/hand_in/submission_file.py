@@ -9,7 +9,7 @@ from labsid.checks.kept_tries import MAX_BYTES, read_tries, tries_file_name
 from labsid.checks.notebook import assignment_names, find_assignment
 from labsid.checks.summary import FAILED, NOT_DONE, SIGNS, SKIPPED, summary_text
 from labsid.hand_in.clean_run import CleanRun, run_from_clean_start
-from labsid.hand_in.packed_notebook import packed_notebook
+from labsid.hand_in.long_outputs import packed_notebook
 from labsid.hand_in.saved_work import SavedNotebook, notebook_paths, read_saved
 from labsid.hand_in.second_record import confirmed_on_another_record
 

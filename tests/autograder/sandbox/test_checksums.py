@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from autograder.sandbox.checksums import checksums
+from autograder.sandbox.checksums import checksums_of
 
 
 def change(value: Any, key: Any, new: Any) -> None:
@@ -34,10 +34,10 @@ def change(value: Any, key: Any, new: Any) -> None:
     ],
 )
 def test_a_change_in_place_is_seen(value: Any, modify: Callable[[Any], object]) -> None:
-    before = checksums({"v": value})
-    assert checksums({"v": value}) == before
+    before = checksums_of({"v": value})
+    assert checksums_of({"v": value}) == before
     modify(value)
-    assert checksums({"v": value}) != before
+    assert checksums_of({"v": value}) != before
 
 
 class Slow:
@@ -98,6 +98,6 @@ LARGE: dict[str, Callable[[], Any]] = {
 def test_any_value_is_read_in_little_time(kind: str) -> None:
     value = LARGE[kind]()
     start = time.process_time()
-    found = checksums({f"v{k}": value for k in range(5)})
+    found = checksums_of({f"v{k}": value for k in range(5)})
     assert time.process_time() - start < 1.0
     assert len(found) == 5

@@ -14,7 +14,7 @@ from labsid.checks.kept_tries import KeptTry, tries_bytes
 from labsid.checks.summary import PASSED
 from labsid.cli.commands import main
 from labsid.hand_in.clean_run import run_from_clean_start
-from labsid.hand_in.packed_notebook import LEFT_OUT, packed_notebook
+from labsid.hand_in.long_outputs import LEFT_OUT, packed_notebook
 from labsid.hand_in.progress import show_progress
 from labsid.hand_in.saved_work import read_saved
 from labsid.hand_in.submission_file import find_work, pack, run_notebook, run_text, tries_to_send
