@@ -11,7 +11,7 @@ from pathlib import Path
 
 from autograder.batch.grading_inputs import DataStore, GradingInputs, data_hash
 from autograder.course.sources import sources_hash
-from autograder.intake.submission import MAX_NOTEBOOK_BYTES, UNTOUCHED_FILE, VERSIONS_FILE, is_plain_file
+from autograder.intake.submission import MAX_NOTEBOOK_BYTES, NOT_READ_FILE, UNTOUCHED_FILE, VERSIONS_FILE, is_plain_file
 from autograder.results.result_files import StoredResult
 from labsid.checks.cells import Template
 
@@ -71,7 +71,9 @@ def submission_hash(folder: Path, data_suffix: str) -> str:
     digest = hashlib.sha256()
     kinds = {".ipynb", data_suffix}
     entries = sorted(folder.iterdir()) if folder.is_dir() else []
-    for path in (path for path in entries if path.suffix in kinds or path.name in (VERSIONS_FILE, UNTOUCHED_FILE)):
+    noted = (VERSIONS_FILE, UNTOUCHED_FILE, NOT_READ_FILE)
+    entries += [path] if (path := folder.parent / NOT_READ_FILE).is_file() else []
+    for path in (path for path in entries if path.suffix in kinds or path.name in noted):
         digest.update(os.fsencode(path.name) + b"\0" + _content_hash(path))
     return digest.hexdigest()
 

@@ -1,7 +1,7 @@
 """The work on one hand-in: read it, execute and judge it, compare it with others; all of it within limits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from autograder.batch.grading_inputs import DataStore, GradingInputs
@@ -106,7 +106,11 @@ def _judge(
         result = ungraded_result(submission, template, executor.level)
     comparison = _Comparison(result, submission, inputs, data_store, hand_in.folder, students)
     seconds = CPU_SECONDS + CPU_SECONDS_PER_RECORD * len(students)
-    flagged, work, copied = judge.call(compare_with_others, comparison, cpu_seconds=seconds)
+    try:
+        flagged, work, copied = judge.call(compare_with_others, comparison, cpu_seconds=seconds)
+    except JudgeError as error:  # it decides no mark
+        flag = f"not compared with the others: {error}"
+        flagged, work, copied = replace(result, flags=(*result.flags, flag)), {}, Copied()
     # the workers of a cluster return a result without cells if none of them could grade it
     return Judged(flagged, work, copied, try_again=submission.status == "ready" and not result.cells)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from autograder.course.layout import Course, read_template
-from autograder.intake.submission import is_handed_in
+from autograder.intake.submission import NOT_READ_FILE, is_handed_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,10 +101,11 @@ def handed_in_by(course: Course, submitted: Path) -> dict[str, list[str]]:
     folders = [path for path in sorted(submitted.glob("[!.]*")) if path.is_dir() and _is_unicode(path.name)]
     owners: dict[str, list[str]] = {}
     for name in course.assignments():
-        found = [folder for folder in folders if any((folder / name).glob("*.ipynb"))]
+        places = [folder / name for folder in folders]
+        found = [place for place in places if any(place.glob("*.ipynb")) or (place / NOT_READ_FILE).is_file()]
         if found:
             template = read_template(course, name)
-            owners[name] = [folder.name for folder in found if is_handed_in(folder / name, template)]
+            owners[name] = [place.parent.name for place in found if is_handed_in(place, template)]
     return owners
 
 

@@ -17,8 +17,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import IO
 
+from labsid.checks.time_limit import NOTEBOOK_BYTES
+
 MAX_ENTRIES = 20_000
-MAX_FILE_BYTES = 50 * 1024 * 1024
+MAX_FILE_BYTES = NOTEBOOK_BYTES
 
 LISTED_WORK, OPENED_WORK = 2_000, 8_000
 """Work of listing and of opening an entry: the time, measured, in which as many bytes are unpacked with deflate."""
@@ -195,7 +197,8 @@ def _read(archive: zipfile.ZipFile, info: zipfile.ZipInfo, name: str, budget: Bu
         return ArchiveEntry(name, modified, b"", f"it cannot be unpacked ({_said(error)})")
     budget.charge(len(data) * factor)
     if len(data) > limit:
-        return ArchiveEntry(name, modified, b"", "it is too large")
+        why = f"it is too large (more than {limit // 2**20} MB)" if limit == MAX_FILE_BYTES else "it is too large"
+        return ArchiveEntry(name, modified, b"", why)
     return ArchiveEntry(name, modified, data)
 
 

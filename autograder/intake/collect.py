@@ -16,8 +16,8 @@ from autograder.course.plain_text import one_line, shortened
 from autograder.course.students import STUDENTS_FILE, Student, merge_students, read_students, write_students
 from autograder.intake.download import HandIn, Participant, list_participants, read_hand_in
 from autograder.intake.identity import identify
-from autograder.intake.submission import UNTOUCHED, UNTOUCHED_FILE, VERSIONS_FILE
-from autograder.intake.versions import Version, newest_version
+from autograder.intake.submission import NOT_READ_FILE, UNTOUCHED, UNTOUCHED_FILE, VERSIONS_FILE
+from autograder.intake.versions import MAX_DOUBTS, Version, newest_version
 from autograder.intake.worksheet import Worksheet, participant_number, submission_time, utc_timestamp
 from labsid._files import write_file
 from labsid.checks.kept_tries import tries_file_name
@@ -122,6 +122,7 @@ def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp
         if name in wanted:
             notes = _write_assignment(folder, name, versions, found, timestamp)
             written.append(f"{name} ({', '.join(notes)})" if notes else name)
+    _note_unread(folder, found, wanted)
     others = [name for name in sorted(found.versions) if name not in wanted]
     untouched = sorted(found.untouched - found.versions.keys())
     for name in untouched:
@@ -134,11 +135,30 @@ def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp
         remarks.append(f"other assignments, not collected: {', '.join(others)}")
     if not found.versions and not found.untouched:
         remarks.append("no notebook of this course")
+        found.skipped.extend(f"{path}: a copy that a program made by itself" for path in found.left_out)
     if found.problem:
         remarks.append(found.problem)
     if found.skipped:
         remarks.append(f"skipped: {', '.join(found.skipped[:5])}{' ...' if len(found.skipped) > 5 else ''}")
     return remarks
+
+
+def _note_unread(folder: Path, found: HandIn, wanted: Sequence[str]) -> None:
+    """Write why there is no notebook: beside the assignment that is named, or else for all of the participant's."""
+    (folder / NOT_READ_FILE).unlink(missing_ok=True)
+    for name in wanted:
+        why = [said for named, said in found.unread if named == name]
+        if why and name not in found.versions and not any((folder / name).glob("*.ipynb")):
+            _write_below(folder.parent, Path(folder.name, name, NOT_READ_FILE), _as_note(why))
+        else:
+            (folder / name / NOT_READ_FILE).unlink(missing_ok=True)
+    why = [said for named, said in found.unread if named is None]
+    if why:
+        _write_below(folder.parent, Path(folder.name, NOT_READ_FILE), _as_note(why))
+
+
+def _as_note(said: Sequence[str]) -> bytes:
+    return f"{one_line('; '.join(said[:MAX_DOUBTS]))}\n".encode(errors="replace")
 
 
 def _write_assignment(
@@ -150,6 +170,7 @@ def _write_assignment(
 ) -> list[str]:
     """Write one assignment of a participant; returns notes on it."""
     latest, doubts = newest_version(versions)
+    doubts += tuple(said for named, said in found.unread if named == name)[:MAX_DOUBTS]
     files = {f"{name}.ipynb": latest.data}
     record = find_assignment(name).record_file
     if record is not None and record in found.data:
@@ -160,7 +181,8 @@ def _write_assignment(
     if timestamp is not None:
         files[TIMESTAMP_FILE] = f"{timestamp}\n".encode()
     if doubts:
-        said = f"{shortened(latest.path)} was graded as the latest of {len(versions)} versions, but {'; '.join(doubts)}"
+        several = f"as the latest of {len(versions)} versions, " if len(versions) > 1 else ""
+        said = f"{shortened(latest.path)} was graded {several}but {'; '.join(doubts)}"
         files[VERSIONS_FILE] = f"{one_line(said)}\n".encode(errors="replace")
     replaced = {file for file, content in files.items() if _write_below(folder.parent, inner / file, content)}
     if sent:

@@ -30,6 +30,8 @@ from labsid.checks.notebook import find_assignment
 _MARKER = r"_(?P<number>\d{1,18})_assignsubmission_[a-z]+_?"
 _FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
 _FILE = re.compile(rf"(?P<name>[^/]*?){_MARKER}(?P<rest>[^/]+)", re.ASCII)
+_AUTOMATIC = frozenset(("__MACOSX", ".ipynb_checkpoints"))  # folders of copies that macOS and Jupyter make
+_OF_SYSTEMS = frozenset((".DS_Store", "Thumbs.db", "desktop.ini"))
 _ONE_MARKER = re.compile(r"_\d{1,18}_assignsubmission_", re.ASCII)
 
 
@@ -65,6 +67,10 @@ class HandIn:
         Copies of the tries at each assignment that the participant chose to send, by the file's name.
     skipped : list of str
         Files that were not taken, and why.
+    left_out : list of str
+        Copies that programs make by themselves, which are no hand-in.
+    unread : list of (str or None, str)
+        What is or may hold a notebook and could not be read: the assignment that its path names, and why.
     problem : str
         Why not everything was read; otherwise empty.
     """
@@ -74,6 +80,8 @@ class HandIn:
     data: dict[str, list[Version]] = field(default_factory=dict)
     tries: dict[str, list[Version]] = field(default_factory=dict)
     skipped: list[str] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    unread: list[tuple[str | None, str]] = field(default_factory=list)
     problem: str = ""
 
 
@@ -106,6 +114,8 @@ def read_hand_in(
         found.problem = f"not everything was read: {error}"
     except Exception as error:  # of what students hand in, no list of errors is complete
         found.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
+    if found.problem:
+        found.unread.append((None, found.problem))
     return found
 
 
@@ -122,7 +132,9 @@ def _add_outer(
     except OverBudgetError:
         raise
     except Exception as error:  # of what students hand in, no list of errors is complete
-        found.skipped.append(shortened(str(error).rstrip(".")) or f"{shortened(path)}: {type(error).__name__}")
+        said = shortened(str(error).rstrip(".")) or f"{shortened(path)}: {type(error).__name__}"
+        found.skipped.append(said)
+        found.unread.append((_named_in(path, templates), said))
 
 
 def _match_owner(path: str) -> tuple[re.Match[str] | None, str]:
@@ -149,25 +161,32 @@ def _add_file(
     budget: Budget,
 ) -> None:
     """Add a file to a hand-in: a notebook of an assignment, a data file, or skipped."""
-    base = path.rpartition("/")[2]
-    if "__MACOSX" in path or base.startswith(".") or ".ipynb_checkpoints" in path:
+    *folders, base = path.split("/")
+    if base in _OF_SYSTEMS or base.startswith("._"):
+        return
+    if not _AUTOMATIC.isdisjoint(folders):
+        found.left_out.append(shortened(path))
         return
     times = (entry.modified, None) if packed_in is None else (packed_in.modified, entry.modified)
     if entry.problem:
         found.skipped.append(f"{shortened(path)}: {entry.problem}")
+        if NOTEBOOK_ENDING.search(base) or base.lower().endswith(".zip"):
+            found.unread.append((_named_in(path, templates), found.skipped[-1]))
     elif NOTEBOOK_ENDING.search(base):
         over: OverBudgetError | None = None
         try:
             budget.charge(reading_work(entry.data))
             name, work, is_untouched = _recognise(entry.data, path, templates)
+            is_readable = work is not entry.data
         except OverBudgetError as error:  # unread, but handed in
             over, name, work, is_untouched = error, _named_in(path, templates), entry.data, False
+            is_readable = True
         if name is None:
             found.skipped.append(f"{shortened(path)}: not a notebook of this course")
         elif is_untouched:
             found.untouched.add(name)
         else:
-            found.versions.setdefault(name, []).append(Version(path, name, *times, work, entry.data))
+            found.versions.setdefault(name, []).append(Version(path, name, *times, work, entry.data, is_readable))
         if over is not None:
             raise over
     elif base in {tries_file_name(name) for name in templates}:
@@ -188,7 +207,8 @@ def _data_files(assignments: tuple[str, ...]) -> frozenset[str | None]:
 def _recognise(content: bytes, path: str, templates: Mapping[str, Template]) -> tuple[str | None, object, bool]:
     """The assignment of a notebook, what the student wrote in it, and whether that is nothing.
 
-    The assignment is the one whose cells it contains; if it cannot be read, the one that its path names.
+    The assignment is the one whose cells it contains; if it cannot be read, the one that its path names, and what the
+    student wrote is the content itself.
     """
     try:
         raw = read_notebook(content)

@@ -13,8 +13,9 @@ from autograder.course.plain_text import one_line
 from autograder.intake.untrusted_json import read_json
 from labsid.checks.cells import Template, has_work
 from labsid.checks.given_lines import put_back
+from labsid.checks.time_limit import NOTEBOOK_BYTES
 
-MAX_NOTEBOOK_BYTES = 50 * 1024 * 1024
+MAX_NOTEBOOK_BYTES = NOTEBOOK_BYTES
 
 MAX_TEXT_CHARACTERS = 10_000_000
 """Text and code of all cells; outputs and attached pictures do not count."""
@@ -32,6 +33,9 @@ UNTOUCHED = "the notebook was handed in as it was released, without an answer"
 
 UNTOUCHED_FILE = "as-released.txt"
 """In the folder of an assignment: its notebook was handed in as it was released, and not collected."""
+
+NOT_READ_FILE = "not-read.txt"
+"""In the folder of an assignment, or of a student: why what was handed in for it, or at all, could not be collected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +100,8 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     name = f"{template.assignment}.ipynb"
     try:
         found = _find_notebook(folder, template.assignment)
+        if found is None and (why := _why_not_read(folder)):
+            return quarantined_submission(student, template.assignment, why)
         if found is None:
             note = UNTOUCHED if is_plain_file(folder / UNTOUCHED_FILE, MAX_NOTE_CHARACTERS) else NOT_SUBMITTED
             return Submission(student, template.assignment, "missing", (), (note,))
@@ -141,10 +147,12 @@ def is_as_released(cells: Sequence[Mapping[str, Any]], template: Template) -> bo
 
 
 def is_handed_in(folder: Path, template: Template) -> bool:
-    """Whether a folder ``<submitted>/<student>/<assignment>`` contains a notebook that is not as released."""
+    """Whether a folder ``<submitted>/<student>/<assignment>`` has a notebook with an answer, or an unread one."""
     found = _find_notebook(folder, template.assignment)
-    if found is None or not is_plain_file(found[0], MAX_NOTEBOOK_BYTES):
-        return found is not None
+    if found is None:
+        return (folder / NOT_READ_FILE).is_file()
+    if not is_plain_file(found[0], MAX_NOTEBOOK_BYTES):
+        return True
     return not is_untouched(found[0].read_bytes(), template)
 
 
@@ -159,10 +167,21 @@ def is_plain_file(path: Path, max_bytes: int) -> bool:
 
 def _note_on_versions(folder: Path) -> list[str]:
     """What `collect` noted on several copies of the notebook."""
-    path = folder / VERSIONS_FILE
+    noted = _noted(folder / VERSIONS_FILE)
+    return [noted] if noted else []
+
+
+def _why_not_read(folder: Path) -> str:
+    """Why `collect` could not read what was handed in; empty if nothing was."""
+    why = _noted(folder / NOT_READ_FILE) or _noted(folder.parent / NOT_READ_FILE)
+    return f"what was handed in could not be read: {why}" if why else ""
+
+
+def _noted(path: Path) -> str:
+    """What `collect` noted in a file; empty if there is none."""
     if not is_plain_file(path, MAX_NOTES * MAX_NOTE_CHARACTERS):
-        return []
-    return [one_line(path.read_text(encoding="utf-8", errors="replace"))]
+        return ""
+    return one_line(path.read_text(encoding="utf-8", errors="replace"))
 
 
 def quarantined_submission(student: str, assignment: str, why: str) -> Submission:

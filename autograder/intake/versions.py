@@ -1,8 +1,8 @@
 """Which of several copies of a notebook is the newest one, and whether that is clear.
 
 The copy under the assignment's own name comes first, then the newest by its time, then the last by its number; copies
-that are called old come last. Students do not always follow these habits, so every sign to the contrary is a doubt,
-which the report names.
+that are called old come last, and those that cannot be read after them. Students do not always follow these habits, so
+every sign to the contrary is a doubt, which the report names.
 """
 
 import re
@@ -49,6 +49,8 @@ class Version:
     work : object
         What the student wrote in it; equal for copies of the same work.
     data : bytes
+    is_readable : bool
+        Whether it could be read, if that was tried.
     """
 
     path: str
@@ -57,6 +59,7 @@ class Version:
     inner: datetime | None
     work: object
     data: bytes
+    is_readable: bool = True
 
     @property
     def when(self) -> datetime | None:
@@ -66,8 +69,8 @@ class Version:
 
     @property
     def is_old(self) -> bool:
-        """Whether its name or that of a folder says that it is an old copy."""
-        return any(_OLD.fullmatch(word) for word in self._words)
+        """Whether its name or that of a folder says that it is an old copy, or a hidden one."""
+        return self._stems[-1].startswith(".") or any(_OLD.fullmatch(word) for word in self._words)
 
     @property
     def has_own_name(self) -> bool:
@@ -124,13 +127,15 @@ def newest_version(versions: Sequence[Version]) -> tuple[Version, tuple[str, ...
     return chosen, tuple(doubts[:MAX_DOUBTS])
 
 
-def _rank(version: Version) -> tuple[bool, bool, datetime, tuple[int, ...], tuple[str, ...], str]:
-    when = version.when or datetime.min
-    return not version.is_old, version.has_own_name, when, version.numbers, version.names, version.path
+def _rank(version: Version) -> tuple[bool, bool, bool, datetime, tuple[int, ...], tuple[str, ...], str]:
+    signs = version.is_readable, not version.is_old, version.has_own_name
+    return *signs, version.when or datetime.min, version.numbers, version.names, version.path
 
 
 def _doubt(chosen: Version, other: Version) -> str:
     """Why another copy may be newer than the chosen one; empty if nothing says so."""
+    if chosen.is_readable and not other.is_readable:
+        return "cannot be read"
     times = chosen.when, other.when
     if times[0] is not None and times[1] is not None and times[1] > times[0]:
         return "has a later time"

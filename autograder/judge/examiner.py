@@ -73,14 +73,15 @@ class Examiner:
             self._execution.restart()
         self._execution.extend_deadline(self._limits.call_seconds)
         try:
-            changed = self._execution.process.restore_variables(one.key)
+            changed = self._execution.restore_variables(one.key)
         except StudentProcessError as failure:
-            self._execution.restart()
+            if self._execution.process.lost:
+                self._execution.restart()
             return Attempt(None, failure)
         attempt = self._attempt(one, self._open(one, self._present, known, False, as_columns))
         if changed and attempt.verdict is not None and not attempt.passed:
-            return self._judge_replayed(one, known, as_columns) or attempt
-        return attempt
+            attempt = self._judge_replayed(one, known, as_columns) or attempt
+        return attempt.noted("", self._execution.said_of_left_out())
 
     def right_values(self, one: Examination, known: Mapping[str, Value]) -> dict[str, Value]:
         """The right values of the variables that later steps use; empty if they cannot be computed."""

@@ -106,6 +106,7 @@ class Execution:
         self._deadline = time.monotonic() + launcher.limits.submission_seconds if deadline is None else deadline
         self._replay_seconds = launcher.limits.submission_seconds
         self._served: set[str] = set()  # functions, in the current process
+        self._left_out: list[tuple[Action, StudentProcessError]] = []
         self.actions: list[Action] = []
         self.process = self._start()
 
@@ -114,9 +115,9 @@ class Execution:
         if not source_to_run(cell):
             return ExecutedCell(cell, Reply(True))
         max_cells = self._launcher.limits.cells
-        self._cells += 1
+        self._cells += cell.kind in ("answer", "extra")
         if self._cells > max_cells:
-            failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells")
+            failure = StudentProcessError("limit", f"the notebook has more than {max_cells} cells of your own code")
             return ExecutedCell(cell, Reply(False), failure)
         action = RunCell(cell, self._replacing() if cell.kind in ("answer", "extra") else ())
         try:
@@ -169,7 +170,27 @@ class Execution:
             failed = self._replay(self.process, self.actions)
             if failed is None:
                 return
-            del self.actions[failed[0]]
+            self._left_out.append((self.actions.pop(failed[0]), failed[1]))
+
+    def restore_variables(self, key: int) -> bool:
+        """Restore the variables saved under a key; returns whether any of them was modified in place.
+
+        Raises
+        ------
+        StudentProcessError
+            With the reason, if they could not be saved or restored.
+        """
+        for action, failure in self._left_out:
+            if isinstance(action, int) and action == key:
+                raise StudentProcessError(failure.status, f"its variables could not be saved: {failure}")
+        return self.process.restore_variables(key)
+
+    def said_of_left_out(self) -> str:
+        """What to say of an answer that is judged in a process without some cell; empty if there is none."""
+        failures = [failure for action, failure in self._left_out if isinstance(action, RunCell)]
+        if not failures:
+            return ""
+        return f"When the notebook was run a second time, a cell did not finish ({failures[0]}); judged without it:"
 
     def replayed(self, key: int) -> StudentProcess:
         """Start a process and replay the actions up to the point where the variables were saved under `key`.

@@ -70,7 +70,7 @@ class OwnTests:
         if execution.process.lost:
             execution.restart()
         try:
-            if execution.process.restore_variables(self.key):  # changed in place by later cells
+            if execution.restore_variables(self.key):  # changed in place by later cells
                 process = execution.replayed(self.key)
                 try:
                     reply = process.run(self.with_hidden)
@@ -81,7 +81,8 @@ class OwnTests:
             self.problem = HIDDEN if reply.error is not None else ""
         except StudentProcessError as failure:
             self.failure = failure
-            execution.restart()
+            if execution.process.lost:
+                execution.restart()
         self.seconds += time.monotonic() - start
 
     def result(self) -> QuestionResult:

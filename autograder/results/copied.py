@@ -10,11 +10,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from autograder.course.sources import source_path
 from autograder.intake.submission import NotebookCell
 from labsid.checks.cell_names import parse_python
 from labsid.checks.permitted import without_magic
+from labsid.checks.syntax_trees import constant_text
 
 MIN_NODES = 60
 """Stretches of code with fewer syntax tree nodes are not compared."""
@@ -34,6 +36,11 @@ _UNPACKING = frozenset((
     "bytearray", "decode", "unpack", "literal_eval", "maketrans", "translate", "exec_module", "run_cell", "chr",
     "to_bytes", "write", "write_text", "writelines",
 ))  # fmt: skip
+
+
+_NAME_FIELDS: Mapping[type[ast.AST], str] = {ast.Name: "id", ast.arg: "arg", ast.FunctionDef: "name"}
+_WITHOUT = ("annotation", "returns", "ctx", "type_comment", "kind", "type_ignores", "decorator_list")
+_END = object()
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,31 +170,31 @@ def _fingerprint(statements: Sequence[ast.stmt]) -> str:
     """Of the syntax trees, with all names numbered in order of appearance, and without annotations and docstrings."""
     numbers: dict[str, int] = {}
     parts: list[str] = []
-
-    def write(node: object) -> None:
+    waiting: list[Any] = [list(statements)]
+    while waiting:  # without recursion: the code is the student's, and may be nested deeply
+        node = waiting.pop()
         if isinstance(node, list):
-            for one in node:
-                write(one)
-            parts.append(";")
+            waiting += [_END, *reversed(node)]
         elif isinstance(node, ast.AnnAssign) and node.value is not None:
-            write(ast.Assign(targets=[node.target], value=node.value))
+            waiting.append(ast.Assign(targets=[node.target], value=node.value))
         elif isinstance(node, ast.AST):
             parts.append(type(node).__name__)
-            for name, value in ast.iter_fields(node):
-                if name in ("annotation", "returns", "ctx", "type_comment", "kind", "type_ignores", "decorator_list"):
-                    continue
-                is_name = (isinstance(node, ast.Name) and name == "id") or (isinstance(node, ast.arg) and name == "arg")
-                if is_name or (isinstance(node, ast.FunctionDef) and name == "name"):
-                    parts.append(str(numbers.setdefault(str(value), len(numbers))))
-                elif isinstance(node, ast.FunctionDef) and name == "body":
-                    write([one for one in node.body if not _is_text(one)])
-                else:
-                    write(value)
+            if isinstance(node, ast.Name | ast.arg | ast.FunctionDef):
+                name = getattr(node, _NAME_FIELDS[type(node)])
+                parts.append(str(numbers.setdefault(name, len(numbers))))
+            waiting += reversed(list(_fields(node)))
         else:
-            parts.append(repr(node))
-
-    write(list(statements))
+            parts.append(";" if node is _END else constant_text(node))
     return hashlib.sha256(" ".join(parts).encode(errors="surrogatepass")).hexdigest()[:24]
+
+
+def _fields(node: ast.AST) -> Iterator[object]:
+    """What a fingerprint is made of, but for the node's name."""
+    for name, value in ast.iter_fields(node):
+        if name in _WITHOUT or name == _NAME_FIELDS.get(type(node)):
+            continue
+        is_function = isinstance(node, ast.FunctionDef) and name == "body"
+        yield [one for one in value if not _is_text(one)] if is_function else value
 
 
 def _is_text(statement: ast.stmt) -> bool:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from autograder.intake.submission import NotebookCell
 from autograder.results.result_files import StoredResult
 from labsid.checks.cell_names import parse_python
+from labsid.checks.syntax_trees import flat_text, in_order
 
 MIN_NODES = 25
 """Code with fewer syntax tree nodes is ignored in pairs."""
@@ -124,43 +125,35 @@ def normal_form(source: str) -> tuple[str, int]:
         if len(source) > MAX_PARSED_CHARACTERS:
             raise ValueError("too long to be parsed")
         tree = parse_python(source)
-        _NameNormaliser(tree).visit(tree)
-        return ast.dump(tree), sum(1 for _ in ast.walk(tree))
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # not Python: compare as text
         words = source.split()
         return " ".join(words), len(words)
+    _number_names(tree)
+    return flat_text(tree), sum(1 for _ in ast.walk(tree))
 
 
-class _NameNormaliser(ast.NodeTransformer):
-    """Numbers the names that the code defines."""
+def _number_names(tree: ast.Module) -> None:
+    """Number the names that the code defines, in order of appearance; remove annotations and docstrings."""
+    made = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
+    made += [node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)]
+    made += [node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    own = set(made)
+    names: dict[str, str] = {}
 
-    def __init__(self, tree: ast.Module) -> None:
-        made = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
-        made += [node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)]
-        made += [node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.ClassDef)]
-        self._own = set(made)
-        self._names: dict[str, str] = {}
+    def numbered(name: str) -> str:
+        return names.setdefault(name, f"v{len(names)}") if name in own else name
 
-    def _numbered(self, name: str) -> str:
-        return self._names.setdefault(name, f"v{len(self._names)}") if name in self._own else name
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        node.id = self._numbered(node.id)
-        return node
-
-    def visit_arg(self, node: ast.arg) -> ast.AST:
-        node.arg, node.annotation = self._numbered(node.arg), None
-        return node
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        node.name, node.returns = self._numbered(node.name), None
-        if len(node.body) > 1 and ast.get_docstring(node, clean=False) is not None:
-            node.body = node.body[1:]
-        return self.generic_visit(node)
-
-    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
-        node.name = self._numbered(node.name)
-        return self.generic_visit(node)
+    for node in in_order(tree):
+        if isinstance(node, ast.Name):
+            node.id = numbered(node.id)
+        elif isinstance(node, ast.arg):
+            node.arg, node.annotation = numbered(node.arg), None
+        elif isinstance(node, ast.ClassDef):
+            node.name = numbered(node.name)
+        elif isinstance(node, ast.FunctionDef):
+            node.name, node.returns = numbered(node.name), None
+            if len(node.body) > 1 and ast.get_docstring(node, clean=False) is not None:
+                node.body = node.body[1:]
 
 
 def find_similar(results: Iterable[StoredResult], min_share: float = 0.6) -> list[SimilarPair]:

@@ -12,11 +12,8 @@ import os
 import socket
 import sys
 import traceback
-import zlib
 from importlib.abc import MetaPathFinder
 from typing import Any
-
-import numpy as np
 
 from autograder.sandbox.allowed_paths import allowed_modules
 from autograder.sandbox.channel import (
@@ -28,6 +25,7 @@ from autograder.sandbox.channel import (
     receive,
     send,
 )
+from autograder.sandbox.checksums import checksums_of
 from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from autograder.sandbox.replacing import Replacement, in_event_loop, run_replacing, set_right
 from autograder.sandbox.served_calls import ServedCalls
@@ -38,8 +36,6 @@ from labsid.checks.values import plain
 
 _CALLS: list[ServedCalls] = []  # one, once the channel is open
 _SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
-_MAX_REPR_CHARACTERS = 100_000
-_MAX_ITEMS, _MAX_DEPTH = 20, 4  # of lists and dicts whose arrays are looked at one by one
 
 
 class ReferenceFinder(MetaPathFinder):
@@ -241,45 +237,16 @@ def _decode_replacement(encoded: dict[str, Any]) -> Replacement:
 
 def _save(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     """Save the variables, with checksums that reveal changes in place."""
-    _SAVED[request["key"]] = dict(shell.user_ns), _checksums(shell.user_ns)
+    _SAVED[request["key"]] = dict(shell.user_ns), checksums_of(shell.user_ns)
     return {"ok": True}
 
 
 def _restore(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     """Restore the variables; the value is whether any of them was modified in place."""
-    variables, checksums = _SAVED[request["key"]]
+    variables, saved = _SAVED[request["key"]]
     shell.user_ns.clear()
     shell.user_ns.update(variables)
-    return {"ok": True, "value": _checksums(variables) != checksums}
-
-
-def _checksums(variables: dict[str, Any]) -> dict[str, int]:
-    """Checksum of each variable that can be modified in place: arrays, lists, dicts and sets."""
-    return {
-        name: _checksum(value)
-        for name, value in list(variables.items())
-        if not (name.startswith("_") or name in ("In", "Out"))
-        and ((isinstance(value, np.ndarray) and not value.dtype.hasobject) or isinstance(value, (list, dict, set)))
-    }
-
-
-def _checksum(value: Any, so_far: int = 0, depth: int = 0) -> int:
-    """CRC of the bytes of arrays, also of those in short lists and dicts, and of the repr of everything else.
-
-    A record that `loadmat` read is a dict of arrays, whose repr would take longer than most cells.
-    """
-    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
-        return zlib.crc32(np.ascontiguousarray(value).tobytes(), so_far)
-    inner: list[Any] = []
-    if type(value) is dict and len(value) <= _MAX_ITEMS:
-        inner = [*value.keys(), *value.values()]
-    elif type(value) is list and len(value) <= _MAX_ITEMS:
-        inner = value
-    if inner and depth < _MAX_DEPTH:
-        for item in inner:
-            so_far = _checksum(item, so_far, depth + 1)
-        return zlib.crc32(str(len(inner)).encode(), so_far)
-    return zlib.crc32(repr(value)[:_MAX_REPR_CHARACTERS].encode(errors="replace"), so_far)
+    return {"ok": True, "value": checksums_of(variables) != saved}
 
 
 _HANDLERS = {

@@ -10,6 +10,8 @@ import itertools
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
+from labsid.checks.syntax_trees import in_order, stored_name
+
 HOOK = "_labsid_made"
 RESCUE = "_labsid_missing"
 SEEN = "_labsid_seen"
@@ -21,7 +23,11 @@ _INNER = (*_FUNCTIONS, ast.ClassDef, ast.Lambda, ast.ListComp, ast.SetComp, ast.
 _KEYS = itertools.count()  # of statements in loops
 
 
-class ThroughHooks(ast.NodeTransformer):
+_MOST_NESTED = 10
+"""Blocks in blocks that are changed. Python nests 20 loops and ``try`` at most, and any number of ``elif``."""
+
+
+class ThroughHooks:
     """Passes what statements make through two hooks, ``made(name, value, locals)`` and ``missing(name)``.
 
     In a loop, only what a statement makes the first time passes: a later pass may go on from a value that was replaced,
@@ -39,21 +45,20 @@ class ThroughHooks(ast.NodeTransformer):
         self._left = left
         self._replaced = replaced
 
-    def visit_Module(self, node: ast.Module) -> ast.Module:
-        """Change the functions, methods and blocks of a cell."""
-        if len(node.body) == 1:
-            self._change_inner(node.body[0], None)
+    def change(self, tree: ast.Module) -> None:
+        """Change the functions, methods and blocks of a cell; what is added has the places of what it follows."""
+        if len(tree.body) == 1:
+            self._change_inner(tree.body[0], None)
         else:
-            node.body = list(self._changed(node.body, None))
-        return ast.fix_missing_locations(node)
+            tree.body = list(self._changed(tree.body, None))
 
     def _changed(
-        self, body: Iterable[ast.stmt], bound: Collection[str] | None, in_loop: bool = False
+        self, body: Iterable[ast.stmt], bound: Collection[str] | None, in_loop: bool = False, nested: int = 0
     ) -> Iterator[ast.stmt]:
         """Statements with hooks; `bound` are the names of their function, or None outside of functions."""
         for statement in body:
             names = sorted(made_by(statement))
-            self._change_inner(statement, bound, in_loop)
+            self._change_inner(statement, bound, in_loop, nested)
             is_bound = bound is None or set(names) <= set(bound)
             if names and isinstance(statement, ast.Assign | ast.AnnAssign) and is_bound and not in_loop:
                 yield self._rescued(statement, names)
@@ -66,32 +71,44 @@ class ThroughHooks(ast.NodeTransformer):
                 once[0].body += hooks  # type: ignore[attr-defined]
                 hooks = once
             for one in hooks:
-                yield ast.copy_location(one, statement)
+                yield _placed(one, statement)
 
-    def _change_inner(self, node: ast.AST, bound: Collection[str] | None, in_loop: bool = False) -> None:
+    def _change_inner(
+        self, node: ast.AST, bound: Collection[str] | None, in_loop: bool = False, nested: int = 0
+    ) -> None:
         """Change the bodies within a statement."""
+        nested += 1
+        if nested > _MOST_NESTED:
+            return
         if isinstance(node, _FUNCTIONS):
             if node.name not in self._left:
-                node.body = list(self._changed(node.body, _bound(node)))
+                node.body = list(self._changed(node.body, _bound(node), nested=nested))
         elif isinstance(node, ast.ClassDef):
             for one in node.body:
                 if isinstance(one, _FUNCTIONS):
-                    self._change_inner(one, None)
+                    self._change_inner(one, None, nested=nested)
         elif isinstance(node, (*_BLOCKS, *_LOOPS)):
             in_loop |= isinstance(node, _LOOPS)
             for part in ("body", "orelse", "finalbody"):
                 if getattr(node, part, None):
-                    setattr(node, part, list(self._changed(getattr(node, part), bound, in_loop)))
+                    setattr(node, part, list(self._changed(getattr(node, part), bound, in_loop, nested)))
             for part in ("handlers", "cases"):
                 for one in getattr(node, part, ()):
-                    self._change_inner(one, bound, in_loop)
+                    self._change_inner(one, bound, in_loop, nested)
 
     def _rescued(self, statement: ast.stmt, names: Collection[str]) -> ast.stmt:
         if not set(names) <= set(self._replaced):
             return statement
         handler = ast.parse("\n".join(f"{name} = {RESCUE}({name!r})" for name in names)).body
         caught = ast.ExceptHandler(ast.Name("Exception", ast.Load()), None, handler)
-        return ast.copy_location(ast.Try([statement], [caught], [], []), statement)
+        return ast.copy_location(ast.Try([statement], [_placed(caught, statement)], [], []), statement)
+
+
+def _placed(added: ast.AST, statement: ast.stmt) -> Any:
+    """What is added to a cell, at the place of a statement of it."""
+    for node in ast.walk(added):
+        ast.copy_location(node, statement)
+    return added
 
 
 def set_hooks(made: Any, missing: Any) -> None:
@@ -120,13 +137,7 @@ def _bound(function: ast.FunctionDef | ast.AsyncFunctionDef) -> frozenset[str]:
 
 
 def _stored(node: ast.AST, with_changed: bool) -> Iterator[str]:
-    if isinstance(node, _INNER):
-        return
-    if isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store):
-        while isinstance(node, ast.Attribute | ast.Subscript) and with_changed:
-            node = node.value
-        if isinstance(node, ast.Name):
-            yield node.id
-        return
-    for inner in ast.iter_child_nodes(node):
-        yield from _stored(inner, with_changed)
+    for one in in_order(node, _INNER):
+        name = stored_name(one, with_changed)
+        if name is not None:
+            yield name

@@ -2,7 +2,18 @@
 
 from dataclasses import dataclass
 
-from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, MEMORY_BYTES, SUBMISSION_SECONDS
+from labsid.checks.time_limit import (
+    CALL_SECONDS,
+    CELL_SECONDS,
+    CPU_SECONDS,
+    DISK_BYTES,
+    FILE_BYTES,
+    MEMORY_BYTES,
+    MOST_OWN_CELLS,
+    OPEN_FILES,
+    SUBMISSION_SECONDS,
+    THREADS,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +27,7 @@ class Limits:
     submission_seconds : float
         Time-out of the whole submission, which also bounds many cells that each time out.
     cells : int
-        Cells that are run.
+        Cells of the student's that are run.
     memory_bytes, file_bytes, disk_bytes : int
         Address space of a process, size of one file, and size of all files (if the isolation level can bound it).
     processes, open_files : int
@@ -31,13 +42,13 @@ class Limits:
     cell_seconds: float = CELL_SECONDS
     call_seconds: float = CALL_SECONDS
     submission_seconds: float = SUBMISSION_SECONDS
-    cells: int = 1000
+    cells: int = MOST_OWN_CELLS
     memory_bytes: int = MEMORY_BYTES
-    file_bytes: int = 64 * 1024**2
-    disk_bytes: int = 128 * 1024**2
-    processes: int = 64
-    open_files: int = 256
-    cpu_seconds: int = 300
+    file_bytes: int = FILE_BYTES
+    disk_bytes: int = DISK_BYTES
+    processes: int = THREADS
+    open_files: int = OPEN_FILES
+    cpu_seconds: int = CPU_SECONDS
     output_characters: int = 200_000
 
     def as_rlimits(self, running: int = 0) -> dict[str, int]:

@@ -4,6 +4,7 @@ What replaces them was sent by the judge, which has judged their question for go
 module changes what later cells start from, and no mark of that question.
 """
 
+import ast
 import asyncio
 import contextlib
 from collections import Counter
@@ -160,12 +161,20 @@ def _in_functions(
 
     left = frozenset().union(*(one.kept | set(one.functions) for one in replacements))
     set_hooks(made, missing)
-    shell.ast_transformers.append(transformer := ThroughHooks(left, replaced))
+    # not among `shell.ast_transformers`, for which IPython walks through the tree with a stack frame for each level
+    hooks, usual = ThroughHooks(left, replaced), shell.transform_ast
+
+    def transform(tree: ast.Module) -> ast.Module:
+        changed: ast.Module = usual(tree)
+        if isinstance(changed, ast.Module):
+            hooks.change(changed)
+        return changed
+
+    shell.transform_ast = transform
     try:
         yield
     finally:
-        if transformer in shell.ast_transformers:
-            shell.ast_transformers.remove(transformer)
+        shell.transform_ast = usual
         set_hooks(lambda name, value, others: value, _none_missing)
 
 

@@ -128,8 +128,17 @@ class StudentProcess:
         return self._ask({"op": "save", "key": key}, self._limits.call_seconds)
 
     def restore_variables(self, key: int) -> bool:
-        """Restore the variables saved under a key; returns whether any of them was modified in place."""
-        return self._ask({"op": "restore", "key": key}, self._limits.call_seconds).value is not False
+        """Restore the variables saved under a key; returns whether any of them was modified in place.
+
+        Raises
+        ------
+        StudentProcessError
+            Also if they have not been saved; the process then is as it was.
+        """
+        reply = self._ask({"op": "restore", "key": key}, self._limits.call_seconds)
+        if not reply.ok:
+            raise StudentProcessError("crashed", "the variables at this step could not be restored")
+        return reply.value is not False
 
     def _wait_until(self, end: float) -> None:
         left = end - time.monotonic()

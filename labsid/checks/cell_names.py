@@ -8,8 +8,11 @@ from functools import lru_cache
 from threading import Lock
 
 from labsid.checks.permitted import without_magic
+from labsid.checks.syntax_trees import in_order, stored_name
 
 _PARSING = Lock()
+_NAMED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+_CLOSED = (ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
 def parse_python(source: str | bytes) -> ast.Module:
@@ -87,28 +90,22 @@ def _bound(top: symtable.SymbolTable) -> frozenset[str]:
     return frozenset(one.get_name() for one in top.get_symbols() if one.is_assigned() or one.is_imported())
 
 
-def _globals_of(table: symtable.SymbolTable) -> Iterator[str]:
-    for symbol in table.get_symbols():
-        if symbol.is_referenced() and (table.get_type() == "module" or symbol.is_global()):
-            yield symbol.get_name()
-    for inner in table.get_children():
-        yield from _globals_of(inner)
+def _globals_of(top: symtable.SymbolTable) -> Iterator[str]:
+    waiting = [top]
+    while waiting:
+        table = waiting.pop()
+        for symbol in table.get_symbols():
+            if symbol.is_referenced() and (table.get_type() == "module" or symbol.is_global()):
+                yield symbol.get_name()
+        waiting += table.get_children()
 
 
-def _assigned(node: ast.AST) -> Iterator[str]:
+def _assigned(root: ast.AST) -> Iterator[str]:
     """Names that are assigned outside functions, classes and comprehensions."""
-    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-        yield node.name
-        return
-    if isinstance(node, ast.Lambda | ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
-        return
-    if isinstance(node, ast.Import | ast.ImportFrom):
-        yield from (alias.asname or alias.name.partition(".")[0] for alias in node.names)
-    elif isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store):
-        while isinstance(node, ast.Attribute | ast.Subscript):
-            node = node.value
-        if isinstance(node, ast.Name):
-            yield node.id
-        return
-    for inner in ast.iter_child_nodes(node):
-        yield from _assigned(inner)
+    for node in in_order(root, (*_NAMED, *_CLOSED)):
+        if isinstance(node, _NAMED):
+            yield node.name
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            yield from (alias.asname or alias.name.partition(".")[0] for alias in node.names)
+        elif (name := stored_name(node)) is not None:
+            yield name

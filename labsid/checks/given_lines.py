@@ -4,6 +4,7 @@ import ast
 
 from labsid.checks.cell_names import parse_python
 from labsid.checks.cells import is_stub
+from labsid.checks.syntax_trees import flat_text
 
 MAX_CHARACTERS = 20_000
 """Longest cell that is looked at; the longest model solution has about 4,000."""
@@ -51,8 +52,8 @@ def put_back(released: str, handed_in: str) -> tuple[str, tuple[str, ...]]:
 
 
 def _identity(node: ast.stmt) -> str:
-    """By which a statement is found again: a function by its name, others by their text."""
-    return node.name if isinstance(node, ast.FunctionDef) else ast.unparse(node)
+    """By which a statement is found again: a function by its name, others by what is written."""
+    return node.name if isinstance(node, ast.FunctionDef) else flat_text(node)
 
 
 def _is_for_answer(node: ast.stmt) -> bool:

@@ -1,31 +1,17 @@
 """The rules of grading in the process that runs a notebook: the same code for `labsid submit` and for grading.
 
-While grading, the sandbox also keeps programs, other processes and the network away, limits the memory, and blocks the
-reference for all code. `labsid submit` runs on the student's machine, where `limit_process` has these effects.
+While grading, the sandbox also keeps programs, other processes and the network away, limits the process, and blocks the
+reference for all code. `labsid submit` runs on the student's machine, where `labsid.hand_in.limited_process` does.
 """
 
 import builtins
-import importlib
 import sys
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from labsid.checks.permitted import SKIPPED_MAGICS, is_reference, is_taught, is_taught_import
-from labsid.checks.time_limit import MEMORY_BYTES
-
-_AT_START_BYTES = 600 * 1024**2  # address space of a student's process at its start, of which MEMORY_BYTES is the limit
-_PROGRAMS = ("subprocess.", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.startfile", "pty.")
-_NETWORK = (
-    "socket.connect",
-    "socket.bind",
-    "socket.getaddrinfo",
-    "socket.gethostby",
-    "socket.sendto",
-    "socket.sendmsg",
-)
 
 
 def follow_rules(shell: Any) -> None:
@@ -63,45 +49,6 @@ class NoFrontEnd:
 
     def __call__(self, *_: object, **__: object) -> "NoFrontEnd":
         return self
-
-
-def limit_process() -> None:
-    """Refuse programs, other processes and the network, and limit the memory, where possible."""
-    sys.addaudithook(_refuse)
-    _refuse_semaphores()
-    try:
-        import resource
-
-        with open("/proc/self/statm", encoding="ascii") as file:
-            size = int(file.read().split()[0]) * resource.getpagesize()
-        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-        resource.setrlimit(resource.RLIMIT_AS, (size + MEMORY_BYTES - _AT_START_BYTES, hard))
-    except (ImportError, OSError, ValueError):  # not on this system
-        return
-
-
-def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
-    if not event.startswith((*_PROGRAMS, *_NETWORK)):
-        return
-    if event.startswith(_NETWORK) and threading.current_thread() is not threading.main_thread():
-        return  # the kernel's own
-    what = "there is no network" if event.startswith(_NETWORK) else "no program and no other process can be started"
-    raise PermissionError(f"while a notebook is graded {what}")
-
-
-def _refuse_semaphores() -> None:
-    """Locks between processes, which a sandbox has no memory for."""
-    try:
-        inner = importlib.import_module("_multiprocessing")
-        usual = inner.SemLock
-    except (ImportError, AttributeError):  # not on this system
-        return
-
-    class SemLock(usual):  # type: ignore[misc,valid-type]
-        def __new__(cls, *_: Any) -> Any:
-            raise PermissionError("while a notebook is graded no other process can be started")
-
-    inner.SemLock = SemLock  # type: ignore[attr-defined]
 
 
 def _no_output(command: str, *_: Any, **__: Any) -> list[str]:

@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.cell_names import parse_python
+from labsid.checks.syntax_trees import is_deep
 
 MOST_PARTS = 60
 _MOST_ITEMS = 8
+_LONGEST_LINE, _MOST_LEVELS = 2_000, 40  # characters, and levels of the tree, of a line that is explained
 _READ, _LOAD = (ast.Name, ast.Attribute, ast.Subscript, ast.BinOp, ast.Call, ast.UnaryOp, ast.List), ast.Load()
 _ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow)
 
@@ -213,11 +215,17 @@ def _shape(value: Any) -> tuple[int, ...]:
 
 
 def parsed_line(text: str) -> ast.AST | None:
-    """The tree of a line; of the head of a compound statement, that of its expression."""
+    """The tree of a line; of the head of a compound statement, that of its expression.
+
+    None for one that cannot be parsed, and for one that is too long or too deeply nested to be explained.
+    """
+    if len(text) > _LONGEST_LINE:
+        return None
     for written in (text, f"{text} pass", text.partition(" ")[2].rstrip(":")):
         if written.strip():
             try:
-                return parse_python(written)
+                tree = parse_python(written)
             except (SyntaxError, ValueError, RecursionError, MemoryError):
                 continue
+            return None if is_deep(tree, _MOST_LEVELS) else tree
     return None

@@ -15,9 +15,11 @@ ALLOWED_MODULES = (
     "checks.compare", "checks.given_lines", "checks.grading_rules", "checks.hints", "checks.kept_tries",
     "checks.line_values", "checks.matlab_syntax", "checks.notebook", "checks.notebook_ask", "checks.notebook_file",
     "checks.notebook_tries", "checks.origin_of_values", "checks.permitted", "checks.python_errors", "checks.question",
-    "checks.relations", "checks.stops", "checks.summary", "checks.time_limit", "checks.values", "checks.verdict",
+    "checks.relations", "checks.stops", "checks.summary", "checks.syntax_trees", "checks.time_limit",
+    "checks.values", "checks.verdict",
     "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
-    "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "rig", "rig.seeds",
+    "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "plots.visible",
+    "rig", "rig.seeds",
 )  # fmt: skip
 """The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
 of a student's own results and the rigs with withheld effects are not among them."""
@@ -86,7 +88,7 @@ def is_taught(value: object) -> bool:
 def _taught_names(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
     try:
         tree = ast.parse(without_magic(source))
-    except (SyntaxError, MemoryError, RecursionError):  # the cell has failed, which is said elsewhere
+    except (SyntaxError, ValueError, MemoryError, RecursionError):  # the cell has failed, which is said elsewhere
         return
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

@@ -1,4 +1,4 @@
-"""Limits of time and memory on students' cells and functions, the same in the notebook and at grading."""
+"""Limits on students' cells and functions, the same in the notebook, in `labsid submit` and at grading."""
 
 import contextlib
 import signal
@@ -18,6 +18,23 @@ SUBMISSION_SECONDS = 300.0
 MEMORY_BYTES = 2 * 1024**3
 """Address space of the process that runs a notebook."""
 
+FILE_BYTES, DISK_BYTES = 64 * 1024**2, 128 * 1024**2
+"""Size of one file that a notebook writes, and of all of them."""
+
+OPEN_FILES = 256
+"""Files that are open at a time in the process that runs a notebook."""
+
+THREADS = 64
+"""Threads and processes beside the first."""
+
+CPU_SECONDS = 300
+"""Processor time of the process that runs a notebook."""
+
+MOST_OWN_CELLS = 1000
+"""Cells of the student's, answers among them, that are run in one notebook."""
+
+NOTEBOOK_BYTES = 50 * 1024**2
+"""Size of a notebook file that is collected and read."""
 
 AGAIN_SECONDS = 0.5
 """Time between one `OutOfTime` and the next: Python drops an exception that is raised while it collects garbage."""

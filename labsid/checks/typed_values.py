@@ -68,7 +68,7 @@ def _assignments(statement: ast.stmt) -> Iterable[tuple[str, ast.expr | None]]:
 def _pairs(target: ast.expr, value: ast.expr | None) -> Iterable[tuple[str, ast.expr | None]]:
     if isinstance(target, ast.Name):
         yield target.id, value
-    elif isinstance(target, ast.Tuple | ast.List):
+    elif isinstance(target, ast.Tuple | ast.List):  # brackets: Python nests them 200 deep at most
         parts = value.elts if isinstance(value, ast.Tuple | ast.List) else []
         single = parts if len(parts) == len(target.elts) else [value] * len(target.elts)
         for one, part in zip(target.elts, single, strict=True):
@@ -79,26 +79,37 @@ def _pairs(target: ast.expr, value: ast.expr | None) -> Iterable[tuple[str, ast.
 
 def _is_written(value: ast.expr) -> bool:
     """Whether an expression is made of numbers and texts, and of what puts them into arrays, alone."""
+    waiting = [value]
+    while waiting:
+        parts = _parts_written(waiting.pop())
+        if parts is None:
+            return False
+        waiting += parts
+    return True
+
+
+def _parts_written(value: ast.expr) -> list[ast.expr] | None:
+    """The parts of an expression that must be written for it to be; None if it is computed in any case."""
     if isinstance(value, ast.Constant):
-        return True
+        return []
     if isinstance(value, ast.Tuple | ast.List | ast.Set):
-        return all(map(_is_written, value.elts))
+        return value.elts
     if isinstance(value, ast.UnaryOp):
-        return _is_written(value.operand)
+        return [value.operand]
     if isinstance(value, ast.BinOp):
-        return _is_written(value.left) and _is_written(value.right)
+        return [value.left, value.right]
     if isinstance(value, ast.Starred):
-        return _is_written(value.value)
+        return [value.value]
     if isinstance(value, ast.Subscript):  # np.r_[1, 2]
-        return isinstance(value.value, ast.Attribute) and value.value.attr in _MAKERS and _is_written(value.slice)
+        return [value.slice] if isinstance(value.value, ast.Attribute) and value.value.attr in _MAKERS else None
     if isinstance(value, ast.Call):
         function = value.func
         named = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
         owner = function.value if isinstance(function, ast.Attribute) else None
-        is_plain = owner is None or isinstance(owner, ast.Name) or _is_written(owner)
-        keywords = all(one.arg in ("dtype", "ndmin", "copy") or _is_written(one.value) for one in value.keywords)
-        return named in _MAKERS and is_plain and keywords and all(map(_is_written, value.args))
-    return False
+        owners = [] if owner is None or isinstance(owner, ast.Name) else [owner]
+        keywords = [one.value for one in value.keywords if one.arg not in ("dtype", "ndmin", "copy")]
+        return [*owners, *keywords, *value.args] if named in _MAKERS else None
+    return None
 
 
 def wrong_elsewhere(

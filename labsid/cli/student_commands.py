@@ -74,7 +74,8 @@ def submit_command(
     if missing and not yes:
         _ask_to_go_on(missing, out)
     tries = tries_to_send(work.to_hand_in)
-    pack(work.to_hand_in, out, tries if tries and _may_send(list(tries)) else None)
+    for remark in pack(work.to_hand_in, out, tries if tries and _may_send(list(tries)) else None):
+        print(remark)
     print(f"Hand in this file: {out} ({', '.join(one.name for one in work.to_hand_in)})")
     if work.unreadable:
         print(

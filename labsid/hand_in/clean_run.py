@@ -20,10 +20,11 @@ from labsid.checks.cells import Cell, Template, grade_id_of
 from labsid.checks.notebook import find_assignment
 from labsid.checks.permitted import skipped_lines
 from labsid.checks.summary import FAILED, PASSED, QuestionState, states_of
-from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, SUBMISSION_SECONDS
+from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, DISK_BYTES, MOST_OWN_CELLS, SUBMISSION_SECONDS
 from labsid.hand_in.kernel import CellOutcome, NotebookKernel
 
 _CHECK_SECONDS = 3 * CALL_SECONDS
+_MOST_FILES = 5  # that are named
 _HISTORY = re.compile(r"_i{1,3}|_i?\d+|_[io]h|In|Out")
 
 
@@ -97,6 +98,7 @@ def run_from_clean_start(
         runner.remarks += _remarks_on_history(steps)
         for step in steps:
             runner.run(step)
+        runner.remark_on_files()
         texts = {grade_id_of(cell): cell["source"] for cell in reversed(cells)}
         return CleanRun(states_of(template.questions, runner.found, texts), runner.reasons, tuple(runner.remarks))
 
@@ -141,6 +143,13 @@ def _remark_on_skipped(line: str) -> str:
     )
 
 
+def _remark_on_file(path: str) -> str:
+    return (
+        f"`{path}` is opened or imported, and is not there when the notebook is graded: what depends on it is wrong "
+        "then. Put its content, or its code, into a cell; the data file is beside the notebook, under its name alone."
+    )
+
+
 def _remarks_on_history(steps: Sequence[_Step]) -> Iterator[str]:
     """On names that Jupyter gives to earlier cells and their values; the student may use them for something else."""
     read = {name for step in steps for name in read_names(step.source)}
@@ -166,6 +175,7 @@ class _Runner:
         self._kernel: NotebookKernel | None = None
         self._deadline = time.monotonic() + SUBMISSION_SECONDS
         self._lost = ""
+        self._own_cells = 0
 
     def __enter__(self) -> "_Runner":
         return self
@@ -178,11 +188,11 @@ class _Runner:
         kind = "" if step.known is None else step.known.kind
         question = step.known.id if step.known is not None and kind in ("question", "tests") else ""
         left = self._deadline - time.monotonic()
-        if left <= 0:
+        self._own_cells += (step.known is None or kind == "answer") and bool(step.source)
+        over = self._over_a_limit(left)
+        if over:
             if question:
-                self._fail(
-                    question, f"the cells before took longer than {SUBMISSION_SECONDS:g} s, the limit at grading."
-                )
+                self._fail(question, f"{question}: {over}")
             return
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
         outcome = self._run(step.source, step.cell_id, min(left, allowed))
@@ -201,6 +211,28 @@ class _Runner:
         elif kind == "tests":
             self.found[question] = PASSED
         self._lost = ""
+
+    def remark_on_files(self) -> None:
+        """Remark on what grading does not have: files elsewhere, and the space for large ones."""
+        elsewhere = [] if self._kernel is None else self._kernel.files_elsewhere()
+        self.remarks += map(_remark_on_file, elsewhere[:_MOST_FILES])
+        written = sum(path.stat().st_size for path in self._folder.rglob("*") if path.is_file())
+        if written > DISK_BYTES:
+            self.remarks.append(
+                f"The notebook's files have {written // 2**20} MB. While it is graded all files together may have "
+                f"{DISK_BYTES // 2**20} MB: what is written beyond that fails, and the answer with it."
+            )
+
+    def _over_a_limit(self, seconds: float) -> str:
+        """Why grading does not run a cell; empty if it does."""
+        if seconds <= 0:
+            return f"the cells before took longer than {SUBMISSION_SECONDS:g} s, the limit at grading."
+        if self._own_cells > MOST_OWN_CELLS:
+            return (
+                f"the notebook has more than {MOST_OWN_CELLS} cells of your own code. Grading does not run the others, "
+                "and what comes after them is not answered. Join cells, or delete some."
+            )
+        return ""
 
     def _fail(self, question: str, reason: str) -> None:
         self.found[question] = FAILED

@@ -9,6 +9,7 @@ from labsid.checks.kept_tries import MAX_BYTES, read_tries, tries_file_name
 from labsid.checks.notebook import assignment_names, find_assignment
 from labsid.checks.summary import FAILED, NOT_DONE, SIGNS, SKIPPED, summary_text
 from labsid.hand_in.clean_run import CleanRun, run_from_clean_start
+from labsid.hand_in.long_outputs import packed_notebook
 from labsid.hand_in.saved_work import SavedNotebook, notebook_paths, read_saved
 from labsid.hand_in.second_record import confirmed_on_another_record
 
@@ -129,8 +130,8 @@ def tries_to_send(notebooks: Sequence[SavedNotebook]) -> dict[str, bytes]:
     return found
 
 
-def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, bytes] | None = None) -> None:
-    """Zip notebooks with the data files on which they were made.
+def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, bytes] | None = None) -> list[str]:
+    """Zip notebooks with the data files on which they were made; returns what is not in the file as it is saved.
 
     Parameters
     ----------
@@ -139,14 +140,23 @@ def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, byte
         The zip file, written atomically; the same work gives the same bytes.
     tries : mapping, optional
         The tries that the student sends, as `tries_to_send` finds them; default none.
+
+    Raises
+    ------
+    ValueError
+        If a notebook is too large to be collected; nothing is written.
     """
+    remarks: list[str] = []
     files: dict[str, bytes] = dict(tries or {})
     for notebook in notebooks:
-        files[f"{notebook.name}/{notebook.path.name}"] = notebook.data
+        content, remark = packed_notebook(notebook.name, notebook.data)
+        remarks += [remark] if remark else []
+        files[f"{notebook.name}/{notebook.path.name}"] = content
         record = _record_beside(notebook.path)
         if record is not None:
             files[f"{notebook.name}/{record.name}"] = record.read_bytes()
     write_file(out, zip_bytes(files))
+    return remarks
 
 
 def _record_beside(notebook: Path) -> Path | None:

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from matplotlib.spines import Spine
 
 from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
+from labsid.plots.visible import is_collection_seen, is_line_seen, is_patch_seen
 
 
 def describe_figure(figure: Any) -> FigureValue:
@@ -56,6 +57,9 @@ def _describe_axes(ax: Any, legends: list[str], texts: list[str]) -> AxesValue:
 
 
 def _describe_curves(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
+    """What is drawn in axes, without what cannot be seen."""
+    if not ax.get_visible():
+        return
     yield from _describe_lines(ax, labels)
     yield from _describe_stairs(ax, labels)
     yield from _describe_collections(ax, labels)
@@ -102,7 +106,7 @@ def _describe_lines(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
     for line in ax.lines:
         x = np.asarray(line.get_xdata(orig=False), float).reshape(-1)
         y = np.asarray(line.get_ydata(orig=False), float).reshape(-1)
-        if x.size < 2 or id(line) in bases:
+        if x.size < 2 or id(line) in bases or not is_line_seen(line):
             continue
         if line.get_transform() == ax.get_yaxis_transform(which="grid"):
             x = np.asarray(ax.get_xlim(), float)[: y.size]  # `axhline`, whose x counts in widths of the axes
@@ -123,7 +127,7 @@ def _describe_lines(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
 
 def _describe_stairs(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
     for patch in ax.patches:
-        if hasattr(patch, "get_data") and hasattr(patch.get_data(), "edges"):
+        if hasattr(patch, "get_data") and hasattr(patch.get_data(), "edges") and is_patch_seen(patch):
             data = patch.get_data()
             yield CurveValue(
                 x=np.asarray(data.edges, float)[: len(data.values)],
@@ -138,6 +142,8 @@ def _describe_stairs(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
 def _describe_collections(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
     """The points of ``scatter`` as one curve, and each line of ``hlines``."""
     for collection in ax.collections:
+        if not is_collection_seen(collection):
+            continue
         colors = [*collection.get_edgecolor(), *collection.get_facecolor()]
         color = to_rgb(colors[0]) if colors else (0.0, 0.0, 0.0)
         label = labels[id(collection)]
@@ -152,7 +158,7 @@ def _describe_collections(ax: Any, labels: dict[int, str]) -> Iterator[CurveValu
 
 def _describe_bars(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
     for bars in ax.containers:
-        if isinstance(bars, BarContainer) and len(bars.patches) > 1:
+        if isinstance(bars, BarContainer) and len(bars.patches) > 1 and any(map(is_patch_seen, bars.patches)):
             middles = [bar.get_x() + bar.get_width() / 2 for bar in bars.patches]
             heights = [bar.get_height() for bar in bars.patches]
             color = to_rgb(bars.patches[0].get_facecolor())

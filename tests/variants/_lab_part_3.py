@@ -102,10 +102,11 @@ VARIANTS: list[Right | Wrong] = [
     wrong(
         HALF,
         "along the rows of a column",
-        "y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u[half:].reshape(-1, 1)).ravel()",
+        "y_sim_half = scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u[half:].reshape(-1, 1))",
         "filtered along the wrong axis",
         "axis=0",
     ),
+    wrong(HALF, "nothing", "y_sim_half = np.zeros(len(u[half:]))", "zero output", "is zero at every sample"),
     wrong(
         HALF,
         "offset added back",

@@ -16,6 +16,7 @@ from autograder.batch import judge_process
 from autograder.batch.executors import LocalExecutor
 from autograder.batch.fingerprint import submission_hash
 from autograder.batch.grade import Graded, grade_batch
+from autograder.batch.hand_ins import compare_with_others
 from autograder.batch.selection import find_batch
 from autograder.batch.wrong_record import _noisy_numbers
 from autograder.course.layout import Course
@@ -94,6 +95,27 @@ def test_values_that_cannot_be_converted_cost_their_own_question(
     assert sum(row["score"] not in ("", "0") for row in rows["ann"]) > 5
     assert all(row["score"] == row["max_score"] for row in rows["bob"] if row["status"] != "manual")
     assert _noisy_numbers(np.zeros((0, 1 << 31, 1 << 31), np.int8)).size == 0
+
+
+def test_deeply_nested_code_beside_right_answers_costs_nothing(
+    course: Course, launcher: ProcessLauncher, tmp_path: Path
+) -> None:
+    """The cells as collected, their lines put back, and the code compared with that of others."""
+    solution = nbformat.read(course.source / PRELAB / f"{PRELAB}.ipynb", as_version=4)
+    answers = {cell.id: cell.source for cell in solution.cells if cell.id.endswith("-answer")}
+    deep = [
+        "s = 'a'" + ".strip()" * 300,
+        "s = " + " + ".join(f"'{k}'" for k in range(600)),
+        "if 0: pass\n" + "".join(f"elif s == {k}: pass\n" for k in range(500)),
+        "s = 0x" + "f" * 6000,
+    ]
+    replaced = {name: "\n".join([source, *deep]) for name, source in answers.items() if "def " not in source}
+    assert len(replaced) > 2
+    hand_in(course, tmp_path / "in", "ann", PRELAB, replaced)
+    list(grade_batch(course, find_batch(course, tmp_path / "in"), tmp_path / "out", LocalExecutor(launcher)))
+    rows = rows_of(tmp_path / "out")["ann"]
+    assert {row["status"] for row in rows} == {"graded", "manual"}
+    assert all(row["score"] == row["max_score"] for row in rows if row["status"] == "graded")
 
 
 def test_a_hand_in_that_keeps_the_judge_busy_is_quarantined(
@@ -201,3 +223,22 @@ def test_shapes_and_texts_tell_no_hidden_numbers(course: Course, launcher: Proce
     (row,) = [row for row in rows_of(tmp_path / "out")["ann"] if row["question"] == "prelab-4-function"]
     assert row["score"] == "0"
     assert f"shape ({REDACTED}, 2)" in row["reason"]
+
+
+def test_what_cannot_be_compared_with_others_keeps_its_marks(
+    course: Course, launcher: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hand_in(course, tmp_path / "in", "ann", PRELAB, {})
+    call = judge_process.JudgeProcess.call
+
+    def broken(self, function, *arguments, **settings):  # type: ignore[no-untyped-def]
+        if function is compare_with_others:
+            return call(self, eval, "1 / 0")
+        return call(self, function, *arguments, **settings)
+
+    monkeypatch.setattr(judge_process.JudgeProcess, "call", broken)
+    list(grade_batch(course, find_batch(course, tmp_path / "in"), tmp_path / "out", LocalExecutor(launcher)))
+    rows = rows_of(tmp_path / "out")["ann"]
+    assert all(row["score"] == row["max_score"] for row in rows if row["status"] == "graded")
+    kept = json.loads((tmp_path / "out" / "results" / "ann" / f"{PRELAB}.json").read_text(encoding="utf-8"))
+    assert kept["flags"] == ["not compared with the others: it stops with ZeroDivisionError"]

@@ -241,8 +241,81 @@ def test_links_bombs_and_paths_that_lead_out_are_left_alone(
     assert "bomb.zip/bomb.ipynb: it is too large" in ben
     assert "none.zip is not a readable zip file" in ben
     assert there(tmp_path) == [
-        f"deep/out/1001/{PRELAB}/{PRELAB}.ipynb", f"deep/out/1002/{LAB}/{LAB}.ipynb", "m.zip",
+        f"deep/out/1001/{LAB}/not-read.txt", "deep/out/1001/not-read.txt", f"deep/out/1001/{PRELAB}/{PRELAB}.ipynb",
+        f"deep/out/1002/{LAB}/{LAB}.ipynb", "deep/out/1002/not-read.txt", "m.zip",
     ]  # fmt: skip
+
+
+def test_why_a_hand_in_was_not_collected_stands_in_its_grades(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not that there was none; a hand-in that can be read takes the note away."""
+    monkeypatch.setattr(archive, "MAX_FILE_BYTES", 2_000_000)
+    files = [
+        (entry(f"{ADA}/{LAB}.ipynb"), bytes(3_000_000)),
+        (entry(f"{BEN}/work.zip"), b"PK\x03\x04nothing"),
+    ]
+    out, template = tmp_path / "out", read_template(course, LAB)
+    list(collect_submissions(course, moodle(tmp_path / "m.zip", files), out))
+    for student, why in (("1001", f"{LAB}.ipynb: it is too large (more than 1 MB)"), ("1002", "work.zip is not a")):
+        found = read_submission(out / student / LAB, student, template)
+        assert found.status == "quarantined"
+        assert found.notes[0].startswith(f"what was handed in could not be read: {why}")
+    assert handed_in_by(course, out) == {LAB: ["1001"]}
+    before = submission_hash(out / "1002" / LAB, ".mat")
+    files = [(entry(f"{owner}/{LAB}.ipynb"), notebooks[LAB]) for owner in (ADA, BEN)]
+    list(collect_submissions(course, moodle(tmp_path / "m.zip", files), out))
+    assert {read_submission(out / one / LAB, one, template).status for one in ("1001", "1002")} == {"ready"}
+    assert submission_hash(out / "1002" / LAB, ".mat") != before
+    assert not list(out.rglob("not-read.txt"))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "hand-in without __MACOSX.zip",
+        f".{LAB}.ipynb",
+        f"my.ipynb_checkpoints_{LAB}.ipynb",
+        f"my__MACOSX/{LAB}.ipynb",
+        f".hidden/{LAB}.ipynb",
+    ],
+)
+def test_names_that_resemble_those_of_automatic_copies_are_collected(
+    name: str, course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    inner = io.BytesIO()
+    with zipfile.ZipFile(inner, "w") as packed:
+        packed.writestr(f"{LAB}.ipynb", notebooks[LAB])
+    content = inner.getvalue() if name.endswith(".zip") else notebooks[LAB]
+    lines = list(collect_submissions(course, moodle(tmp_path / "m.zip", [(entry(f"{ADA}/{name}"), content)]), tmp_path))
+    assert lines == [f"1001 (Ada Lovelace): {LAB}"]
+
+
+def test_automatic_copies_are_no_hand_in_and_named_where_nothing_else_is(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    copies = [(entry(f"{ADA}/{one}/{LAB}.ipynb"), notebooks[LAB]) for one in (".ipynb_checkpoints", "a/__MACOSX")]
+    junk = [(entry(f"{ADA}/{one}"), b"") for one in (f"._{LAB}.ipynb", ".DS_Store")]
+    (line,) = collect_submissions(course, moodle(tmp_path / "m.zip", copies + junk), tmp_path / "one")
+    made = "a copy that a program made by itself"
+    listed = f".ipynb_checkpoints/{LAB}.ipynb: {made}, a/__MACOSX/{LAB}.ipynb: {made}"
+    assert line == f"1001 (Ada Lovelace): no notebook of this course; skipped: {listed}"
+    own = [(entry(f"{ADA}/x.ipynb"), notebooks[LAB])]
+    (line,) = collect_submissions(course, moodle(tmp_path / "m.zip", copies + junk + own), tmp_path / "two")
+    assert line == f"1001 (Ada Lovelace): {LAB}"
+
+
+def test_a_copy_that_can_be_read_comes_before_one_that_cannot(
+    course: Course, notebooks: Mapping[str, bytes], tmp_path: Path
+) -> None:
+    broken = (entry(f"{ADA}/{LAB}.ipynb", 9), notebooks[LAB][:-500])
+    whole = (entry(f"{ADA}/{LAB} (1).ipynb", 5), notebooks[LAB])
+    out = tmp_path / "out"
+    (line,) = collect_submissions(course, moodle(tmp_path / "m.zip", [broken, whole]), out)
+    assert f"not clear which is the latest: {LAB}.ipynb cannot be read" in line
+    assert (out / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == notebooks[LAB]
+    found = read_submission(out / "1001" / LAB, "1001", read_template(course, LAB))
+    assert (found.status, f"but {LAB}.ipynb cannot be read" in found.notes[0]) == ("ready", True)
 
 
 def test_one_students_flood_costs_nobody_else_anything(
@@ -386,7 +459,7 @@ def test_nothing_is_ever_written_outside_of_the_folder(course: Course, files: Se
             parts = one.split("/")
             assert parts[:3] == ["a", "b", "out"]
             assert parts[3].isdigit()
-            assert len(parts) == 6
+            assert len(parts) == 6 or parts[4:] == ["not-read.txt"]
         assert all(len(line.splitlines()) == 1 for line in lines)
 
 

@@ -12,6 +12,7 @@ from autograder.sandbox.isolation import (
     Limits,
     MachineError,
     ProcessLauncher,
+    StudentProcess,
     StudentProcessError,
     open_launcher,
 )
@@ -69,6 +70,32 @@ def test_cells_that_cannot_be_run_twice_are_said(forked: ProcessLauncher, tmp_pa
         said = "when its cells were run a second time, its process ended with exit status 4"
         with pytest.raises(StudentProcessError, match=said):
             notebook.replayed(0)
+
+
+def test_what_cannot_be_saved_is_said_where_it_is_missing(
+    forked: ProcessLauncher, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def too_slow(self: StudentProcess, key: int) -> None:
+        raise StudentProcessError("timeout", "it took longer than 10 s")
+
+    with running(forked, tmp_path, "a = 1") as notebook:
+        monkeypatch.setattr(StudentProcess, "save_variables", too_slow)
+        notebook.save_variables(7)
+        with pytest.raises(StudentProcessError, match="its variables could not be saved: it took longer than 10 s"):
+            notebook.restore_variables(7)
+        with pytest.raises(StudentProcessError, match="the variables at this step could not be restored"):
+            notebook.restore_variables(8)
+        assert notebook.process.value("a").value == 1
+        assert notebook.said_of_left_out() == ""
+
+
+def test_a_cell_that_is_left_out_the_second_time_is_said(forked: ProcessLauncher, tmp_path: Path) -> None:
+    once = "import os\nif os.path.exists('ran'):\n    os._exit(4)\na = 1"
+    with running(forked, tmp_path, once) as notebook:
+        (tmp_path / "ran").touch()
+        notebook.run(cell("os._exit(1)"))
+        assert not notebook.process.value("a").ok
+        assert "a cell did not finish (its process ended with exit status 4)" in notebook.said_of_left_out()
 
 
 def test_a_cell_that_has_run_may_take_longer_when_it_runs_again(tmp_path: Path) -> None:

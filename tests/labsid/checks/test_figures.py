@@ -91,6 +91,52 @@ def test_points_and_bars_are_read_with_their_label(draw: Callable, legend: Calla
     assert legend_text(seen_by_position, curve) == "signal"
 
 
+@pytest.mark.parametrize(
+    "draw",
+    [
+        pytest.param(lambda ax: ax.plot(T, Y, alpha=0, lw=0), id="transparent and without width"),
+        pytest.param(lambda ax: ax.plot(T, Y, alpha=0.01), id="transparent"),
+        pytest.param(lambda ax: ax.plot(T, Y, lw=0), id="without width"),
+        pytest.param(lambda ax: ax.plot(T, Y, visible=False), id="not shown"),
+        pytest.param(lambda ax: ax.plot(T, Y, "w"), id="white on white"),
+        pytest.param(lambda ax: ax.plot(T, Y, color=(0, 0, 1, 0)), id="a transparent colour"),
+        pytest.param(lambda ax: ax.plot(T, Y, linestyle=""), id="no line and no marker"),
+        pytest.param(lambda ax: ax.plot(T, Y, "o", ms=0), id="markers without size"),
+        pytest.param(lambda ax: ax.plot(T, Y, "o", mfc="none", mec="none"), id="markers without colour"),
+        pytest.param(lambda ax: (ax.set_facecolor("k"), ax.plot(T, Y, "k")), id="black on black"),
+        pytest.param(lambda ax: ax.stairs(U[:-1], T, alpha=0), id="stairs"),
+        pytest.param(lambda ax: ax.scatter(T, Y, s=0), id="points without size"),
+        pytest.param(lambda ax: ax.scatter(T, Y, c="w"), id="white points"),
+        pytest.param(lambda ax: ax.bar(T, Y, alpha=0), id="bars"),
+        pytest.param(lambda ax: ax.hlines([1, 2], 0, 5, lw=0), id="lines without width"),
+        pytest.param(lambda ax: (ax.plot(T, Y), ax.set_visible(False)), id="axes that are not shown"),
+    ],
+)
+def test_a_curve_that_cannot_be_seen_is_none(draw: Callable) -> None:
+    assert seen(draw).curves == ()
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        pytest.param(lambda ax: ax.plot(T, Y, alpha=0.2), id="pale"),
+        pytest.param(lambda ax: ax.plot(T, Y, lw=0.3), id="thin"),
+        pytest.param(lambda ax: ax.plot(T, Y, "lightyellow"), id="light"),
+        pytest.param(lambda ax: (ax.set_facecolor("k"), ax.plot(T, Y, "w")), id="white on black"),
+        pytest.param(lambda ax: ax.plot(T, Y, "o", mfc="none"), id="circles"),
+        pytest.param(lambda ax: ax.plot(T, Y, "ow", mec="k"), id="white with an edge"),
+        pytest.param(lambda ax: ax.plot(T, Y, "w.-", mfc="r"), id="red points on a white line"),
+        pytest.param(lambda ax: (ax.set_facecolor("none"), ax.plot(T, Y)), id="no background"),
+        pytest.param(lambda ax: ax.scatter(T, Y, c=Y, cmap="gray"), id="coloured by value"),
+        pytest.param(lambda ax: ax.scatter(T, Y, marker="x"), id="crosses"),
+        pytest.param(lambda ax: ax.scatter(T, Y, facecolors="none", edgecolors="k"), id="rings"),
+        pytest.param(lambda ax: ax.bar(T, Y, fill=False, edgecolor="b"), id="bars without area"),
+    ],
+)
+def test_a_curve_that_can_be_seen_is_one(draw: Callable) -> None:
+    assert find_curve(seen(draw), Y, T) is not None
+
+
 def test_horizontal_lines_are_read_at_their_level() -> None:
     def draw(ax: Axes) -> None:
         ax.set_xlim(0, 10)

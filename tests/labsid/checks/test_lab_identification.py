@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from labsid.checks import NoAnswer
 from labsid.checks.assignments.lab_identification import ASSIGNMENT
@@ -13,8 +14,9 @@ from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.assignments.lab_identification.part_1 import _staircases
 from labsid.checks.assignments.lab_identification.part_2 import judge_transfer_function, require_sampling_time
 from labsid.checks.assignments.lab_identification.phi_and_theta import judge_equations, judge_theta
-from labsid.checks.assignments.lab_identification.simulated_output import judge_mse, read_output
+from labsid.checks.assignments.lab_identification.simulated_output import judge_entire_run, judge_mse, read_output
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, Value
+from labsid.lab.arx import ArxModel
 from labsid.lab.offset import find_offsets, first_period_length
 from labsid.lab.regressor import build_phi
 from labsid.records.record import load_record
@@ -147,6 +149,22 @@ def test_outputs_that_are_none_are_named(value: Value, text: str) -> None:
 
 def test_one_row_of_output_counts_as_output() -> None:
     assert read_output("y_sim", np.ones((1, 7))).shape == (7,)
+
+
+def test_an_output_of_zeros_is_not_told_a_cause_that_nothing_proves(shipped_record_path: Path) -> None:
+    data, model = data_of(shipped_record_path), ArxModel([1.0, -1.5, 0.6], [0.1, 0.05], 0.1)
+    column = lfilter([0, *model.b], model.a, data.u.reshape(-1, 1))
+    for zeros, slip in ((column, "filtered along the wrong axis"), (np.zeros(data.u.size), "zero output")):
+        verdict = judge_entire_run(FakeAsk({"y_sim": zeros}), "y_sim", data, model)
+        assert (verdict.passed, verdict.slip) == (False, slip)
+    assert verdict.reason.endswith(
+        "Often here: did `lfilter` get a column? It filters along its rows, which have one "
+        "element each, unless it is given `axis=0`."
+    )
+    for constant in (0.1, -3.0):
+        verdict = judge_entire_run(FakeAsk({"y_sim": np.full(data.u.size, constant)}), "y_sim", data, model)
+        assert not verdict.passed
+        assert "lfilter" not in verdict.reason
 
 
 def test_mean_squared_error_by_hand() -> None:

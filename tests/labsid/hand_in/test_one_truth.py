@@ -31,6 +31,8 @@ SAME = {
     "%autosave": f"%autosave 30\n{RIGHT}",
     "practice": f"check.practice()\n{RIGHT}",
     "display": f"display(3)\n{RIGHT}",
+    "a file of 60 MB": f"np.save('big.npy', np.zeros(7_500_000))\n{RIGHT}",
+    "200 files": f"files = [open(f'{{k}}', 'w') for k in range(200)]\n{RIGHT}",
     "threads": f"from concurrent.futures import ThreadPoolExecutor\nlist(ThreadPoolExecutor(2).map(abs, [1]))\n{RIGHT}",
 }
 """Answers that are right in both."""
@@ -45,6 +47,10 @@ SAID = {
     "subprocess of a thread": "import subprocess\nfrom concurrent.futures import ThreadPoolExecutor\n"
     f"ThreadPoolExecutor().submit(subprocess.run, ['ls']).result()\n{RIGHT}",
     "socket": f"import socket\nsocket.create_connection(('127.0.0.1', 9), 1)\n{RIGHT}",
+    "a file of 100 MB": f"np.save('big.npy', np.zeros(12_500_000))\n{RIGHT}",
+    "400 files": f"files = [open(f'{{k}}', 'w') for k in range(400)]\n{RIGHT}",
+    "90 threads": "import threading, time\nthreading.stack_size(65536)\n"
+    f"for _ in range(90):\n    threading.Thread(target=time.sleep, args=(1,)).start()\n{RIGHT}",
     "3 GB": f"big = np.zeros(3 * 2**27)\n{RIGHT}",
 }
 """Answers that are wrong in both, as the student reads before handing in."""
@@ -88,3 +94,36 @@ def test_submit_and_grading_agree(released: Course, at_grading: Grade, tmp_path:
     assert (graded.score == graded.max_score != Decimal(0)) is (style in SAME), graded.reason
     if source.startswith(("!", "%")):
         assert any("was skipped, as it is when the notebook is graded" in remark for remark in run.remarks)
+
+
+@pytest.mark.slow
+def test_what_lies_elsewhere_on_the_students_machine_is_said(
+    released: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A module, and a file, that grading does not have; what a library or the notebook itself writes is not named."""
+    own, scratch = tmp_path / "own", tmp_path / "scratch"
+    own.mkdir()
+    scratch.mkdir()
+    (own / "mylib.py").write_text("def points():\n    return 1001\n", encoding="utf-8")
+    (own / "stop.txt").write_text("100", encoding="utf-8")
+    monkeypatch.setattr("tempfile.tempdir", str(scratch))  # tests have their folders where programs have theirs
+    monkeypatch.setenv("TMPDIR", str(scratch))
+    source = (
+        f"import sys, tempfile, matplotlib.pyplot as plt\nsys.path.append({str(own)!r})\nimport mylib\n"
+        f"stop = float(open({str(own / 'stop.txt')!r}).read())\nopen('own.txt', 'w').close()\n"
+        "tempfile.TemporaryFile().close()\nplt.plot([1, 2])\nplt.savefig('a.png')\n"
+        "t = np.linspace(0, stop, mylib.points()).reshape(-1, 1)"
+    )
+    run = at_submit(released, tmp_path, source)
+    said = [remark for remark in run.remarks if "is not there when the notebook is graded" in remark]
+    assert [remark.partition(" ")[0] for remark in said] == [f"`{own / 'mylib.py'}`", f"`{own / 'stop.txt'}`"]
+
+
+@pytest.mark.slow
+def test_more_cells_than_grading_runs_are_said(
+    released: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("labsid.hand_in.clean_run.MOST_OWN_CELLS", 0)
+    run = at_submit(released, tmp_path, RIGHT)
+    assert state(run) == "not right"
+    assert "more than 0 cells of your own code" in run.reasons[QUESTION]

@@ -14,6 +14,7 @@ from labsid.checks.kept_tries import KeptTry, tries_bytes
 from labsid.checks.summary import PASSED
 from labsid.cli.commands import main
 from labsid.hand_in.clean_run import run_from_clean_start
+from labsid.hand_in.long_outputs import LEFT_OUT, packed_notebook
 from labsid.hand_in.progress import show_progress
 from labsid.hand_in.saved_work import read_saved
 from labsid.hand_in.submission_file import find_work, pack, run_notebook, run_text, tries_to_send
@@ -82,6 +83,44 @@ def test_the_hand_in_holds_the_notebooks_their_record_and_nothing_else(work: Pat
             assert archive.read(inside) == (work / inside).read_bytes()
     assert (tmp_path / "one.zip").read_bytes() == (tmp_path / "two.zip").read_bytes()
     assert [one.name for one in find_work(work, LAB).to_hand_in] == [LAB]
+
+
+def test_long_outputs_are_left_out_of_the_hand_in_and_kept_in_the_notebook(work: Path, tmp_path: Path) -> None:
+    """60 MB would not be collected; short outputs, and pictures in texts, stay."""
+    path = work / PRELAB / f"{PRELAB}.ipynb"
+    answer(path, prelab_1_time_answer="t = 1")
+    notebook = json.loads(path.read_bytes())
+    code = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    short = [{"output_type": "stream", "name": "stdout", "text": ["1\n"]}]
+    picture = {"output_type": "display_data", "metadata": {}, "data": {"image/png": "A" * 60_000_000}}
+    code[0]["outputs"], code[1]["outputs"] = short, [picture]
+    text = next(cell for cell in notebook["cells"] if cell["cell_type"] == "markdown")
+    text["attachments"] = {"a.png": {"image/png": "B" * 200_000}}
+    path.write_text(json.dumps(notebook), encoding="utf-8")
+    saved = path.read_bytes()
+    (remark,) = pack(find_work(work).to_hand_in, tmp_path / "out.zip")
+    assert remark.startswith(f"{PRELAB}: long outputs of 1 cell are left out of the file.")
+    assert path.read_bytes() == saved
+    with zipfile.ZipFile(tmp_path / "out.zip") as archive:
+        packed = json.loads(archive.read(f"{PRELAB}/{PRELAB}.ipynb"))
+    code[1]["outputs"] = [{"output_type": "stream", "name": "stdout", "text": [LEFT_OUT]}]
+    assert packed == notebook
+
+
+def test_many_outputs_that_are_not_long_are_left_out_together() -> None:
+    cells = [{"outputs": [{"text": "a" * 90_000}]} for _ in range(600)] + [{"outputs": [{"text": "b"}]}, {"source": ""}]
+    content, remark = packed_notebook(PRELAB, json.dumps({"cells": cells}).encode())
+    assert "outputs of 600 cells" in remark
+    assert json.loads(content)["cells"][-2:] == cells[-2:]
+    assert len(content) < 200_000
+
+
+def test_a_notebook_that_would_not_be_collected_is_refused_with_what_to_do(work: Path, tmp_path: Path) -> None:
+    path = work / PRELAB / f"{PRELAB}.ipynb"
+    answer(path, prelab_1_time_answer=f"t = 1  # {'a' * 51 * 2**20}")
+    with pytest.raises(ValueError, match=r"51 MB without its outputs; at most 50 MB are collected\. Make the pictures"):
+        pack(find_work(work).to_hand_in, tmp_path / "out.zip")
+    assert not (tmp_path / "out.zip").exists()
 
 
 def test_a_notebook_of_another_name_is_said_to_be_left_out(work: Path) -> None:

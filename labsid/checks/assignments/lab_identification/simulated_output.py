@@ -45,7 +45,8 @@ def read_output(name: str, value: Value) -> FloatArray:
 
 def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
     """Judge the free run over the entire input, from rest or from the first measured samples."""
-    got = read_output(name, ask.value(name))
+    value = ask.value(name)
+    got = read_output(name, value)
     right = simulate(model, data.u)
     n = model.order
     for other in (
@@ -80,14 +81,15 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
                 for half in (data.half, data.half + 1)
             ),
         ),
-        _slips(name, data, model, 0),
+        _slips(name, data, model, 0, _is_column(value)),
     )
     return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
 
 
 def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
     """Judge the free run over the second half of the input, from rest. The half may be rounded up or down."""
-    got = read_output(name, ask.value(name))
+    value = ask.value(name)
+    got = read_output(name, value)
     rounded = data.y.size - data.half
     for half in (data.half, rounded):
         for right in (simulate(model, data.u[half:]), _zero_at_first(model, data.u[half:])):
@@ -127,7 +129,7 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y, model.order))),
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
         *_predictions_elsewhere(name, data, model),
-        *_slips(name, data, model, half),
+        *_slips(name, data, model, half, _is_column(value)),
     ]
     right = simulate(model, u)
     return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
@@ -201,7 +203,11 @@ def _zero_at_first(model: ArxModel, u: FloatArray) -> FloatArray:
     return simulate(model, u, estimate_initial_state(model, u[:n], np.zeros(n)))
 
 
-def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Slip[FloatArray]]:
+def _is_column(value: Value) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 1
+
+
+def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: bool) -> Iterator[Slip[FloatArray]]:
     u, y = data.u[first:], data.y[first:]
     n = model.order
 
@@ -238,7 +244,11 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Sl
         "does not depend on earlier samples: `lfilter` filters along the rows of a column, which have one element "
         "each. Give it `axis=0`, or a flat `u`."
     )
-    yield slip("filtered along the wrong axis", along, np.zeros(u.size))
+    zero = (
+        "is zero at every sample, whatever the input is. Often here: did `lfilter` get a column? It filters along its "
+        "rows, which have one element each, unless it is given `axis=0`."
+    )  # zeros may come from anything else, but a column of them hardly does
+    yield slip(*(("filtered along the wrong axis", along) if is_column else ("zero output", zero)), np.zeros(u.size))
     yield slip("filtered along the wrong axis", along, model.b[0] * u)
     right = simulate(model, u)
     yield slip(
