@@ -114,6 +114,8 @@ class Solved:
         Variables before each of them.
     known : mapping
         Right values of earlier steps, by question.
+    files : mapping
+        Content of the files in the folder of the notebook, by name.
     """
 
     assignment: Assignment
@@ -122,6 +124,15 @@ class Solved:
     cells: Mapping[str, str]
     kept: dict[str, Kept] = field(default_factory=dict)
     known: dict[str, dict[str, Value]] = field(default_factory=dict)
+    files: dict[str, bytes] = field(default_factory=dict)
+
+    @contextlib.contextmanager
+    def in_folder(self) -> Iterator[None]:
+        """Work in a folder with the files of the notebook."""
+        with work_folder() as folder:
+            for name, content in self.files.items():
+                (folder / name).write_bytes(content)
+            yield
 
     def answer_cells(self, question: str) -> tuple[str, ...]:
         """The cells for answers that belong to a question: those between the question before and its own."""
@@ -153,8 +164,9 @@ class Solved:
         to_run = [one for one in ids[first : ids.index(question)] if one not in questions]
         sources = {one: replaced.get(one, self.cells[one]) for one in to_run}
         variables = self.kept[ids[first]].variables(sources.values())
-        for one, source in sources.items():
-            exec(compile(source, one, "exec"), variables)
+        with self.in_folder():
+            for one, source in sources.items():
+                exec(compile(source, one, "exec"), variables)
         return variables
 
     def verdict(self, question: str, variables: Mapping[str, Any], seed: int) -> Verdict:
@@ -212,6 +224,7 @@ def solve(name: str, student: str = "z5000001", content: bytes | None = None) ->
             else:
                 exec(compile(source, one, "exec"), variables)
         solved.kept[END] = Kept.of(variables, before, last)
+        solved.files.update({path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()})
     return solved
 
 

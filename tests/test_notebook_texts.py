@@ -10,7 +10,7 @@ from labsid.checks.notebook import load_assignment
 from labsid.checks.question import PEN
 
 NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
-NAMES = sorted(path.stem for path in NOTEBOOKS.glob("*/*.md"))
+NAMES = sorted(path.stem for path in NOTEBOOKS.glob("*/*.md") if path.stem == path.parent.name)
 
 WORDS_PER_MINUTE = 130 / 2  # technical text is read twice
 MINUTES_OF = {

@@ -104,10 +104,11 @@ def test_numbers_for_data_of_ones_own_earn_nothing(name: str, course: Course, la
 def test_what_follows_from_an_invented_answer_earns_nothing_as_a_number(
     name: str, course: Course, launcher: ProcessLauncher, tmp_path: Path
 ) -> None:
-    """The first answer that others use is multiplied; the numbers that follow are typed into the others' cells."""
+    """The first number that others use is multiplied; the numbers that follow are typed into the others' cells."""
     used = {key for question in load_assignment(name).questions for key in question.uses}
-    first = next((question.id for question in load_assignment(name).questions if question.id in used), None)
     right = values_after(course, launcher, name, tmp_path, {})
+    numbers = [one.id for one in load_assignment(name).questions if one.id in used and f"{one.id}-answer" in right]
+    first = next(iter(numbers), None)
     spoil = "" if first is None else "\n".join(map(SPOIL.format, right[f"{first}-answer"]))
     wrong = values_after(course, launcher, name, tmp_path, {} if first is None else {f"{first}-answer": spoil})
     typed = {

@@ -72,7 +72,7 @@ def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
     to_run = [name for name in ids[first : ids.index(one.question)] if name not in questions]
     sources = {name: cells.get(name, solved.cells[name]) for name in to_run}
     variables = solved.kept[ids[first]].variables(sources.values())
-    with quietly():
+    with quietly(), solved.in_folder():
         for name, source in sources.items():
             try:
                 linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)  # as IPython does
