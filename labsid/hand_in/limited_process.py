@@ -29,7 +29,7 @@ _NETWORK = (
 )
 _SYSTEM = "/usr /etc /proc /sys /dev /lib /lib64 /opt /nix /var /System /Library"
 _SYSTEM_VARIABLES = ("SYSTEMROOT", "PROGRAMFILES")  # of Windows: where its folders are
-_FONTS = (".ttf", ".otf", ".ttc", ".afm", ".pfb", ".dfont")
+_NO_DATA = (".ttf", ".otf", ".ttc", ".afm", ".pfb", ".dfont", ".ipynb")  # fonts, and the notebook itself
 _MOST_FRAMES = 100  # between a cell and the file that it opens
 
 _ELSEWHERE: dict[str, None] = {}
@@ -94,8 +94,8 @@ def _note_files_elsewhere(variables: Mapping[str, object]) -> Callable[[str, tup
         with suppress(ValueError, OSError):  # no name of a file, as it will be told
             path = os.path.realpath(os.fsdecode(arguments[0]))
             path = source_from_cache(path) if path.endswith(".pyc") else path
-            is_hidden = f"{os.sep}." in path  # settings and caches of libraries
-            is_needed = is_hidden or f"{path}{os.sep}".startswith(roots) or path.lower().endswith(_FONTS)
+            is_hidden = f"{os.sep}." in path or f"{os.sep}__pycache__{os.sep}" in path  # settings and caches
+            is_needed = is_hidden or f"{path}{os.sep}".startswith(roots) or path.lower().endswith(_NO_DATA)
             if not is_needed and _is_by_a_cell(variables):
                 _ELSEWHERE.setdefault(path)
 

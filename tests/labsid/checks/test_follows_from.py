@@ -8,6 +8,7 @@ from labsid.checks.question import FollowsFrom
 BY_EYE = {"step-1-read", "gap-8-effect", "gap-8-path", "gap-8-parameters"}
 OWN_RIG = {"gap-7-simulation", "gap-9-closed"}
 TEXT = {
+    "sev-1-read",
     "lab-1a-sampling-time",
     "prelab-1-time", "prelab-2-noise", "prelab-3-cut", "prelab-4-matrix", "prelab-5-original", "prelab-6-cut-off",
     "step-3-mse", "step-3-figure",

@@ -157,7 +157,7 @@ def _judge_theta(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> Verdict:
     got = _table(call, returned(ask, "fit_outputs", u, y, n))
     if got.ndim == 1 and got.size == columns:
         return Verdict(False, f"`{call}` returns theta of one output: return a row for each.", "one output only")
-    got = as_matrix(call, got, (None, columns) if got.shape[0] != columns else (rows, columns))
+    got = as_matrix(call, got, (rows, columns) if got.shape[:1] == (columns,) else (None, columns))
     if got.shape[0] != rows:
         return Verdict(
             False,
