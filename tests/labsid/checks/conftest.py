@@ -10,6 +10,7 @@ import jupytext
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from one_answer import work_folder
 
 from labsid.checks import CheckFailed, NoAnswer
 from labsid.checks.notebook import load_assignment
@@ -84,9 +85,10 @@ def answers() -> type[Answers]:
 @lru_cache(maxsize=1)
 def variables_of(assignment: str) -> dict[str, object]:
     variables: dict[str, object] = {}
-    for words, source in code_cells(assignment):
-        if "points" not in words and "demonstration" not in words["tags"]:
-            exec(compile(source, str(words["grade_id"]), "exec"), variables)
+    with work_folder():  # cells may write files
+        for words, source in code_cells(assignment):
+            if "points" not in words and "demonstration" not in words["tags"]:
+                exec(compile(source, str(words["grade_id"]), "exec"), variables)
     plt.close("all")
     return variables
 
