@@ -445,8 +445,7 @@ def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
     if found.system is None:
         raise ValueError(
             "the outputs were explained beside the measured other outputs, so there is no simulation that runs "
-            "from the "
-            "inputs alone. Export each output by itself (--inputs, --outputs)."
+            "from the inputs alone. Export each output by itself (--inputs, --outputs)."
         )
     if path.suffix.lower() == ".py":
         write_system_module(path, found.system)

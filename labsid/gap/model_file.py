@@ -17,7 +17,7 @@ from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
-from labsid.gap.effects.output_feedback import OUTPUT, OutputFeedback
+from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -142,15 +142,14 @@ class ExportedModel:
 
     def _beside(self, y: FloatArray | None) -> "ExportedModel":
         """The model of an unstable rig with the feedback of a measured output; others as they are."""
-        feedback = self.hypothesis.feedback
-        if feedback is None:
+        if self.hypothesis.feedback is None:
             return self
         if y is None:
             raise ValueError(
                 "the rig is unstable: beside the input alone, its simulation grows without bound. Give the measured "
                 "output as well."
             )
-        return replace(self, hypothesis=self.hypothesis.with_signals({OUTPUT: feedback.of(self.y_scale.of(y))}))
+        return replace(self, hypothesis=self.hypothesis.beside_output(self.y_scale.of(y)))
 
     def _fitted_to(self, u: FloatArray) -> bool:
         """Whether `u` is the input of the fitted record, as far as known."""
@@ -502,7 +501,7 @@ def _read_feedback(content: dict[str, Any]) -> OutputFeedback:
     """
     position, speed = map(float, content["gains"])
     c, k = map(float, content["closed"])
-    found = OutputFeedback(OUTPUT, (position, speed), (c, k), float(content["about"]))
+    found = OutputFeedback(gains=(position, speed), closed=(c, k), about=float(content["about"]))
     if not np.isfinite([*found.gains, *found.closed, found.about]).all() or min(found.closed) <= 0.0:
         raise ValueError("the feedback must have finite gains and positive rates")
     return found

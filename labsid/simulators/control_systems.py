@@ -85,9 +85,8 @@ def read_system_of_several(system: Any, Ts: float) -> tuple[Simulator, FreeRespo
         discrete = ct.c2d(system, Ts) if system.isctime() else system
         model = StateSpaceModel(discrete.A, discrete.B, discrete.C, discrete.D, Ts)
         run: Run = partial(_run_states, model)
-        return Simulator(run, label, inputs=inputs, outputs=outputs), lambda samples, j: free_responses(model, samples)[
-            :, j
-        ]
+        simulator = Simulator(run, label, inputs=inputs, outputs=outputs)
+        return simulator, lambda samples, j: free_responses(model, samples)[:, j]
     if isinstance(system, ct.TransferFunction):
         pairs = [[_delays(system[j, i], Ts) for i in range(system.ninputs)] for j in range(system.noutputs)]
         run = partial(_run_pairs, pairs)

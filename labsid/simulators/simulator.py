@@ -169,8 +169,7 @@ def as_outputs(returned: Any, samples: int, label: str) -> FloatArray:
     if shape and (len(shape) > 2 or shape[0] != samples):
         raise SimulatorError(
             f"{label} returns an array of shape {shape} for {samples} samples; it must return the outputs, with a "
-            "row for "
-            f"each sample and a column for each output, shape ({samples}, ny)."
+            f"row for each sample and a column for each output, shape ({samples}, ny)."
         )
     return as_output(returned, int(np.prod(shape)) if shape else samples, label).reshape(samples, -1)
 

@@ -9,9 +9,9 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import InputEffect
-from labsid.gap.effects.further_inputs import LAST, MOST_GAIN
+from labsid.gap.effects.further_inputs import LAST, MOST_GAIN, extended
 
-OUTPUT, GAIN = "y", "actuator gain"
+GAIN = "actuator gain"
 NEAR = 2.0  # largest factor between the poles with the feedback that are fitted and those that it was made for
 
 
@@ -68,6 +68,10 @@ class OutputFeedback(InputEffect):
         """The feedback of another scaled output."""
         return replace(self, signal=self.of(y))
 
+    def added(self, samples: int) -> FloatArray:
+        """What is added to the signal of the actuator, shape (samples,); past its end it holds its last value."""
+        return extended(self.signal, samples)
+
     def limited(self, names: list[str], lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Bounds of parameters by name, those of the rates near the dynamics with the feedback."""
         width = np.zeros(len(names)) + np.inf
@@ -77,8 +81,3 @@ class OutputFeedback(InputEffect):
                 at = names.index(name)
                 about[at], width[at] = np.log(rate), np.log(factor)
         return np.clip(about - width, lower, upper), np.clip(about + width, lower, upper)
-
-    def extended(self, samples: int) -> FloatArray:
-        """The first samples of the signal; past its end it holds its last value."""
-        signal = self.signal[:samples]
-        return np.append(signal, np.full(samples - signal.size, signal[-1]))

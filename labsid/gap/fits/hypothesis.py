@@ -151,17 +151,20 @@ class Hypothesis:
         return Hypothesis(effects, self.n_given, self.given)
 
     def with_signals(self, signals: Mapping[str, FloatArray]) -> "Hypothesis":
-        """The hypothesis whose further inputs, or whose feedback, have other scaled signals, by their names."""
+        """The hypothesis whose further inputs have other scaled signals, by their names."""
         changed = (
-            replace(effect, signal=signals[effect.variant])
-            if isinstance(effect, FurtherInput | SameEntry | OutputFeedback)
-            else effect
+            replace(effect, signal=signals[effect.variant]) if isinstance(effect, FurtherInput | SameEntry) else effect
             for effect in self.effects
         )
         given = self.given
         if given is not None:
             given = replace(given, simulation=given.simulation.with_signals(signals))
         return Hypothesis(tuple(changed), self.n_given, given)
+
+    def beside_output(self, y: FloatArray) -> "Hypothesis":
+        """The hypothesis with the feedback of another scaled output; as it is, if it has none."""
+        changed = (effect.on(y) if isinstance(effect, OutputFeedback) else effect for effect in self.effects)
+        return self if self.feedback is None else self.with_effects(tuple(changed))
 
     @property
     def feedback(self) -> OutputFeedback | None:
@@ -189,8 +192,8 @@ class Hypothesis:
 
     def driven(self, theta: FloatArray, u: FloatArray) -> FloatArray:
         """The signal that drives the dynamics: that of the actuator, with the feedback of an unstable rig."""
-        w = self.actuator(theta, u)
-        return w if self.feedback is None else np.asarray(w + self.feedback.extended(w.size))
+        w, feedback = self.actuator(theta, u), self.feedback
+        return w if feedback is None else np.asarray(w + feedback.added(w.size))
 
     def _delayed_input(self, theta: FloatArray, u: FloatArray, span: int) -> tuple[FloatArray, float]:
         """The actuator's signal delayed by whole samples, and the remaining fraction of a sample."""
@@ -257,8 +260,8 @@ class Hypothesis:
         """Columns of the dynamics, in one run or one for each record; `near` differs in their initial states only."""
         plant, own, at = self.plant, theta[self.slices["plant"]], self._restarted
         if at.start == at.stop:
-            feedback = None if self.feedback is None else self.feedback.extended(w.size)
-            return plant.columns(own, w, span, reference, late, feedback)
+            feedback = self.feedback
+            return plant.columns(own, w, span, reference, late, None if feedback is None else feedback.added(w.size))
         restarts = next(effect for effect in self.additive if isinstance(effect, Restarts))
         reference = float(w[0]) if reference is None else reference
         before = None if near is None else (near.parts[0], near.theta[at])

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import lstsq, pinvh
 
 from labsid.gap.dynamics.responses import denominator, section
-from labsid.gap.effects.output_feedback import OUTPUT, OutputFeedback
+from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import FEEDBACK_F
@@ -35,7 +35,7 @@ class FilteredEquation:
     gain : float
         Of B/D at standstill.
     stderr : float
-        Of the pole that grows fastest, if it is real; else infinity.
+        Of the pole that grows fastest; without a meaning for a complex pair.
     error : float
         Mean square error of the equation.
     """
@@ -81,7 +81,8 @@ def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None
         return None
     (c, k), (a1, a0) = best.filter, np.poly(best.poles).real[1:]
     gains = float(1.0 - a0 / k), float((c - a1) / k)
-    return OutputFeedback(OUTPUT, gains, (c, k), float(data.y[0])).on(data.y), best.gain
+    feedback = OutputFeedback(gains=gains, closed=(c, k), about=float(data.y[0]))
+    return feedback.on(data.y), best.gain
 
 
 def corrected_share(data: Data, fit: Fit) -> float | None:

@@ -294,8 +294,7 @@ EFFECT_TEXTS: dict[str, EffectText] = {
             "The input moves the output, and in the simulation it does not",
         ),
         "The simulation has no path from this input to this output; the rig has one. Look for shared supplies, "
-        "heat or flow "
-        "between neighbours, and forces through a common frame.",
+        "heat or flow between neighbours, and forces through a common frame.",
     ),
     "parameter-mismatch": EffectText(
         "a parameter mismatch",

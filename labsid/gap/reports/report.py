@@ -14,7 +14,6 @@ from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
 from labsid.gap.fits.switching import only_switches
-from labsid.gap.fits.unstable_poles import corrected_share
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
 from labsid.gap.record.data import Data
 from labsid.gap.reports import location
@@ -63,7 +62,6 @@ def build_report(
     numbers = estimate_numbers(explanation.data, explanation.best)
     effects = _effects(answer, numbers)
     t, u, y, e = _located(record, answer, holdout)
-    corrected = corrected_share(explanation.data, explanation.best)
     return _holdout(answer, holdout) | {
         "schema": SCHEMA,
         "verdict": decision.verdict,
@@ -82,8 +80,8 @@ def build_report(
             "before": score.before * unit,
             "after": score.after * unit,
             "noise_floor": score.floor * unit,
-            "mode": "free" if corrected is None else "stabilised",
-            "corrected": corrected,
+            "mode": "free" if answer.corrected is None else "stabilised",
+            "corrected": answer.corrected,
             "closed": score.closed,
             "ci95": None if score.ci95 is None else list(score.ci95),
             "holdout": _stretches(holdout or record, score.scored),

@@ -17,7 +17,7 @@ from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, fini
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
-from labsid.gap.search.forms import alternative_forms, extended_hypotheses, shared_keys, transfer_theta
+from labsid.gap.search.forms import alternative_forms, extended_hypotheses, forms_at, shared_keys, transfer_theta
 from labsid.gap.search.growing_window import grown_starts, loses_phase
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
@@ -159,11 +159,8 @@ def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
 
 def _grown(data: Data, fit: Fit) -> list[Fit]:
     """The best refit with an alternative of the last effect, if it grows."""
-    last, found = fit.hypothesis.effects[-1], []
-    for form in last.alternatives(fit.hypothesis) if last.grows else ():
-        other = fit.hypothesis.with_effects((*fit.hypothesis.effects[:-1], form))
-        if not other.plant.keeps_feedback:
-            continue
+    last, found = len(fit.hypothesis.effects) - 1, []
+    for form, other in forms_at(fit.hypothesis, last) if fit.hypothesis.effects[last].grows else ():
         starts = form.grown_starts(fit, other, transfer_theta(fit, other))
         found += [one for start in starts if (one := fit_from(data, other, start, iterations=12)) is not None]
     return [min(found, key=penalized_bic)] if found else []

@@ -1,5 +1,6 @@
 """Moves between hypotheses: an effect in another form, one effect more, or one fewer."""
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -16,13 +17,17 @@ REMOVAL_ITERATIONS = 6  # after an effect was removed
 
 def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
     """Hypotheses with one of the found effects in another form."""
-    others = (
-        hypothesis.with_effects((*hypothesis.effects[:i], form, *hypothesis.effects[i + 1 :]))
-        for i, effect in enumerate(hypothesis.effects)
-        if i >= hypothesis.n_given
-        for form in effect.alternatives(hypothesis)
-    )
-    return [other for other in others if other.plant.keeps_feedback]
+    places = range(hypothesis.n_given, len(hypothesis.effects))
+    return [other for i in places for _, other in forms_at(hypothesis, i)]
+
+
+def forms_at(hypothesis: Hypothesis, i: int) -> Iterator[tuple[Effect, Hypothesis]]:
+    """The other forms of effect i that its dynamics allow, each with the hypothesis."""
+    before, after = hypothesis.effects[:i], hypothesis.effects[i + 1 :]
+    for form in hypothesis.effects[i].alternatives(hypothesis):
+        other = hypothesis.with_effects((*before, form, *after))
+        if other.plant.keeps_feedback:
+            yield form, other
 
 
 def plain_forms(hypothesis: Hypothesis) -> list[Hypothesis]:

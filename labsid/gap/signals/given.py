@@ -143,8 +143,7 @@ def as_system(
         raise ValueError(
             f"a record of several signals needs a simulation of all of them: a function simulate(t, u) with u of shape "
             f"(N, {record.input_columns.shape[1]}), an FMU or a system of python-control; got {kind}. Give one of "
-            "these, "
-            "or choose one input and one output."
+            "these, or choose one input and one output."
         )
     return read_system(simulation.with_free(free) if free else simulation, responses, record, outputs)
 

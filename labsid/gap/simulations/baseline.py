@@ -16,7 +16,7 @@ from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import free_responses, single_pole
 from labsid.gap.effects.dynamics import DirectFeedthrough, ExtraLag, Resonance
 from labsid.gap.effects.input import Delay
-from labsid.gap.effects.output_feedback import GAIN, OUTPUT
+from labsid.gap.effects.output_feedback import GAIN
 from labsid.gap.effects.restarts import Restarts
 from labsid.gap.fits.direct_term import estimate_direct_term
 from labsid.gap.fits.fitting import Fit, fit_from
@@ -277,9 +277,7 @@ def _delayed_start(data: Data, structure: Hypothesis, model: TransferFunction) -
 def _exported(data: Data, model: ExportedModel) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(by_record(data.samples, data.pieces, lambda at: model.simulate(u[at], y[at])), y)
-    hypothesis = model.hypothesis
-    if hypothesis.feedback is not None:
-        hypothesis = hypothesis.with_signals({OUTPUT: hypothesis.feedback.of(model.y_scale.of(y))})
+    hypothesis = model.hypothesis.beside_output(model.y_scale.of(y))
     rates = hypothesis.plant.linear_rates(model.theta[hypothesis.slices["plant"]])
     before = partial(_fit_given, output, np.zeros((data.samples, 0)), rates)
     structure = with_restarts(Hypothesis(hypothesis.effects, len(hypothesis.effects), hypothesis.given), data)

@@ -99,6 +99,8 @@ class Answer:
         By sorted names: the fit of every combination tried.
     start : RecordStart
         Which samples of another record determine its initial state.
+    corrected : float or None
+        Rms of what the correction of an unstable rig moves the output, over that of what the input moves it.
     on_other : tuple of Data and two Fits, or None
         If the record shows no gap and the holdout does: the holdout, with the simulations before and after. `remaining`
         and `left` are then those on the holdout.
@@ -120,6 +122,7 @@ class Answer:
     share_left: float
     fits: dict[tuple[str, ...], Fit]
     start: RecordStart
+    corrected: float | None
     on_other: tuple[Data, Fit, Fit] | None = None
 
     @property
@@ -304,7 +307,8 @@ def _answer(found: _Comparison, complete: Complete, decision: Decision, search: 
     novelty = measure_novelty(explanation.data, explanation.path[0])
     decision = without_curve_of_switch(decision, explanation.data, explanation.best)
     decision = without_stand_ins(decision, explanation.best)
-    if decision.verdict == "effect" and (corrected_share(explanation.data, explanation.best) or 0.0) > MOST_CORRECTED:
+    corrected = corrected_share(explanation.data, explanation.best)
+    if decision.verdict == "effect" and corrected is not None and corrected > MOST_CORRECTED:
         decision = replace(decision, verdict="partial")
     capped = {name: novelty.capped(p) for name, p in decision.probability.items()}
     return Answer(
@@ -324,6 +328,7 @@ def _answer(found: _Comparison, complete: Complete, decision: Decision, search: 
         share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
         fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
         start=found.before.held_out.start,
+        corrected=corrected,
     )
 
 

@@ -58,8 +58,8 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
     """
     data = held_out.data
     methods: dict[str, Refit | None] = {OUTPUT_ERROR: None, FIRST_ORDER: fit_first_order, LEAST_SQUARES: fit_arx_poles}
-    if output_error.hypothesis.feedback is not None:  # noise goes round the loop of an unstable rig: least squares
-        methods = {OUTPUT_ERROR: None}  # is biased there, and one pole has no two to be moved
+    if output_error.hypothesis.feedback is not None:  # an unstable rig has two poles; noise in its loop biases the last
+        methods = {OUTPUT_ERROR: None}
     fits = {name: output_error if fit is None else fit(data, output_error) for name, fit in methods.items()}
     errors = {name: float(np.sqrt(np.mean(held_out.errors(fit, methods[name])))) for name, fit in fits.items()}
     observed = {method: is_observed(data, fit) for method, fit in fits.items()}

@@ -44,8 +44,7 @@ def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray
         return Verdict(
             False,
             f"`{name}` holds one signal; it should hold two, shape ({SAMPLES}, 2). Name both columns, with a comma "
-            "between "
-            "them.",
+            "between them.",
             "one signal only",
         )
     if got.shape == (2, SAMPLES) and SAME(got.T, right):

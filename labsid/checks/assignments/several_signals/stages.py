@@ -14,8 +14,7 @@ STAGES = {
         where="Step 2, the hint: the rest ends at the first sample at which *any* input differs from its first value.",
         how=(
             "One number n for the whole record. Then `u - u[0]`, and y minus the means of its first n rows, one "
-            "for each "
-            "column: `axis=0`."
+            "for each column: `axis=0`."
         ),
     ),
     "sev-3-phi": Stages(
@@ -38,8 +37,7 @@ STAGES = {
         ),
         how=(
             "One `lfilter` for each input, with `np.r_[0, b]` and `np.r_[1, -theta[:n]]`, added up. Or a loop over "
-            "k from 0 "
-            "in which a lag before sample 0 counts as zero."
+            "k from 0 in which a lag before sample 0 counts as zero."
         ),
     ),
     "sev-6-reference": Stages(

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_are
 
 from labsid import Record
-from labsid._arrays import FloatArray
 from labsid.gap import diagnose
 from labsid.gap.diagnosis import Diagnosis
 from labsid.gap.effects.output_feedback import OutputFeedback
@@ -176,12 +175,8 @@ def test_the_page_of_an_unstable_rig_says_that_its_simulation_is_corrected() -> 
     assert "free-running simulation, which receives" in render_html(made_report("input-dead-zone"))
 
 
-def closed_by(feedback: OutputFeedback, y: FloatArray) -> FloatArray:
-    return feedback.on(y).extended(y.size + 5)
-
-
 def test_past_its_end_the_feedback_holds_its_last_value() -> None:
     y = np.sin(np.arange(30) / 5.0)
-    signal = closed_by(OutputFeedback("y", (2.0, 5.0), (0.1, 0.01), 0.0), y)
+    signal = OutputFeedback(gains=(2.0, 5.0), closed=(0.1, 0.01)).on(y).added(y.size + 5)
     assert np.all(signal[30:] == signal[29])
     assert signal[29] == pytest.approx(2.0 * y[-1])
