@@ -27,6 +27,10 @@ class Structure(Protocol):
         """In the order in which they were added."""
 
     @property
+    def found(self) -> tuple[Any, ...]:
+        """Those beyond the ones of the simulation under test."""
+
+    @property
     def inputs(self) -> tuple[Any, ...]:
         """Input effects in the order of the actuator's chain."""
 

@@ -37,7 +37,7 @@ class Gravity(PlantEffect):
         if not angle_unit(context.data):
             return False
         before = context.parent.hypothesis
-        beside = before.plant.kind == "mechanics" or not before.effects
+        beside = before.plant.kind == "mechanics" or not before.found
         return beside and (context.follows or self.variant == "unsprung")
 
     def extend(self, plant: Plant) -> Plant:

@@ -20,9 +20,11 @@ from labsid.gap.search.candidates import (
     start_points,
 )
 from labsid.gap.search.forms import extended_hypotheses
+from labsid.gap.search.inverse_dynamics import joint_trials
 
 KEPT_STARTS = 8  # start points to which the next effect of a set is added
 SKETCHED, FITTED = 4, 2  # of them that are minimized for a few iterations, and to convergence
+JOINT_TRIALS = 3  # start points by inverse dynamics, beside these
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +128,7 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
             if names < set(one.names) and len(names) == len(one.names) - 1:
                 (missing,) = set(one.names) - names
                 trials = [*trials, *_with_one_more(data, [_unchanged(data, fit)], base, forms[missing], highpass)[:1]]
+        trials = [*trials, *joint_trials(data, base, highpass, one.names)[:JOINT_TRIALS]]
         best = _best(data, trials, len(one.names))
         if best is not None and (one.holds is None or one.holds(data, best)):
             found[frozenset(one.names)] = best
