@@ -17,6 +17,7 @@ from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.given_simulation import by_record
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.responses import force_unit
 from labsid.gap.effects.base import Effect
@@ -101,11 +102,11 @@ class _Motion:
     def smooth(self, x: FloatArray) -> FloatArray:
         """A signal without what is faster than the cutoff, and without a shift in time."""
         sections = butter(2, self.cutoff / np.pi, output="sos")
-        return np.concatenate([sosfiltfilt(sections, x[piece.start : piece.stop]) for piece in _pieces(self.data)])
+        return by_record(x.size, self.data.pieces, lambda own: sosfiltfilt(sections, x[own]))
 
     def slope(self, x: FloatArray) -> FloatArray:
         """Change per sample."""
-        return np.concatenate([np.gradient(x[piece.start : piece.stop]) for piece in _pieces(self.data)])
+        return by_record(x.size, self.data.pieces, lambda own: np.gradient(x[own]))
 
     def fit(self, names: Sequence[str], driving: Sequence[FloatArray], loop: bool) -> tuple[dict[str, float], float]:
         """Least squares on the acceleration, with what drives the joint: coefficients by name, and the error.
@@ -124,7 +125,9 @@ class _Motion:
             angle = np.asarray(self.data.y_scale.back(self.data.y)) / angle_unit(self.data)
             columns += [-self.smooth(np.sin(angle)), -self.smooth(np.cos(angle))]
             lower, labels = [*lower, -np.inf, -np.inf], [*labels, "sine", "cosine"]
-        rows = self.data.rows
+        rows = np.zeros(self.data.samples, bool)
+        for piece in _pieces(self.data):  # not between the records
+            rows[piece] = self.data.rows[piece]
         found = lsq_linear(np.column_stack(columns)[rows], self.smooth(self.slope(speed))[rows], (lower, np.inf))
         return dict(zip(labels, map(float, found.x), strict=True)), float(found.cost)
 

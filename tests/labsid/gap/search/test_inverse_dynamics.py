@@ -72,16 +72,17 @@ def test_the_joint_that_a_torque_drives_is_found_without_a_simulation(turned: bo
 def test_each_record_has_its_own_initial_states() -> None:
     one = _record(LOOP)
     late = 200 + int(np.argmax(np.abs(one.y[220:900] - one.y[200:880])))  # the second record begins in fast motion
-    u, y = (np.concatenate([x, x[late:]]) for x in (one.u, one.y))
-    pieces = ((0, one.samples), (one.samples, u.size))
+    u, y = (np.concatenate([x, np.zeros(5), x[late:]]) for x in (one.u, one.y))
+    second = one.samples + 5  # behind samples of neither
+    pieces = ((0, one.samples), (second, u.size))
     data = replace(one, u=u, y=y, rows=np.ones(u.size, bool), pieces=pieces)
     base = fit_baseline(data, Hypothesis((Restarts(records=pieces[1:]),), 1), None)
     trials = joint_trials(data, base, fit_highpass(data, base), ("gravity", "coulomb-friction", "force-limit"))
     found = _named(trials[0])
     position = data.u_scale.of(np.asarray(data.y_scale.back(data.y)))
-    assert found["z0 2"] == pytest.approx(position[one.samples] - data.u[0])
+    assert found["z0 2"] == pytest.approx(position[second] - data.u[0])
     assert found["z0"] == pytest.approx(position[0] - data.u[0])
-    slope = np.polyfit(np.arange(15), position[one.samples : one.samples + 15], 1)[0]
+    slope = np.polyfit(np.arange(15), position[second : second + 15], 1)[0]
     unit = force_unit(np.exp(found["log_c"]), np.exp(found["log_k"]))
     assert found["v0 2"] * np.sqrt(unit) == pytest.approx(slope, rel=0.3)
 
