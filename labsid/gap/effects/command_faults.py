@@ -19,7 +19,8 @@ MAX_BEYOND = 0.1  # of the range of the command and zero: distance of the level 
 SHARE = 2e-4  # of the record: derivative step of an instant
 CHOSEN = 3  # start values
 COARSEST, FINEST = 1.5, 64.0  # steps in the range of the command
-STEP_RATIO = 1.01  # of two steps that are tried
+STEP_RATIO = 1.01  # of two steps that are tried, and
+STEP_SHIFT = 0.2  # of a step: what lies between two of them over the whole range at most
 FINER = 21  # steps between two of these neighbours, about the best ones
 MAX_TRIED = 4000  # samples in which steps are compared
 PARTS = 12  # in which they are compared, for the memory that their responses take
@@ -208,7 +209,7 @@ def _best_steps(context: Context) -> list[FloatArray]:
     """Logarithm and phase of the steps that reduce the residual most."""
     samples = min(context.data.samples, MAX_TRIED)
     screen = _Screen(context, samples)
-    u = screen.actuator
+    u, parent = context.data.u[:samples], context.parent
     span = float(np.ptp(u))
     if span == 0.0:
         return []
@@ -217,8 +218,8 @@ def _best_steps(context: Context) -> list[FloatArray]:
     def tried(steps: FloatArray, shift: float) -> list[tuple[float, float, float, float]]:
         """How much of the residual each explains, and the step with its shift and its phase."""
         phases = np.mod(zero / steps + shift + 0.5, 1.0) - 0.5
-        lattices = zip(steps, phases, strict=True)
-        columns = screen.responses(_kernels.in_steps(u, step, phase) - u for step, phase in lattices)
+        acting = (_kernels.in_steps(u, step, phase) for step, phase in zip(steps, phases, strict=True))
+        columns = screen.responses(parent.hypothesis.driven(parent.theta, w) - screen.actuator for w in acting)
         pairs = columns.T.reshape(steps.size, 2, -1)
         gram = pairs @ pairs.swapaxes(1, 2)
         gram += (1e-9 * np.trace(gram, axis1=1, axis2=2) + 1e-12)[:, None, None] * np.eye(2)
@@ -226,8 +227,10 @@ def _best_steps(context: Context) -> list[FloatArray]:
         explained = (cross * np.linalg.solve(gram, cross[:, :, None])[:, :, 0]).sum(axis=1)
         return [(float(x), float(step), shift, float(p)) for x, step, p in zip(explained, steps, phases, strict=True)]
 
-    count = int(np.log(FINEST / COARSEST) / np.log(STEP_RATIO))
-    steps = np.geomspace(span / FINEST, span / COARSEST, count)
+    wide = span / min(STEP_SHIFT / (STEP_RATIO - 1.0), FINEST)  # finer steps differ by less than the ratio
+    steps = np.geomspace(wide, span / COARSEST, int(np.log(span / COARSEST / wide) / np.log(STEP_RATIO)))
+    fine = span / np.arange(FINEST, span / wide, -STEP_SHIFT)
+    steps = np.concatenate([fine, steps])
     coarse = [one for some in np.array_split(steps, PARTS) for shift in (0.0, 0.5) for one in tried(some, shift)]
     best = sorted(coarse, reverse=True)[:CHOSEN]
     near = STEP_RATIO ** np.linspace(-1.0, 1.0, FINER)
