@@ -12,7 +12,7 @@ from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
 NO_STOPS = (-np.inf, np.inf)
-NO_JOINT = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0)  # neither limits, gravity nor friction that grows with the force
+NO_JOINT = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0, 0.0)  # no limits, no gravity, friction that neither grows nor gives
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
@@ -218,7 +218,7 @@ def simulate_mass(
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
     stops: tuple[float, float] = NO_STOPS,
-    joint: tuple[float, float, float, float, float, float] = NO_JOINT,
+    joint: tuple[float, float, float, float, float, float, float] = NO_JOINT,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
@@ -226,10 +226,11 @@ def simulate_mass(
     have one value per sample. `law` holds the speed over which friction is smooth about rest (zero for none), and the
     `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed. `joint` holds the limit
     of the error w - k z of a position loop and that of the error w - c z' of a speed loop, the torque of gravity, its
-    `turn` and `angle` in torque sin(turn z - angle), and the share of the transmitted force that is added to friction.
+    `turn` and `angle` in torque sin(turn z - angle), the share of the transmitted force that is added to friction, and
+    by how much the mass gives way per force of friction, which the position contains.
     """
     smooth, peak, decay = law
-    limit, speed_limit, torque, turn, angle, share = joint
+    limit, speed_limit, torque, turn, angle, share, give = joint
     out = np.empty((2, w.size))
     h = 1.0 / substeps
     free = transition(c, k, h)
@@ -237,12 +238,16 @@ def simulate_mass(
     bends = (cubic != 0.0 or torque != 0.0) and friction == 0.0
     far = DIVERGED / max(k, 1e-6)
     constant = k
+    held = 0.0  # force of the friction
+    if give > 0.0:
+        held = w[0] - k * z - (torque * math.sin(turn * z - angle) if torque != 0.0 else 0.0)
+        held = math.copysign(min(abs(held), friction + share * abs(held)), v if v != 0.0 else held)
     for n in range(w.size):
         if pace is not None:
             k = constant * pace[n]
             free = transition(c, k, h)
             limited = transition(0.0, k, h) if speed_limit < np.inf else limited
-        out[0, n], out[1, n] = z, v
+        out[0, n], out[1, n] = z + give * held, v
         load = 0.0 if opposing is None else opposing[n]
         spring = 0.0 if leak is None else leak[n] * k
         for j in range(substeps):
@@ -282,10 +287,12 @@ def simulate_mass(
                     sign = -1.0
                 else:
                     net = force - stiffness * z
+                    held = net
                     if abs(net) <= dry + peak:
                         continue
                     sign = 1.0 if net > 0.0 else -1.0
-                force -= sign * sliding_friction(v, dry, peak, decay)
+                held = sign * sliding_friction(v, dry, peak, decay)
+                force -= held
                 new_z = f11 * z + f12 * v + g1 * force
                 new_v = f21 * z + f22 * v + g2 * force
                 if new_v * sign < 0.0:  # the motion ends within this step: stick or reverse
@@ -295,9 +302,11 @@ def simulate_mass(
                     net = net_drive - cubic * z * z * z - (stiffness + spring) * z
                     if torque != 0.0:
                         net -= torque * math.sin(turn * z - angle)
+                    held = net
                     if abs(net) > dry + peak:
                         remaining = h - moving
-                        net -= (dry + peak) * (1.0 if net > 0.0 else -1.0)
+                        held = math.copysign(dry + peak, net)
+                        net -= held
                         v = net * remaining
                         z += 0.5 * v * remaining
                 else:

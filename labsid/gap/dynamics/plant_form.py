@@ -95,6 +95,8 @@ def free_number(
 
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
+LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
+GIVE = Parameter("give", 0.0, 2.0, 1e-3, start=0.05)
 FRICTION_LAWS = {
     "": (),
     "sharp": (FRICTION,),
@@ -107,13 +109,13 @@ FRICTION_LAWS = {
         Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
         Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
     ),
-    "load": (
-        FRICTION,
-        Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1),
-    ),
+    "load": (FRICTION, LOAD_SHARE),
+    "give": (FRICTION, GIVE),
+    "load-give": (FRICTION, LOAD_SHARE, GIVE),
 }
 """Parameters of friction, and of its law: logarithms of small speeds over the one that a unit of the drive gives, the
-excess of the break-away friction over the sliding one, and the share of the transmitted force by which it grows."""
+excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, and by how
+much a mass gives way before it slides, per force."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 GRAVITY = (  # scaled: radians per position, angle in radians
     Parameter("torque", 0.0, 50.0, 1e-3),
@@ -158,8 +160,8 @@ class PlantForm:
     flipped : bool
         Whether a larger input means less flow.
     friction : str
-        Dry friction: "sharp", "smooth" about rest, with a "peak" that breaks away, or growing with the "load"; empty
-        without it.
+        Dry friction: "sharp", "smooth" about rest, with a "peak" that breaks away, growing with the "load", with a
+        "give" before it slides, or the last two, "load-give"; empty without it.
     drag, cubic : bool
         Resistance with the square of the speed, cubic restoring force.
     gravity : bool

@@ -250,7 +250,8 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     z0 = min(max(z0, stops[0]), stops[1])
     limit = own.get("limit", np.inf)
     limits = (np.inf, limit) if plant.limit == "speed" else (limit, np.inf)
-    joint = (*limits, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0))
+    dry = own.get("load_share", 0.0), own.get("give", 0.0) / unit
+    joint = (*limits, own.get("torque", 0.0), turn, own.get("angle", 0.0), *dry)
     return (
         _states.simulate_mass(
             drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops, joint

@@ -258,19 +258,24 @@ def peaks(context: Context, slowest: float) -> list[float]:
     return found
 
 
+LAWS, LAWS_OF_A_MASS = ("smooth", "peak"), ("load", "give", "load-give")  # of friction, richer than a constant
+
+
 class CoulombFriction(PlantEffect):
     """Dry friction.
 
     `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
-    "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), and "-load"
-    grows with the force that the gear of a mass transmits.
+    "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), "-load" grows
+    with the force that the gear of a mass transmits, and with "-give" a mass gives way as a spring before it slides.
     """
 
     name = "coulomb-friction"
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
-        place: (f"{place}-smooth", f"{place}-peak", *((f"{place}-load",) if place in ("position", "unsprung") else ()))
+        place: tuple(
+            f"{place}-{law}" for law in (*LAWS, *(LAWS_OF_A_MASS if place in ("position", "unsprung") else ()))
+        )
         for place in variants
     }
     places = ("speed", "speed-lag")
@@ -279,11 +284,11 @@ class CoulombFriction(PlantEffect):
     @property
     def place(self) -> str:
         """Position of the friction, one of `variants`."""
-        return self.variant.removesuffix("-smooth").removesuffix("-peak").removesuffix("-load")
+        return next(place for place in self.variants[::-1] if self.variant.startswith(place))
 
     @property
     def law(self) -> str:
-        """Friction at small speeds: sharp, smooth or peak; or load."""
+        """Of the friction: sharp, or one of `LAWS` and `LAWS_OF_A_MASS`."""
         return self.variant[len(self.place) + 1 :] or "sharp"
 
     def applies(self, context: Context) -> bool:
@@ -319,8 +324,10 @@ class CoulombFriction(PlantEffect):
         found = {"friction": Value(friction * unit, "u")}
         if self.law == "peak":
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
-        if self.law == "load":
+        if "load" in self.law:
             found["load"] = Value(fit.value("load_share"), "1")
+        if "give" in self.law:
+            found["give"] = Value(abs(fit.value("give") * friction / fit.state_per_output), "y")
         return found
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:

@@ -32,7 +32,7 @@ from labsid.gap.search.forms import remove_effect, transfer_theta
 from labsid.gap.search.pendulum import pendulum_from_spring
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.gap.search.refinement import converge, polish, retried_without_one
-from labsid.gap.search.sets import set_fits
+from labsid.gap.search.sets import SETS, set_fits
 
 Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]
@@ -159,6 +159,22 @@ def _towards_a_set(data: Data, simpler: Fit, level: Level, together: list[Fit]) 
         if parts and is_improvement(data, simpler, fit):
             return min(parts, key=attrgetter("bic"))
     return None
+
+
+def rather_a_set(data: Data, levels: Levels, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """The path to a set of effects that belong together, if it improves on the end of a path without its last steps."""
+    names = {frozenset(one.names) for one in SETS}
+    sets = [fit for level in levels[2:] for fit in level.values() if frozenset(fit.hypothesis.names) in names]
+    best = min(sets, key=attrgetter("bic"), default=None)
+    if best is None or not is_improvement(data, path[-1], best) or not has_size(data, best):
+        return path
+    chain = [path[0]]
+    for level in levels[1 : len(best.hypothesis.names)]:
+        parts = [fit for tried, fit in level.items() if set(tried) < set(best.hypothesis.names)]
+        if not parts:
+            return path
+        chain.append(min(parts, key=attrgetter("bic")))
+    return (*chain, polish(data, best))
 
 
 def whiter_baseline(data: Data, base: Fit, highpass: Fit) -> Fit:

@@ -33,6 +33,7 @@ from labsid.gap.search.beam_search import (
     Progress,
     best_path,
     differ,
+    rather_a_set,
     rms_difference,
     search_effects,
 )
@@ -145,10 +146,11 @@ def explain(
             other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
         if len(other) > 1 and mean_square(clean, other[-1]) < 0.5 * mean_square(clean, path[-1]):
             levels, path = other_levels, other
-    path = without_small_steps(clean, path)
-    if len(path) == 2 and is_nuisance(clean, levels[1], path):
+    shorter = without_small_steps(clean, path)
+    path = path if shorter == path else rather_a_set(clean, levels, shorter)
+    if (len(path) == 2 and is_nuisance(clean, levels[1], path)) or is_rounding_of_log(clean, path):
         path = path[:1]
-    unsimulated = unsimulated_effects(data, clean, faults, path[-1])
+    unsimulated = unsimulated_effects(data, clean, faults, path)
     floor = float(np.sqrt(np.mean((data.y - readings)[data.rows] ** 2)))
     return Explanation(clean, faults, levels, path, unsimulated, floor)
 
@@ -195,6 +197,13 @@ def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, 
     """Whether a single effect is small compared with the noise and has a rival of similar BIC."""
     rivals = [fit for fit in level.values() if fit is not path[1] and fit.bic - path[1].bic < UNDECIDED_BIC]
     return bool(rivals) and not differ(data, path[0], path[1], MIN_UNRIVALLED_CHANGE)
+
+
+def is_rounding_of_log(data: Data, path: tuple[Fit, ...]) -> bool:
+    """Whether the rounding of the log of the input explains what the effects found explain."""
+    if len(path) == 1:
+        return False
+    return mean_square(data, path[0]) < log_rounding_error(data, path[0]) + path[-1].noise.sigma2
 
 
 def residual_is_slow(data: Data, fit: Fit) -> bool:
@@ -258,8 +267,9 @@ def without_small_steps(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     return path[: last + 1]
 
 
-def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> tuple[str, ...]:
+def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tuple[Fit, ...]) -> tuple[str, ...]:
     """Effects that cause a gap without changing the simulated output: sample faults, quantization, coloured noise."""
+    best = path[-1]
     e = data.y - best.output
     floor = float(np.mean(e[clean.rows] ** 2))
     found = []
@@ -280,6 +290,8 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, best: Fit
         rounding = 0.0
     wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
     coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
+    if len(path) > 1:  # what a law that is not quite right leaves of an effect is slow, too
+        coloured &= floor - white > MIN_SHARE_OF_GAP**2 * mean_square(clean, path[0])
     if (
         coloured and noise_is_slow(best) and floor > ROUNDING_RATIO * rounding and not wanders
     ):  # drift and rounding leave a slow residual, too

@@ -491,10 +491,10 @@ def _forced(data: Data, plain: Explanation, fit: Fit) -> Explanation:
     """An explanation by given effects, without a search."""
     names = tuple(sorted(fit.hypothesis.names))
     between: list[dict[tuple[str, ...], Fit]] = [{} for _ in names[1:]]
-    steps = (fit,) * len(names)
-    beside = unsimulated_effects(data, plain.data, plain.faults, fit)
+    path = (plain.path[0], *(fit,) * len(names))
+    beside = unsimulated_effects(data, plain.data, plain.faults, path)
     levels = (plain.levels[0], *between, {names: fit})
-    return replace(plain, levels=levels, path=(plain.path[0], *steps), unsimulated=beside)
+    return replace(plain, levels=levels, path=path, unsimulated=beside)
 
 
 def _in_turn(search: OutputSearch, chain: tuple[Through, ...]) -> tuple[Through, ...]:

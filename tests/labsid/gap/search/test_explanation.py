@@ -70,7 +70,7 @@ def test_progress_is_reported_and_the_number_of_effects_is_limited(banded: Expla
 def spoilt(fit: Fit, explained: Explanation, faults: SampleFaults, y: np.ndarray) -> tuple[str, ...]:
     """`unsimulated_effects` with other samples."""
     data = replace(explained.data, y=y)
-    return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.held & ~faults.spikes), faults, fit)
+    return unsimulated_effects(data, replace(data, rows=data.rows & ~faults.held & ~faults.spikes), faults, (fit,))
 
 
 def test_sample_faults_are_effects_if_they_cause_the_gap(plain: Explanation) -> None:
@@ -111,7 +111,7 @@ def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tu
     data = replace(plain.data, y=plain.best.output + e)
     fit = replace(plain.best, noise=replace(plain.best.noise, ar=np.array([pole]), sigma2=0.05**2))
     nothing = np.zeros(data.samples, bool)
-    assert unsimulated_effects(data, data, SampleFaults(nothing, (), nothing, None), fit) == names
+    assert unsimulated_effects(data, data, SampleFaults(nothing, (), nothing, None), (fit,)) == names
 
 
 def test_small_steps_are_dropped_only_at_the_end_of_the_path(banded: Explanation) -> None:
