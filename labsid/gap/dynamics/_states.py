@@ -12,7 +12,7 @@ from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
 NO_STOPS = (-np.inf, np.inf)
-NO_JOINT = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0, 0.0)  # no limits, no gravity, friction that neither grows nor gives
+NO_JOINT = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0, 0.0)  # no limits, no gravity, friction that neither grows nor bends
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
@@ -179,6 +179,20 @@ def _slide(
 
 
 @compiled()
+def _bend(
+    z: float, v: float, force: float, c: float, k: float, dry: float, stiff: float, held: float, h: float
+) -> tuple[float, float, float]:
+    """Step of z'' = -c z' - k z - held + force with Dahl's friction, held' = stiff z' (1 - held sign(z') / dry)."""
+    sign = math.copysign(1.0, v if v != 0.0 else force - k * z - held)
+    tangent = stiff * max(1.0 - sign * held / dry, 0.0)
+    f11, f12, f21, f22, g1, g2 = transition(c, k + tangent, h)
+    force += tangent * z - held
+    new_z, new_v = f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force
+    end = math.copysign(dry, new_z - z)
+    return new_z, new_v, end + (held - end) * math.exp(-stiff * abs(new_z - z) / dry)
+
+
+@compiled()
 def _slide_motor(v: float, drive: float, a: float, friction: float, smooth: float, h: float, keep: float) -> float:
     """Step of v' = a (drive - friction tanh(v / smooth) - v), with the friction linearized about v.
 
@@ -227,10 +241,10 @@ def simulate_mass(
     `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed. `joint` holds the limit
     of the error w - k z of a position loop and that of the error w - c z' of a speed loop, the torque of gravity, its
     `turn` and `angle` in torque sin(turn z - angle), the share of the transmitted force that is added to friction, and
-    by how much the mass gives way per force of friction, which the position contains.
+    the stiffness of Dahl's bristles, which bend before they slide; zero for rigid ones.
     """
     smooth, peak, decay = law
-    limit, speed_limit, torque, turn, angle, share, give = joint
+    limit, speed_limit, torque, turn, angle, share, stiff = joint
     out = np.empty((2, w.size))
     h = 1.0 / substeps
     free = transition(c, k, h)
@@ -238,16 +252,16 @@ def simulate_mass(
     bends = (cubic != 0.0 or torque != 0.0) and friction == 0.0
     far = DIVERGED / max(k, 1e-6)
     constant = k
-    held = 0.0  # force of the friction
-    if give > 0.0:
-        held = w[0] - k * z - (torque * math.sin(turn * z - angle) if torque != 0.0 else 0.0)
-        held = math.copysign(min(abs(held), friction + share * abs(held)), v if v != 0.0 else held)
+    held = 0.0  # force of the bristles
+    if stiff > 0.0 and v == 0.0:
+        held = w[0] - k * z - torque * math.sin(turn * z - angle)
+        held = math.copysign(min(abs(held), friction), held)
     for n in range(w.size):
         if pace is not None:
             k = constant * pace[n]
             free = transition(c, k, h)
             limited = transition(0.0, k, h) if speed_limit < np.inf else limited
-        out[0, n], out[1, n] = z + give * held, v
+        out[0, n], out[1, n] = z, v
         load = 0.0 if opposing is None else opposing[n]
         spring = 0.0 if leak is None else leak[n] * k
         for j in range(substeps):
@@ -280,6 +294,8 @@ def simulate_mass(
                 force -= drag * middle_speed * abs(middle_speed)
             if dry > 0.0 and smooth > 0.0:
                 z, v = _slide(z, v, force, damping, stiffness, dry, smooth, h)
+            elif dry > 0.0 and stiff > 0.0:
+                z, v, held = _bend(z, v, force, damping, stiffness, dry, stiff, held, h)
             elif dry > 0.0:
                 if v > 0.0:
                     sign = 1.0
@@ -287,12 +303,10 @@ def simulate_mass(
                     sign = -1.0
                 else:
                     net = force - stiffness * z
-                    held = net
                     if abs(net) <= dry + peak:
                         continue
                     sign = 1.0 if net > 0.0 else -1.0
-                held = sign * sliding_friction(v, dry, peak, decay)
-                force -= held
+                force -= sign * sliding_friction(v, dry, peak, decay)
                 new_z = f11 * z + f12 * v + g1 * force
                 new_v = f21 * z + f22 * v + g2 * force
                 if new_v * sign < 0.0:  # the motion ends within this step: stick or reverse
@@ -302,11 +316,9 @@ def simulate_mass(
                     net = net_drive - cubic * z * z * z - (stiffness + spring) * z
                     if torque != 0.0:
                         net -= torque * math.sin(turn * z - angle)
-                    held = net
                     if abs(net) > dry + peak:
                         remaining = h - moving
-                        held = math.copysign(dry + peak, net)
-                        net -= held
+                        net -= (dry + peak) * (1.0 if net > 0.0 else -1.0)
                         v = net * remaining
                         z += 0.5 * v * remaining
                 else:
@@ -339,6 +351,7 @@ def simulate_motor(
     pace: FloatArray | None = None,
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
+    bristles: tuple[float, float] = (0.0, 0.0),
 ) -> FloatArray:
     """Output and speed of a motor with dry friction, and a lag of rate `b` before or after it; unit gain.
 
@@ -346,9 +359,12 @@ def simulate_motor(
     i' = b (w - i); otherwise it is the input, and the lag follows the speed. The load `opposing` plus `leak` times the
     speed oppose the drive; `pace` multiplies the rate of the last of the two. These three have one value per sample.
     `law` holds the speed over which friction is smooth about rest (zero for none), and the `peak` and `decay` of
-    `sliding_friction`.
+    `sliding_friction`; `bristles` the share of the force drive - v that is added to friction, and the stiffness of
+    Dahl's bristles, zero for rigid ones.
     """
     smooth, peak, decay = law
+    share, stiff = bristles
+    held = 0.0  # force of the bristles
     out = np.empty((2, w.size))
     h = 1.0 / substeps
     keep_a, keep_b = math.exp(-a * h), math.exp(-b * h)
@@ -370,12 +386,12 @@ def simulate_motor(
                 i = new_i
             drive -= load + leaking * v
             before = v
-            rate, keep, dry, top = a, keep_a, friction, peak
+            rate, keep, dry, top = a, keep_a, friction + share * abs(drive - v), peak
             if drag > 0.0:  # at the middle speed, drag divides all forces and multiplies the rate
                 factor = 1.0 + drag * abs(v)
                 half = 0.5 * h * a
                 factor = 1.0 + drag * abs((v + half * drive) / (1.0 + half * factor))
-                rate, drive, dry, top = a * factor, drive / factor, friction / factor, peak / factor
+                rate, drive, dry, top = a * factor, drive / factor, dry / factor, peak / factor
                 keep = math.exp(-rate * h)
             if v > 0.0:
                 sign = 1.0
@@ -387,6 +403,8 @@ def simulate_motor(
                 sign = 1.0 if drive > 0.0 else -1.0
             if smooth > 0.0:
                 v = _slide_motor(v, drive, rate, dry, smooth, h, keep)
+            elif stiff > 0.0 and dry > 0.0:
+                _, v, held = _bend(0.0, v, a * drive, rate, 0.0, a * dry, a * stiff, held, h)
             elif sign != 0.0:
                 rest = drive - sign * sliding_friction(v, dry, top, decay)
                 v = rest + (v - rest) * keep

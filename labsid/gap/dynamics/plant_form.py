@@ -96,7 +96,7 @@ def free_number(
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
-GIVE = Parameter("give", 0.0, 2.0, 1e-3, start=0.05)
+GIVE = Parameter("log_give", -8.0, 6.0, 1e-3, start=-4.0)
 FRICTION_LAWS = {
     "": (),
     "sharp": (FRICTION,),
@@ -114,8 +114,8 @@ FRICTION_LAWS = {
     "load-give": (FRICTION, LOAD_SHARE, GIVE),
 }
 """Parameters of friction, and of its law: logarithms of small speeds over the one that a unit of the drive gives, the
-excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, and by how
-much a mass gives way before it slides, per force."""
+excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, and the
+logarithm of the way before it slides (Dahl)."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 GRAVITY = (  # scaled: radians per position, angle in radians
     Parameter("torque", 0.0, 50.0, 1e-3),

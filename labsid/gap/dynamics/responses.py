@@ -234,7 +234,8 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     drive = w - own.get("centre", reference)
     turn = float(np.exp(own.get("log_turn", 0.0))) * unit
     stiffest = own.get("torque", 0.0) * turn
-    fastest = max(c, np.sqrt(max(k + stiffest, 0.0)))
+    bristles = _bristles(own) * unit
+    fastest = max(c, np.sqrt(max(k + stiffest + bristles, 0.0)))
     substeps = int(min(max(np.ceil(fastest / (0.15 if plant.abrupt else 0.3)), 2), 12))
     substeps *= LAW_SUBSTEPS if plant.friction in ("smooth", "peak") else 1
     cubic = own.get("cubic", 0.0) * unit**3
@@ -250,14 +251,18 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     z0 = min(max(z0, stops[0]), stops[1])
     limit = own.get("limit", np.inf)
     limits = (np.inf, limit) if plant.limit == "speed" else (limit, np.inf)
-    dry = own.get("load_share", 0.0), own.get("give", 0.0) / unit
-    joint = (*limits, own.get("torque", 0.0), turn, own.get("angle", 0.0), *dry)
+    joint = (*limits, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0), bristles)
     return (
         _states.simulate_mass(
             drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops, joint
         )
         * unit
     )
+
+
+def _bristles(own: Named) -> float:
+    """Stiffness of the bristles of the friction; zero if they are rigid."""
+    return own["friction"] * float(np.exp(-own["log_give"])) if "log_give" in own else 0.0
 
 
 def _friction_law(own: Named, speed: float) -> tuple[float, float, float]:
@@ -287,7 +292,10 @@ def _speed(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: fl
     pace = _rate_factor(plant, own, w.size, span)
     law = _friction_law(own, 1.0)
     substeps = MOTOR_SUBSTEPS * (LAW_SUBSTEPS if plant.friction in ("smooth", "peak") else 1)
-    return _states.simulate_motor(drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law, drag)
+    bristles = own.get("load_share", 0.0), _bristles(own)
+    return _states.simulate_motor(
+        drive, a, b, friction, plant.lag_first, v, i, substeps, late, *loads, pace, law, drag, bristles
+    )
 
 
 def _varying(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:

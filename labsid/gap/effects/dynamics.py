@@ -258,7 +258,7 @@ def peaks(context: Context, slowest: float) -> list[float]:
     return found
 
 
-LAWS, LAWS_OF_A_MASS = ("smooth", "peak"), ("load", "give", "load-give")  # of friction, richer than a constant
+LAWS = "smooth", "peak", "load", "give", "load-give"  # of friction, richer than a constant
 
 
 class CoulombFriction(PlantEffect):
@@ -266,17 +266,14 @@ class CoulombFriction(PlantEffect):
 
     `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
     "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), "-load" grows
-    with the force that the gear of a mass transmits, and with "-give" a mass gives way as a spring before it slides.
+    with the force that the gear transmits, and with "-give" the bodies give way before they slide (Dahl's law).
     """
 
     name = "coulomb-friction"
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
-        place: tuple(
-            f"{place}-{law}" for law in (*LAWS, *(LAWS_OF_A_MASS if place in ("position", "unsprung") else ()))
-        )
-        for place in variants
+        place: tuple(f"{place}-{law}" for law in LAWS) for place in variants
     }
     places = ("speed", "speed-lag")
     planted_variants = ("position", "speed")
@@ -288,7 +285,7 @@ class CoulombFriction(PlantEffect):
 
     @property
     def law(self) -> str:
-        """Of the friction: sharp, or one of `LAWS` and `LAWS_OF_A_MASS`."""
+        """Of the friction: sharp, or one of `LAWS`."""
         return self.variant[len(self.place) + 1 :] or "sharp"
 
     def applies(self, context: Context) -> bool:
@@ -327,7 +324,7 @@ class CoulombFriction(PlantEffect):
         if "load" in self.law:
             found["load"] = Value(fit.value("load_share"), "1")
         if "give" in self.law:
-            found["give"] = Value(abs(fit.value("give") * friction / fit.state_per_output), "y")
+            found["give"] = Value(abs(np.exp(fit.value("log_give")) / fit.state_per_output), "y")
         return found
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:

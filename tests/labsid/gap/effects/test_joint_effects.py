@@ -93,6 +93,7 @@ def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float])
         1.0,
         load.get("rest", 0.0),
         load.get("share", 0.0),
+        0.0,
     )
     friction = load.get("friction", 0.0) * TS**2
     found = _states.simulate_mass(k * goal, c, k, friction, 0.0, float(goal[0]), 0.0, 6, joint=joint)
@@ -103,7 +104,7 @@ def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float])
 def test_a_speed_loop_at_its_limit(goal: FloatArray, limit: float) -> None:
     expected = servo(goal, limit=limit, speed=True)
     c = 9.0 * TS
-    joint = (np.inf, limit * TS**2, 0.0, 1.0, 0.0, 0.0)
+    joint = (np.inf, limit * TS**2, 0.0, 1.0, 0.0, 0.0, 0.0)
     found = _states.simulate_mass(c * TS * goal, c, 0.0, 0.0, 0.0, 0.0, 0.0, 8, joint=joint)
     np.testing.assert_allclose(found[:, 0], expected, atol=5e-3 * np.ptp(expected))
 
