@@ -74,8 +74,11 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the slow tests, and begin with those in the browser: they take longest, and share what one worker starts."""
+    items.sort(key=lambda item: "browser" not in item.path.parts)
     for item in items:
-        if in_slow_file(item.path) or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
+        exhaustive = item.get_closest_marker("exhaustive") is not None
+        if exhaustive or in_slow_file(item.path) or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.slow)
 
 

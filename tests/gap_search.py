@@ -2,12 +2,26 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from labsid.gap.batches import batch
 from labsid.gap.effects.families import CANDIDATES
+
+_TESTS = Path(__file__).resolve().parent
+FEW_IN_ONE_PROCESS = f"""
+import sys
+sys.path[:0] = {[str(_TESTS.parent), str(_TESTS)]!r}
+from gap_search import run_here, searched
+from labsid.cli.commands import main
+from labsid.gap.batches import batch
+batch.run_tasks = run_here
+with searched("load-step"):
+    sys.exit(main(sys.argv[1:]))
+"""
+"""The command `labsid`, as a program for a process of its own: it starts no others, and searches for one effect."""
 
 
 @contextmanager

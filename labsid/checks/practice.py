@@ -6,6 +6,7 @@ input.
 """
 
 from collections.abc import Callable, Container, Iterator, Mapping
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -163,13 +164,12 @@ def questions_with_practice(assignment: Assignment) -> Iterator[Question]:
 
 def exercise_of(assignment: Assignment, question: Question, number: int) -> Exercise | None:
     """The `number`-th instance of a question; None if it has no numbers to practise with."""
-    seed = [PUBLIC_SEED, number, *question.id.encode()]
+    rng = np.random.default_rng([PUBLIC_SEED, number, *question.id.encode()])
+    record = None if assignment.practice_record is None else assignment.practice_record(rng)
+    known = _known_before(assignment, question, record, rng)
 
     def ask(**answer: Any) -> _PracticeAsk:
-        rng = np.random.default_rng(seed)
-        record = None if assignment.practice_record is None else assignment.practice_record(rng)
-        known = _known_before(assignment, question, record, rng)
-        return _PracticeAsk(record, known, rng, question.reference, **answer)
+        return _PracticeAsk(record, deepcopy(known), deepcopy(rng), question.reference, **answer)
 
     first = ask(values={})
     right = {} if question.gives is None else dict(question.gives(first))

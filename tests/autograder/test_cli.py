@@ -560,6 +560,7 @@ def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
 # ---- everything
 
 
+@pytest.mark.exhaustive  # CI runs the command itself
 def test_the_demonstration(
     here: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,7 +7,6 @@ import re
 import shutil
 import socket
 import threading
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -178,6 +177,7 @@ def test_a_submission_that_ends_its_workers_costs_only_itself(
     assert rows(tmp_path / "out") == rows(local, "student", *few.students)
 
 
+@pytest.mark.exhaustive  # below, a worker is asked what it is refused for
 def test_a_worker_with_another_labsid_is_refused(
     course: Course,
     batch: Batch,
@@ -218,6 +218,7 @@ def test_a_worker_with_another_labsid_is_refused(
     assert not list((tmp_path / "none").glob("results/*"))
 
 
+@pytest.mark.exhaustive  # `test_cli.py` stops a run by Ctrl-C; above, all workers are gone
 def test_stopped_by_ctrl_c_and_by_a_scheduler_that_dies_a_run_goes_on(
     course: Course,
     batch: Batch,
@@ -287,10 +288,8 @@ def test_a_wrong_address_is_said_in_one_line(
     with socket.create_server(("127.0.0.1", 0)) as silent, socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
         address = address.format(silent=silent.getsockname()[1], closed=closed.getsockname()[1])
-        start = time.monotonic()
         arguments = ["--submitted", str(batch.submitted), "--out", str(tmp_path)]
         assert main(["course", "grade", *arguments, "--scheduler", address]) == 2
-        assert time.monotonic() - start < 30
     (line,) = capsys.readouterr().err.splitlines()
     assert said in line
 

@@ -15,15 +15,15 @@ handle of a slider of ipywidgets has no name, only a label beside it."""
 
 
 def problems_in_either_scheme(page: Page, name: str) -> list[str]:
-    """What `problems` finds in light and in dark colours."""
+    """What `problems` finds in light colours, and in dark ones on a screen, where all parts are seen."""
     found = problems(page, name)
     page.emulate_media(color_scheme="dark")
-    found += problems(page, f"{name}-dark")
+    found += problems(page, f"{name}-dark", widths=WIDTHS[:1])
     page.emulate_media(color_scheme="light")
     return found
 
 
-def problems(page: Page, name: str, parts: Sequence[str] = ()) -> list[str]:
+def problems(page: Page, name: str, parts: Sequence[str] = (), widths: Sequence[int] = WIDTHS) -> list[str]:
     """Serious findings of axe-core, and horizontal scrolling, at each width; the page keeps its first size.
 
     Parameters
@@ -34,6 +34,8 @@ def problems(page: Page, name: str, parts: Sequence[str] = ()) -> list[str]:
     parts : sequence of str, optional
         CSS selectors of the parts of a page of JupyterLab that are the project's own; default the whole page, which
         must then fit the width.
+    widths : sequence of int, optional
+        In pixels.
 
     Returns
     -------
@@ -44,7 +46,7 @@ def problems(page: Page, name: str, parts: Sequence[str] = ()) -> list[str]:
     assert size is not None
     found = []
     PICTURES.mkdir(parents=True, exist_ok=True)
-    for width in WIDTHS:
+    for width in widths:
         page.set_viewport_size({"width": width, "height": size["height"]})
         page.screenshot(path=PICTURES / f"{name}-{width}.png", full_page=not parts)
         found += [f"{name} at {width} px: {line}" for line in _findings(page, parts)]

@@ -1,4 +1,4 @@
-"""One built course, one release, one browser and one JupyterLab for all tests of this folder."""
+"""One built course, one release, one browser and one JupyterLab for all tests of this folder; they end with them."""
 
 import io
 import json
@@ -80,7 +80,7 @@ class Student:
         return done.stdout + done.stderr
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> "Iterator[Browser]":
     """The system's Chromium. Without one the test is skipped; in CI, where it could be installed, it fails."""
     program = next(filter(None, map(shutil.which, _NAMES)), None)
@@ -99,7 +99,7 @@ def browser() -> "Iterator[Browser]":
         opened.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def context(browser: "Browser") -> "Iterator[BrowserContext]":
     """A browser window."""
     from playwright.sync_api import expect
@@ -111,7 +111,7 @@ def context(browser: "Browser") -> "Iterator[BrowserContext]":
     opened.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def checkout(tmp_path_factory: pytest.TempPathFactory) -> Course:
     """A course of two assignments as an instructor has it, built."""
     course = copy_course(tmp_path_factory.mktemp("checkout"), PRELAB, LAB)
@@ -120,7 +120,7 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Course:
     return course
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def jupyter_folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Environment variables with which Jupyter uses folders of its own, a free port, and no network."""
     root = tmp_path_factory.mktemp("jupyter")
@@ -149,7 +149,7 @@ def write_json(path: Path, content: Any) -> None:
     path.write_text(json.dumps(content), encoding="utf-8")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def student(checkout: Course, jupyter_folders: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Student:
     """A student who has installed the wheel of the release."""
     files = release_files(checkout)
@@ -160,7 +160,7 @@ def student(checkout: Course, jupyter_folders: dict[str, str], tmp_path_factory:
     return Student(tmp_path_factory.mktemp("home"), {**jupyter_folders, "PYTHONPATH": str(site)})
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def jupyterlab(student: Student) -> Iterator[str]:
     """The address of JupyterLab on the student's work folder, as `labsid lab` opens it."""
     command = [*student.command, "lab"]
@@ -203,7 +203,7 @@ class Instructor:
         return done.stdout
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def instructor(
     checkout: Course, jupyter_folders: dict[str, str], tmp_path_factory: pytest.TempPathFactory
 ) -> Instructor:

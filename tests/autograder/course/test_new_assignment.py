@@ -36,10 +36,10 @@ def empty(tmp_path: Path) -> Course:
 
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of this checkout, with its code and without its assignments."""
+    """A copy of this checkout, with its code, compiled as it is here, and without its assignments."""
     root = tmp_path_factory.mktemp("checkout") / "course"
     for package in ("labsid", "autograder"):
-        unwanted = shutil.ignore_patterns("__pycache__", "source", "release", "course-secret", *(
+        unwanted = shutil.ignore_patterns("*.pyc.*", "*.tmp.*", "source", "release", "course-secret", *(
             ["data"] if package == "autograder" else []
         ))  # fmt: skip
         shutil.copytree(ROOT / package, root / package, ignore=unwanted)
@@ -118,9 +118,9 @@ def test_a_new_assignment_is_graded_as_it_is(built: Path, labsid: Labsid, tmp_pa
     assert "`step_response` returns nothing" in rows["cem", RESPONSE]["reason"]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_guide_can_be_followed_as_printed(built: Path, labsid: Labsid) -> None:
-    """But for JupyterLab, which is not opened."""
+    """But for JupyterLab, which is not opened. The other tests run most of these commands."""
     for preview in (PREVIEW, TRY):
         done = labsid(*preview, "--no-open")
         assert done.returncode == 0, done.stderr

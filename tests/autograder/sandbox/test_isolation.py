@@ -375,10 +375,10 @@ got = 0
 try:
     for _ in range(100):
         if os.fork() == 0:
-            time.sleep(15)
+            time.sleep(6)
             os._exit(0)
         got += 1
-    time.sleep(15)
+    time.sleep(6)
 except OSError:
     pass
 """

@@ -5,6 +5,7 @@ from copy import deepcopy
 from pathlib import Path
 
 import pytest
+from gap_search import FEW_IN_ONE_PROCESS
 
 from labsid.blind import frozen
 from labsid.blind.experiment import Case
@@ -83,6 +84,7 @@ def test_an_error_is_kept_as_one() -> None:
 def test_answers_are_kept_and_found_again(
     short_cases: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("labsid.blind.runner._MAIN", FEW_IN_ONE_PROCESS)
     monkeypatch.setattr(frozen, "make_cases", lambda seeds, per_row, rows, jobs: short_cases[:per_row])
     file = tmp_path / "answers.json"
     only = ["--row", "none", "--jobs", "1"]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import FEW_IN_ONE_PROCESS
 
 from labsid.blind import check, runner
 from labsid.blind.check import evaluate_replays, is_repeatable, run_sealed_check
@@ -128,7 +129,10 @@ def test_results_of_the_batch_are_json(some: list[Case], monkeypatch) -> None:
     assert json.loads(json.dumps(results)) == results
 
 
-def test_results_that_are_kept_are_not_made_again(short_cases: list[Case], tmp_path: Path) -> None:
+def test_results_that_are_kept_are_not_made_again(
+    short_cases: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(runner, "_MAIN", FEW_IN_ONE_PROCESS)
     first, _ = run_batch(short_cases[:1], jobs=1, keep=tmp_path)
     (kept,) = tmp_path.glob("*.json")
     made = kept.stat().st_mtime_ns

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid.records.record import load_record, reading_notes
 
@@ -30,6 +31,7 @@ def test_check_lists_the_columns_and_the_line_to_type(labsid, log):
     assert labsid("check", log, "--columns", "time_ms,pwm,speed")[0] == 0
 
 
+@searched("load-step")
 def test_what_was_done_is_said_by_every_command(labsid, log):
     columns = ("--columns", "time_ms,pwm,speed")
     said = (

@@ -15,12 +15,13 @@ FEW = (*KINDS, "input-dead-zone", "input-nonlinearity", "extra-lag", "output-non
 
 @pytest.fixture(scope="module")
 def answers(rig_record):
-    """The diagnosis of a record, made once: by its effect."""
+    """The diagnosis of a record by a search for few effects, made once: by its effect."""
     made = {}
 
     def of(effect):
         if effect not in made:
-            made[effect] = diagnose(rig_record(effect))
+            with searched(*FEW):
+                made[effect] = diagnose(rig_record(effect))
         return made[effect]
 
     return of
@@ -55,6 +56,7 @@ def test_effects_are_named_with_their_parameters(answers, effect):
         assert found[f"{effect} {name}"] == pytest.approx(value, abs=off)
 
 
+@searched(*FEW)
 @pytest.mark.parametrize(
     ("effect", "change", "expected"),
     [
@@ -78,6 +80,7 @@ def test_other_units_and_signs_change_only_the_numbers(answers, rig_record, effe
     assert [name["name"] for name in after["ranking"][:3]] == [name["name"] for name in before["ranking"][:3]]
 
 
+@searched(*FEW)
 def test_a_second_run_gives_the_same_bytes(answers, rig_record):
     first, again = answers("output-saturation"), diagnose(rig_record("output-saturation"))
     assert json.dumps(again.report) == json.dumps(first.report)
@@ -121,6 +124,7 @@ def test_the_exported_simulation_is_valid_on_another_record_of_the_same_rig(answ
     assert np.sqrt(np.mean(error**2)) < 1.2 * noise
 
 
+@searched(*FEW)
 def test_the_effect_missing_in_a_given_simulation_is_found(rig_record):
     record = rig_record("input-saturation")
     den = np.poly([0.95, 0.8]).tolist()

@@ -222,7 +222,7 @@ def test_a_wrong_step_costs_its_own_marks_alone(solve) -> None:
         lab_2b_theta_answer=None,
     )
     saved = read_saved(path)
-    run = run_notebook(saved)
+    run = run_from_clean_start(saved.cells, saved.template, saved.path)
     states = {one.question.id: one.state for one in run.states}
     wrong = {question: state for question, state in states.items() if state not in ("right", "marked by hand")}
     assert wrong == {"lab-1c-offsets": "not right", "lab-2a-phi": "not right", "lab-2b-theta": "not done"}

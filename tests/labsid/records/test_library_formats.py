@@ -413,8 +413,15 @@ def test_matlab_4(tmp_path):
 
 
 @needs("matio")
-@pytest.mark.parametrize("version", ["v7", "v7.3"])
-@pytest.mark.parametrize("times", ["stored", "uniform"])
+@pytest.mark.parametrize(
+    ("times", "version"),
+    [
+        ("stored", "v7"),
+        ("uniform", "v7.3"),
+        pytest.param("stored", "v7.3", marks=pytest.mark.exhaustive),
+        pytest.param("uniform", "v7", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_timeseries_tables_and_data_sets_of_simulink(tmp_path, version, times):
     pd = pytest.importorskip("pandas")  # comes with mat-io
 

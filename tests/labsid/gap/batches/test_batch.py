@@ -13,6 +13,7 @@ import time
 import numpy as np
 import pytest
 from gap_reports import report as gap_report
+from gap_search import run_here, searched
 
 from labsid.gap.batches import batch
 from labsid.gap.batches.batch import diagnose_folder
@@ -21,6 +22,7 @@ from labsid.gap.reports.html_report import render_html
 
 LABSID = [sys.executable, "-c", "import sys; from labsid.cli.commands import main; sys.exit(main())"]
 SAMPLES = 150
+FEW = ("input-delay", "load-step")
 
 
 @pytest.fixture(scope="module")
@@ -243,11 +245,14 @@ def fleet(tmp_path_factory, rig_record, write_rig_record):
 
 @pytest.fixture(scope="module")
 def fleet_out(fleet, tmp_path_factory):
-    """The folder of reports, and the summary printed."""
+    """The folder of reports, and the summary printed; diagnosed in this process by a search for few effects."""
     out = tmp_path_factory.mktemp("fleet-out")
-    return out, diagnose_folder(fleet, out, jobs=1)
+    with searched(*FEW), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(batch, "run_tasks", run_here)
+        return out, diagnose_folder(fleet, out, jobs=1)
 
 
+@searched(*FEW)
 def test_a_folder_of_runs_is_one_rig(fleet, fleet_out, tmp_path):
     from labsid.cli.commands import main
 

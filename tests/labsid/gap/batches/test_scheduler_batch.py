@@ -12,10 +12,13 @@ from gap_search import run_here
 from labsid.cli.commands import main
 from labsid.gap.batches import batch, scheduler
 from labsid.gap.batches.batch import diagnose_folder
+from labsid.gap.search import beam_search
 from labsid.records.record import Record
 
 pytest.importorskip("distributed", reason="pip install 'labsid[cluster]'")
 SAMPLES, RECORDS = 150, 2
+FEW = "from labsid.gap.search import beam_search\nbeam_search.CANDIDATES = beam_search.CANDIDATES[:2]\n"
+"""For a worker that searches for few effects."""
 
 
 @pytest.fixture
@@ -49,7 +52,11 @@ def reports(out: Path) -> dict[str, dict]:
 def test_a_worker_that_is_killed_costs_nothing_and_the_reports_are_those_of_this_machine(
     folder: Path, machines: Machines, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    machines.start(workers=2)
+    preload = tmp_path / "few.py"
+    preload.write_text(FEW, encoding="utf-8")
+    machines.start()
+    for _ in range(2):
+        machines.add_worker("--preload", str(preload))
     finished: list[str] = []
 
     def progress(what: str, share: float) -> None:
@@ -60,6 +67,7 @@ def test_a_worker_that_is_killed_costs_nothing_and_the_reports_are_those_of_this
     said = diagnose_folder(folder, tmp_path / "cluster", progress=progress, scheduler=machines.address)
     assert said.startswith("4 records and rigs: error 1, none 3")
     monkeypatch.setattr(batch, "run_tasks", run_here)
+    monkeypatch.setattr(beam_search, "CANDIDATES", beam_search.CANDIDATES[:2])
     diagnose_folder(folder, tmp_path / "here", jobs=1)
     here, there = reports(tmp_path / "here"), reports(tmp_path / "cluster")
     assert here.keys() == there.keys()

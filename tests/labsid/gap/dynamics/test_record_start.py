@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
@@ -21,6 +22,7 @@ from labsid.records.record import Record
 
 SLOW, FAST = 1 / 300, 1 / 4  # per sample
 RATES = SLOW + FAST, SLOW * FAST
+FEW = ("input-saturation", "slow-mode", "output-drift", "load-step")
 
 
 @pytest.mark.parametrize(
@@ -99,6 +101,7 @@ def slow_rig(seed: int, samples: int, time: float = 80.0) -> Record:
     return Record(0.1 * np.arange(samples), u[-samples:], y[-samples:], 0.1)
 
 
+@searched(*FEW)
 def test_the_report_the_export_and_a_simulation_of_the_holdout_agree(tmp_path: Path) -> None:
     holdout = slow_rig(2, 1000)
     found = diagnose(slow_rig(1, 1200), holdout=holdout)
@@ -117,6 +120,7 @@ def test_the_report_the_export_and_a_simulation_of_the_holdout_agree(tmp_path: P
     assert played.rmse == pytest.approx(report["gap"]["after"])
 
 
+@searched(*FEW)
 def test_a_short_holdout_of_a_slow_rig_is_scored_beside_a_free_state(tmp_path: Path) -> None:
     holdout = slow_rig(4, 150, 300.0)
     found = diagnose(slow_rig(3, 3000, 300.0), holdout=holdout)
@@ -126,6 +130,7 @@ def test_a_short_holdout_of_a_slow_rig_is_scored_beside_a_free_state(tmp_path: P
     assert np.sqrt(np.mean(e[50:] ** 2)) == pytest.approx(found.report["gap"]["after"])
 
 
+@searched(*FEW)
 def test_a_holdout_with_fewer_scored_samples_than_parts_is_scored() -> None:
     found = diagnose(slow_rig(1, 1200, 5.0), holdout=slow_rig(2, 60, 5.0))
     assert found.report["holdout_unscored"] == 50

@@ -63,8 +63,17 @@ def test_with_times_of_zero_it_is_never_off(variant):
 
 
 @searched(*FEW)
-@pytest.mark.parametrize("offset", [0.0, 5.0])
-@pytest.mark.parametrize(("start", "stop"), [(733, 1200), (415, 702), (0, 190)])
+@pytest.mark.parametrize(
+    ("offset", "start", "stop"),
+    [
+        (0.0, 733, 1200),
+        (5.0, 415, 702),
+        (0.0, 0, 190),
+        pytest.param(5.0, 733, 1200, marks=pytest.mark.exhaustive),
+        pytest.param(0.0, 415, 702, marks=pytest.mark.exhaustive),
+        pytest.param(5.0, 0, 190, marks=pytest.mark.exhaustive),
+    ],
+)
 def test_a_command_that_is_off_is_found_with_its_times_and_level(offset, start, stop):
     at = np.arange(LEVELS.size)
     off = (at >= start) & (at < stop)
@@ -86,8 +95,15 @@ def test_a_drive_that_trips_is_found_where_zero_is_outside_of_the_commands():
 
 
 @searched(*FEW)
-@pytest.mark.parametrize("step", [0.13, 0.4])
-@pytest.mark.parametrize("floor", [False, True])
+@pytest.mark.parametrize(
+    ("step", "floor"),
+    [
+        (0.13, False),
+        (0.4, True),
+        pytest.param(0.13, True, marks=pytest.mark.exhaustive),
+        pytest.param(0.4, False, marks=pytest.mark.exhaustive),
+    ],
+)
 def test_steps_that_the_log_does_not_have_are_found(step, floor):
     logged = 0.2 + WAVE
     acting = step * (np.floor(logged / step) if floor else np.round(logged / step))
@@ -120,7 +136,11 @@ def test_on_another_record_the_command_is_applied():
 
 
 @pytest.mark.parametrize(
-    ("name", "times"), [("command-off", {"onset": 72.0}), ("command-off-for-a-while", {"onset": 48.0, "end": 72.0})]
+    ("name", "times"),
+    [
+        pytest.param("command-off", {"onset": 72.0}, marks=pytest.mark.exhaustive),
+        ("command-off-for-a-while", {"onset": 48.0, "end": 72.0}),
+    ],
 )
 def test_the_commands_that_were_off_are_named(shared_data, name, times):
     found, values = only(diagnose(load_record(shared_data / "found" / f"{name}.csv")).report)

@@ -115,7 +115,9 @@ def record_of(goal: FloatArray, y: FloatArray, noise: float = 0.003) -> Record:
     return Record(TS * np.arange(goal.size), goal, noisy, TS)
 
 
-@pytest.mark.parametrize("unit", [1.0, DEGREES], ids=["radians", "degrees"])
+@pytest.mark.parametrize(
+    "unit", [pytest.param(1.0, id="radians", marks=pytest.mark.exhaustive), pytest.param(DEGREES, id="degrees")]
+)
 def test_gravity_is_named_with_its_torque_and_angle_and_its_export_plays(goal: FloatArray, unit: float) -> None:
     """Also stronger than the spring of the loop; the angle of rest is 0.5 rad."""
     y = unit * servo(goal, gravity=70.0, rest=0.5)

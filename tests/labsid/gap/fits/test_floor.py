@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from representatives import mostly_exhaustive
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
@@ -76,8 +77,8 @@ def test_noise_of_the_record_itself_makes_digits_irrelevant() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("form", ["%.17g", "%.6g", "%.4g", "float32"])
-@pytest.mark.parametrize("rig", ["two poles", "gain"])
+@pytest.mark.parametrize("form", mostly_exhaustive(["%.17g", "%.6g", "%.4g", "float32"], ["%.4g"]))
+@pytest.mark.parametrize("rig", mostly_exhaustive(["two poles", "gain"], ["two poles"]))
 def test_an_exact_record_has_no_gap(rig: str, form: str) -> None:
     u, y = exact(4)
     y = y if rig == "two poles" else -0.8 * u + 0.3

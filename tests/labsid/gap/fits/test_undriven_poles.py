@@ -20,6 +20,18 @@ from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.records.record import Record
 
 TS, SAMPLES, RATE, NOISE = 0.2, 500, 0.07, 0.008
+FEW = (
+    "input-delay",
+    "input-dead-zone",
+    "input-nonlinearity",
+    "extra-lag",
+    "resonance",
+    "slow-mode",
+    "output-drift",
+    "load-step",
+    "periodic-disturbance",
+)
+"""What an undriven pole may be taken for, and what may be taken for one."""
 ALONG = np.linspace(0.0, 1.0, SAMPLES)
 OWN = {
     "ramp": 0.5 * ALONG,
@@ -67,6 +79,7 @@ def fitted(own: FloatArray) -> tuple[Fit, Data]:
     return fit_baseline(data), data
 
 
+@searched(*FEW)
 def test_the_drift_of_a_first_order_rig_is_not_fitted_as_a_second_pole() -> None:
     u = levels()
     diagnosis = diagnose(record_of(lag(u) + OWN["settling"], u))
@@ -74,6 +87,7 @@ def test_the_drift_of_a_first_order_rig_is_not_fitted_as_a_second_pole() -> None
     assert diagnosis.report["gap"]["before"] > 3.0 * diagnosis.report["gap"]["noise_floor"]
 
 
+@searched(*FEW)
 def test_a_sinusoid_on_a_first_order_rig_is_not_fitted_as_a_pole_pair() -> None:
     u = levels()
     diagnosis = diagnose(record_of(lag(u) + OWN["fast wave"], u))
@@ -83,6 +97,7 @@ def test_a_sinusoid_on_a_first_order_rig_is_not_fitted_as_a_pole_pair() -> None:
     assert found == pytest.approx(cycles / (SAMPLES * TS), rel=0.02)
 
 
+@searched(*FEW)
 def test_a_first_order_rig_has_no_gap() -> None:
     """From any initial state: its free response decays soon."""
     u = levels()
@@ -116,6 +131,7 @@ def test_nonlinear_dynamics_are_not_tested_for_undriven_poles() -> None:
         assert not has_undriven_pole(data, other)
 
 
+@searched(*FEW)
 def test_an_additional_mode_is_named_resonance_and_not_extra_lag() -> None:
     """One pole and a mode: the three poles could also be an oscillatory rig and a lag."""
     u, damping = levels(9), 0.06
@@ -124,6 +140,7 @@ def test_an_additional_mode_is_named_resonance_and_not_extra_lag() -> None:
     assert diagnosis.report["effects"][0]["parameters"]["damping"]["value"] == pytest.approx(damping, rel=0.2)
 
 
+@searched(*FEW)
 def test_an_additional_lag_on_an_oscillatory_rig_is_named_extra_lag() -> None:
     u = levels(9)
     diagnosis = diagnose(record_of(mode(u, 0.3, 0.15), u))
@@ -146,6 +163,7 @@ def test_only_a_fit_with_an_extra_lag_can_hide_a_mode() -> None:
     assert not lag_became_mode(fit, replace(fit, hypothesis=wandering, theta=theta[: len(wandering.parameters)]))
 
 
+@searched(*FEW)
 def test_an_undriven_pole_beside_another_effect_is_replaced_by_the_disturbance_it_imitates() -> None:
     """A dead zone ahead of one pole, with a sinusoid at the output; the test below has a ramp."""
     u = levels()

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from gap_reports import report as made_report
+from gap_search import searched
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_are
@@ -155,6 +156,7 @@ def test_the_simulation_of_an_unstable_rig_needs_its_measured_output() -> None:
 
 
 @pytest.mark.slow
+@searched("input-dead-zone", "coulomb-friction")
 def test_a_second_run_of_an_unstable_rig_scores() -> None:
     report = diagnose(upright(dead_zone), holdout=upright(dead_zone, seed=3)).report
     assert [effect["name"] for effect in report["effects"]] == ["input-dead-zone"]
@@ -162,12 +164,14 @@ def test_a_second_run_of_an_unstable_rig_scores() -> None:
 
 
 @pytest.mark.slow
+@searched("input-dead-zone", "coulomb-friction")
 def test_the_exported_simulation_of_an_unstable_rig_has_no_gap() -> None:
     report = diagnose(upright(dead_zone), diagnosed("input-dead-zone").model.to_json_dict()).report
     assert report["verdict"] == "none"
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 def test_the_page_of_an_unstable_rig_says_that_its_simulation_is_corrected() -> None:
     page = render_html(diagnosed("input-dead-zone").report)
     assert "a correction by its measured output" in page

@@ -150,6 +150,7 @@ def test_the_distance_grows_with_the_length_of_the_record_so_limits_shrink_with_
     assert powers[1] / powers[0] == pytest.approx(4.0, rel=0.15)
 
 
+@pytest.mark.exhaustive  # the coverage of 24 intervals, each from a search of its own
 def test_a_planted_effect_below_what_is_excluded_is_rarely_excluded():
     """The upper end of the profile likelihood covers the true size in 95 % of records."""
     rng, missed, tried = np.random.default_rng(5), 0, 0

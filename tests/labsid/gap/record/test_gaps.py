@@ -4,10 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_effects():
+    """The rivals of a limit are not what is tested here."""
+    with searched("input-delay", "input-saturation", "extra-lag", "output-saturation", "load-step"):
+        yield
 
 
 def named(report):

@@ -59,7 +59,7 @@ def slewing(w: FloatArray) -> FloatArray:
     return out
 
 
-@pytest.mark.parametrize("first", ["curve", "rate"])
+@pytest.mark.parametrize("first", ["curve", pytest.param("rate", marks=pytest.mark.exhaustive)])
 @searched(
     "input-rate-limit",
     "input-nonlinearity",
@@ -120,7 +120,13 @@ def test_a_gain_that_rises_and_falls_is_a_parameter_drift(levels: FloatArray, tw
     assert found.best.hypothesis.keys == ("parameter-drift/gain-4",)
 
 
-@pytest.mark.parametrize("poles", [[1.0, 0.7], [1.0, 1.0]], ids=["integrator", "double integrator"])
+@pytest.mark.parametrize(
+    "poles",
+    [
+        pytest.param([1.0, 0.7], id="integrator", marks=pytest.mark.exhaustive),
+        pytest.param([1.0, 1.0], id="double integrator"),
+    ],
+)
 def test_an_integrating_rig_with_an_offset_has_no_effect(levels: FloatArray, poles: list[float]) -> None:
     """An input offset gives a ramp after one integrator and a parabola after two; neither is a load."""
     swing = np.repeat(np.random.default_rng(5).choice([-1.0, 1.0], 150), 4) + 0.05
@@ -199,7 +205,7 @@ def test_quantization_residuals_are_distinguished_from_model_errors(plain: Expla
     assert not within_rounding(lattice, replace(fit, output=fit.output + 0.5 * step))
 
 
-@pytest.mark.parametrize(("shape", "steps"), [("square", 8), ("levels", 32)])
+@pytest.mark.parametrize(("shape", "steps"), [pytest.param("square", 8, marks=pytest.mark.exhaustive), ("levels", 32)])
 def test_rounding_is_explained_by_quantization_alone(
     levels: FloatArray, two_poles: Response, steps: int, shape: str
 ) -> None:
@@ -353,7 +359,13 @@ def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
     "load-step",
     "periodic-disturbance",
 )
-@pytest.mark.parametrize(("rig", "name"), [(loaded_spring, "cubic-stiffness"), (loaded_motor, "coulomb-friction")])
+@pytest.mark.parametrize(
+    ("rig", "name"),
+    [
+        (loaded_spring, "cubic-stiffness"),
+        pytest.param(loaded_motor, "coulomb-friction", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_a_large_load_on_a_nonlinear_state_is_found(levels: FloatArray, rig: Response, name: str) -> None:
     """It is found first, as a leak on linear dynamics, and moves to the state with the second effect.
 

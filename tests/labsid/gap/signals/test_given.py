@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid import diagnose
@@ -64,6 +65,9 @@ def simulate(t: FloatArray, u: FloatArray, gain: float = 1.0) -> FloatArray:
 def without_coupling(t: FloatArray, u: FloatArray) -> FloatArray:
     y = simulate(t, u)
     return np.column_stack([response(*PAIRS[0][0], u[:, 0]), y[:, 1]])
+
+
+FEW = ("input-delay", "input-saturation", "input-dead-zone")
 
 
 @cache
@@ -126,6 +130,7 @@ def test_a_path_that_the_simulation_lacks_is_a_coupling(simulation: object) -> N
     assert "From u2 to y1: the input moves the output, and in the simulation it does not" in str(found)
 
 
+@searched(*FEW)
 def test_the_right_systems_of_python_control_have_no_gap() -> None:
     blocks = [control.ss(control.tf([K * (1 - p) * (1 - q), 0], np.convolve([1, -p], [1, -q]), TS)) for row in PAIRS
               for K, p, q in row]  # fmt: skip
@@ -138,6 +143,7 @@ def test_the_right_systems_of_python_control_have_no_gap() -> None:
         assert diagnose(rig(), system).verdict == "none"
 
 
+@searched(*FEW)
 def test_free_numbers_are_found() -> None:
     found = diagnose(rig(), lambda t, u, gain=0.8: simulate(t, u, gain), free=["gain"])
     (effect,) = found.report["effects"]
@@ -145,6 +151,7 @@ def test_free_numbers_are_found() -> None:
     assert effect["parameters"]["gain"]["value"] == pytest.approx(1.0, abs=0.005)
 
 
+@searched(*FEW)
 def test_a_holdout_is_run_with_its_own_inputs() -> None:
     found = diagnose(rig(0, DEAD), simulate, holdout=rig(9, DEAD))
     for one in found.report["gap"]["outputs"].values():
@@ -164,6 +171,7 @@ def test_an_exported_simulation_leaves_the_noise_on_another_record() -> None:
         system.to_json_dict()
 
 
+@searched(*FEW)
 def test_a_fitted_system_is_the_same_from_json() -> None:
     found = diagnose(rig(0, DEAD))
     assert isinstance(found, SignalsDiagnosis)
@@ -189,6 +197,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@searched(*FEW)
 def test_the_command_writes_and_runs_a_corrected_simulation(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("better.json", "better.py"):
         assert main(["gap", "diagnose", "rig.csv", "--sim", "model.py:simulate", "--export", name]) == 0

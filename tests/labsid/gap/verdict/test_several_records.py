@@ -258,6 +258,7 @@ def test_a_given_model_is_simulated_from_the_state_of_each_record() -> None:
     assert np.abs((data.y - base.before(data).output)[data.rows]).max() < 1e-6
 
 
+@searched("input-saturation", "load-step")
 def test_one_record_in_a_list_is_that_record() -> None:
     record = run_of(1, 0.0, samples=200)
     assert "records" not in diagnose([record]).report
