@@ -5,7 +5,9 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike
 
+from labsid._arrays import FloatArray
 from labsid.checks.compare import as_figure
+from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import AxesValue, CurveValue
@@ -61,7 +63,22 @@ def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: Array
             "against time: give the time vector as the first argument.",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
-    raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.", "no curve")
+    raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
+
+
+def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice: str) -> NoAnswer:
+    """What to say where no curve shows a signal: what is drawn in its place, if that can be told, else the advice."""
+    samples = wanted.size
+    if any(1 < curve.x.size <= samples and _agree(curve.x, wanted[: curve.x.size]) for curve in axes.curves):
+        text = f"In {where}, {what} is on the horizontal axis: what is given to `plot` first goes there."
+        return NoAnswer(text, "x and y swapped")
+    if samples > 1 and len(axes.curves) >= samples - 1 and all(curve.y.size < samples for curve in axes.curves):
+        text = f"In {where} there is a curve for each *row* of the table: each column is a curve, over all samples."
+        return NoAnswer(text, "rows drawn")
+    related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
+    related += " Often here: is an offset still in it?" if "constant added" in related else ""
+    near = f"In {where} no curve shows {what}, but one is near to it. {related}"
+    return NoAnswer(near if related else f"In {where} no curve shows {what}. {advice}", "no curve")
 
 
 def require_labels(axes: AxesValue, where: str, units: tuple[str, str]) -> None:

@@ -265,4 +265,13 @@ TRIES = (
         ),
         "own mean",
     ),
+    Try(
+        EQ,
+        "range ends early",
+        "def equations(u, y, na, nb, d):\n    k0 = max(na, d + nb - 1) if nb else na\n"
+        "    rows = [[-y[k - i] for i in range(1, na)] + [u[k - d - i] for i in range(nb)]"
+        " for k in range(k0, len(y))]\n"
+        "    return np.array(rows), y[k0:]\n",
+        "one too few",
+    ),
 )

@@ -192,4 +192,32 @@ TRIES = (
         "sound form",
     ),
     Try(CAR, "one result", f("rls_careless(Phi, Y, lam, LN)", "return rls(Phi, Y, lam, LN)"), "history of theta and"),
+    Try(
+        STEP,
+        "entry by entry in the error",
+        "def rls_step(theta, P, phi, y):\n    e = y - phi.T * theta\n"
+        "    P = P - np.outer(P @ phi, P @ phi) / (1 + phi @ P @ phi)\n    return theta + P @ phi * e, P\n",
+        "is a vector",
+    ),
+    Try(
+        ONL,
+        "entry by entry in the error",
+        "def arx_step(theta, P, past, u, y, lam):\n    e = y - past * theta\n    g = P @ past\n"
+        "    P = (P - np.outer(g, g) / (lam + past @ g)) / lam\n"
+        "    return theta + P @ past * e, P, np.array([-y, past[0], u])\n",
+        "is a vector",
+    ),
+    Try(
+        FIG,
+        "rows drawn",
+        "fig_9, ax = plt.subplots()\nax.plot(theta_1.T)\nfig_10, ax = plt.subplots()\nax.plot(theta_099.T)\n",
+        "for each \\*row\\*",
+    ),
+    Try(
+        FIG,
+        "two of three",
+        "fig_9, ax = plt.subplots()\nax.plot(theta_1[:, 1:])\nfig_10, ax = plt.subplots()\nax.plot(theta_099)\n",
+        "no curve shows a1|no curve of the true",
+        never="row",
+    ),
 )

@@ -169,6 +169,14 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
             f"Phi of `{call}` has a column too many: `nb` is the *number* of inputs in a row, not the largest lag.",
             "nb taken for the largest lag",
         )
+    columns = np.shape(as_array(f"Phi of {call}", parts[0]))[1:]
+    if columns == (na + nb - 1,) and np.ndim(parts[0]) == 2:  # type: ignore[arg-type]
+        return Verdict(
+            False,
+            f"Phi of `{call}` has {na + nb - 1} column{'s' * (na + nb > 2)}, one too few: na = {na} outputs and nb = "
+            f"{nb} inputs make {na + nb}. Often here: `range(1, na)` ends before na.",
+            "one lag too few",
+        )
     Phi = as_matrix(f"Phi of {call}", parts[0], (None, na + nb))
     Y = as_vector(f"Y of {call}", parts[1])
     if Y.size != Phi.shape[0]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta, as_vector, close
-from labsid.checks.figures import legend_text, one_figure, plain_text, require_label, require_legend
+from labsid.checks.figures import legend_text, no_curve, one_figure, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -295,4 +295,4 @@ def _curve(axes: AxesValue, what: str, signal: FloatArray) -> CurveValue:
                     "too many samples",
                 )
             return curve
-    raise NoAnswer(f"In Fig. 8 no curve shows {what}: draw its first 100 samples.", "curve missing")
+    raise no_curve(axes, "Fig. 8", what, signal[:100], "Draw its first 100 samples.")

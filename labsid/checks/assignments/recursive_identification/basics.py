@@ -260,6 +260,12 @@ def _judge_theta(got: Value, theta: FloatArray, P: FloatArray, phi: FloatArray, 
                 mend="It is the error y - phi'theta that corrects.",
             ),
             Slip("old estimate forgotten", "`rls_step` returns the correction alone.", lambda: after - theta),
+            Slip(
+                "entry by entry",
+                "the error of `rls_step` is a vector: `*` multiplies phi and theta entry by entry.",
+                lambda: theta + new_P @ phi * (y - phi * theta),
+                mend="phi'theta is one number, `phi @ theta`.",
+            ),
             Slip("theta not updated", "`rls_step` hands theta back as it was.", lambda: theta),
         ],
     )

@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.recursive_identification.reference_runs import faulty_run, is_one_array, reference_run
 from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
-from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
+from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -262,7 +262,8 @@ def check_figures(ask: Ask) -> Verdict:
                     f"{where} shows `{other}`: Fig. 9 is lambda = 1, Fig. 10 is lambda = 0.99.", "figures swapped"
                 )
             if curve is None:
-                raise NoAnswer(f"In {where} no curve shows {parameter}, column {i} of `{name}`.", "no curve")
+                what = f"{parameter}, column {i} of `{name}`"
+                raise no_curve(axes, where, what, histories[name][:, i], "Draw it against the sample number.")
             if not _shows_truth(axes, truth[:, i]):
                 raise NoAnswer(
                     f"{where} has no curve of the true {parameter}: draw the columns of `theta_true`, too.",

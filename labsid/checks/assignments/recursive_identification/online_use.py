@@ -116,6 +116,12 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
                 "`arx_step` takes the gain from the P before the sample.",
                 lambda: both(theta + P @ past * (y - past @ theta), right_P),
             ),
+            Slip(
+                "entry by entry",
+                "the error of `arx_step` is a vector: `*` multiplies past and theta entry by entry; phi'theta is one "
+                "number, `past @ theta`.",
+                lambda: both(theta + right_P @ past * (y - past * theta), right_P),
+            ),
         ],
     )
 
