@@ -187,6 +187,12 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
     )
 
 
+def new_history(ask: Ask) -> dict[str, Value]:
+    """A history to practise with, of a record of its own."""
+    u, y = trial_record(ask.rng, 300, float(ask.rng.uniform(0.2, 0.6)))
+    return {"theta_rels": _history(u, y, 1.0, 1e3)}
+
+
 def check_figure_14(ask: Ask) -> Verdict:
     """Fig. 14: the three parameters over the samples."""
     axes = as_figure("fig_14", ask.value("fig_14"), axes=1).axes[0]
@@ -196,7 +202,7 @@ def check_figure_14(ask: Ask) -> Verdict:
     found = [find_curve(axes, column) for column in history.T]
     missing = [name for name, curve in zip("abc", found, strict=True) if curve is None]
     if missing:
-        what = f"{' and '.join(missing)}, of the columns of `theta_rels`"
+        what = f"{' or '.join(missing)}, of the columns of `theta_rels`"
         raise no_curve(axes, "Fig. 14", what, history[:, "abc".index(missing[0])], "Draw them over all samples.")
     require_label(axes, "Fig. 14", "x", "")
     require_legend(axes, "Fig. 14", 3)

@@ -266,6 +266,12 @@ def right_outputs(ask: Ask) -> dict[str, Value]:
     return {**_outputs(as_vector("theta_1", ask.known("theta_1"), 2))}
 
 
+def new_outputs(ask: Ask) -> dict[str, Value]:
+    """Prediction and simulation of another model, to practise with."""
+    theta = np.array([-ask.rng.uniform(0.5, 0.9), ask.rng.uniform(0.6, 1.4)])
+    return {"y_1": _records()[0][1], **_outputs(theta)}
+
+
 def check_figure_8(ask: Ask) -> Verdict:
     """Fig. 8: measurement, one-step prediction and simulation."""
     axes = one_figure("fig_8", ask.value("fig_8"))

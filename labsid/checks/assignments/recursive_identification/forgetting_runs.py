@@ -244,6 +244,17 @@ def _shows_truth(axes: AxesValue, truth: FloatArray) -> bool:
     return all(is_drawn(level) for level in np.unique(truth))
 
 
+def new_histories(ask: Ask) -> dict[str, Value]:
+    """Histories to practise with, of another record of Example 6-1."""
+    record = example_6_1(ask.rng)
+    equations = build_equations(_STRUCTURE, record.u, record.y)
+    runs = {
+        name: reference_run(equations.Phi, equations.Y, lam, 1e6)
+        for name, lam in (("theta_1", 1.0), ("theta_099", 0.99))
+    }
+    return {"Y_61": equations.Y, "theta_true": record.theta, **{name: run.theta for name, run in runs.items()}}
+
+
 def check_figures(ask: Ask) -> Verdict:
     """Fig. 9 and 10: the three estimates over time, and the truth."""
     rows = as_vector("Y_61", ask.known("Y_61")).size
