@@ -10,6 +10,7 @@ from one_answer import Solved, quietly, solve
 from labsid.checks import Question
 from labsid.checks.notebook import assignment_names, load_assignment
 from labsid.checks.practice import Exercise, exercise_of, questions_with_practice
+from labsid.checks.practice_records import unaided_rig
 
 QUESTIONS = [
     pytest.param(name, question, id=question.id)
@@ -80,3 +81,16 @@ def test_which_questions_cannot_be_practised() -> None:
         for question in set(load_assignment(name).questions) - set(questions_with_practice(load_assignment(name)))
     }
     assert without == WITHOUT
+
+
+def test_a_rig_without_steps_tells_its_effect_and_the_error_of_a_simulation() -> None:
+    rigs = [unaided_rig(number) for number in (1, 2)]
+    assert [rig.solution()["effect"] for rig in rigs] == ["output-saturation", "sqrt-outflow"]
+    for rig in rigs:
+        rest = rig.record.y[:100].mean()
+        gain = np.sum((rig.record.u - rig.record.u[0]) * (rig.record.y - rest)) / np.sum(
+            (rig.record.u - rig.record.u[0]) ** 2
+        )
+        static = rig.error(lambda u, first=rig.record.u[0], rest=rest, gain=gain: rest + gain * (u - first))
+        assert 0.02 < static < rig.error(lambda u, rest=rest: np.full(u.size, rest))
+        assert rig.solution()["effect"] not in repr(rig)
