@@ -1,6 +1,9 @@
 """Checks of what a figure shows; each `require_` function raises `NoAnswer` with what is missing."""
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,8 +53,18 @@ def find_curve(axes: AxesValue, y: ArrayLike, x: ArrayLike | None = None) -> Cur
     return None
 
 
-def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue:
-    """Require a curve of `y` (against `x`) and return it; `where` and `what` name the axes and the signal."""
+def require_curve(
+    axes: AxesValue,
+    where: str,
+    what: str,
+    y: ArrayLike,
+    x: ArrayLike | None = None,
+    others: Mapping[str, ArrayLike] = MappingProxyType({}),
+) -> CurveValue:
+    """Require a curve of `y` (against `x`) and return it.
+
+    `where` and `what` name the axes and the signal; `others` are signals that may have been drawn in its place.
+    """
     curve = find_curve(axes, y, x)
     if curve is not None:
         return curve
@@ -63,6 +76,9 @@ def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: Array
             "against time: give the time vector as the first argument.",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
+    for name, other in others.items():
+        if len([curve for curve in axes.curves if find_curve(replace(axes, curves=(curve,)), other)]) > 1:
+            raise NoAnswer(f"In {where} no curve shows {what}, and two show `{name}`.", "one signal drawn twice")
     raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
 
 

@@ -134,7 +134,7 @@ def not_square(stop: Stop, _: re.Match[str]) -> str | None:
             shape, name = stop.shape(node.args[0]), ast.unparse(node.args[0])
             if shape and len(shape) == 2 and shape[0] != shape[1]:
                 return (
-                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse. Least squares inverts "
-                    f"`{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
+                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse or a determinant. Least squares "
+                    f"inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
                 )
     return "Only a square matrix has an inverse: least squares inverts Phi'Phi, not Phi."

@@ -178,6 +178,12 @@ TABLE: tuple[Translation, ...] = (
         "Each frequency or sample needs one weight. `np.fft.rfft(e)` has len(e) // 2 + 1 values, as many as "
         "`np.fft.rfftfreq(len(e), Ts)`.",
     ),
+    Translation(
+        "ValueError",
+        "Parameter `?[TU]`?",
+        "What comes second in `ct.forced_response(system, ...)` is the time, not the input. Name the input: "
+        "`ct.forced_response(G, inputs=u)`.",
+    ),
     Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
     Translation("ValueError", "must match exactly", unequal_columns),
     Translation(

@@ -332,4 +332,18 @@ TRIES = (
         "outputs themselves for the state",
         never="Wrong shape",
     ),
+    Try(
+        PHI,
+        "one lag twice",
+        f"{PHI_HEAD}Phi = np.column_stack([y[1 : half - 1], y[1 : half - 1], u[1 : half - 1], u[: half - 2]])\n"
+        "Y = y[2:half]",
+        r"Column `\[:, 1\]` is wrong, the others are right",
+    ),
+    Try(
+        THETA,
+        "divided by a matrix",
+        "theta_hat = Phi.T @ Y / (Phi.T @ Phi)",
+        "`/` taken for matrices",
+    ),
+    Try(HALF, "input second", "y_sim_half = ct.forced_response(G, u[half:]).outputs", "second .* is the time"),
 )

@@ -381,4 +381,12 @@ TRIES = (
         "block of 1 by 1",
         never="slice",
     ),
+    Try(
+        SOL,
+        "solve",
+        "def all_solutions(Phi, Y):\n    theta = np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)\n"
+        "    return theta, np.linalg.svd(Phi)[2][np.linalg.matrix_rank(Phi) :].T\n",
+        "Phi'Phi has no inverse",
+        never="wrong factor",
+    ),
 )

@@ -274,4 +274,13 @@ TRIES = (
         "    return np.array(rows), y[k0:]\n",
         "one too few",
     ),
+    Try(
+        EXC,
+        "one for nothing",
+        "def excitation(u, largest):\n    for n in range(largest, 0, -1):\n"
+        "        M = np.column_stack([u[n - 1 - i : len(u) - i] for i in range(n)])\n"
+        "        if np.linalg.matrix_rank(M) == n:\n            return n\n    return 1\n",
+        "zero throughout",
+        never="rounding",
+    ),
 )

@@ -112,4 +112,17 @@ TRIES = (
         "one is near to it. It is the absolute value",
         never="horizontal axis|offset",
     ),
+    Try(
+        "prelab-6-cut-off",
+        "one signal twice",
+        "ax_b.plot(t_new, y2_new, 'r')\nax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
+        "no curve shows `y1_new`, and two show `y2_new`",
+    ),
+    Try(
+        "prelab-6-cut-off",
+        "one signal alone",
+        "ax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
+        "no curve shows `y1_new`",
+        never="two show",
+    ),
 )

@@ -220,4 +220,22 @@ TRIES = (
         "no curve shows a1|no curve of the true",
         never="row",
     ),
+    Try(
+        ONL,
+        "1 in the denominator",
+        "def arx_step(theta, P, past, u, y, lam):\n    g = P @ past\n    e = y - past @ theta\n"
+        "    P = (P - np.outer(g, g) / (1 + past @ g)) / lam\n"
+        "    return theta + P @ past * e, P, np.array([-y, past[0], u])\n",
+        "the 1 becomes lambda",
+    ),
+    Try(
+        WIN,
+        "scaled before use",
+        "def rls_bounded(Phi, Y, lam, LN, bound):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    H, T = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n        phi = Phi[k]\n"
+        "        g = P @ phi\n        P = (P - np.outer(g, g) / (lam + phi @ g)) / lam\n"
+        "        P = P * min(1, bound / np.trace(P))\n        theta = theta + P @ phi * (Y[k] - phi @ theta)\n"
+        "        H[k], T[k] = theta, np.trace(P)\n    return H, T\n",
+        "scales P down",
+    ),
 )

@@ -207,4 +207,12 @@ TRIES = (
     Try(UNI, "det of Phi", fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"), "square"),
     Try(FUN, "t_step for t", reader().replace(" t[", " t_step["), "never reads its argument `t`, but `t_step`"),
     Try(FUN, "half of tau", reader(tau="0.75 * (t_63 - t_28)"), "too (early|late)", never="never reads"),
+    Try(
+        FUN,
+        "np.interp",
+        "def read_step(t, y, amplitude):\n    d = y[-1] - y[0]\n    t_28 = np.interp(0.283 * d + y[0], y, t)\n"
+        "    t_63 = np.interp(0.632 * d + y[0], y, t)\n    tau = 1.5 * (t_63 - t_28)\n"
+        "    return d / amplitude, tau, t_63 - tau\n",
+        "np.interp` needs values that rise",
+    ),
 )

@@ -9,7 +9,7 @@ from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.linear_algebra import pseudo_inverse, singular_values
 from labsid.least_squares.projection import projection_matrix, solution_set
 
@@ -99,7 +99,16 @@ def check_all_solutions(ask: Ask) -> Iterator[Verdict]:
         while singular_values(Phi).rank < rank:
             # small integers: dependent columns without rounding
             Phi = ask.rng.integers(-3, 4, (n, rank)) @ ask.rng.integers(-2, 3, (rank, p)).astype(float)
-        yield _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
+        try:
+            yield _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
+        except NoAnswer as stopped:
+            if "singular" not in str(stopped).lower():
+                raise
+            raise NoAnswer(
+                "`all_solutions` inverts Phi'Phi, or solves with it. The columns of Phi are dependent in this step, so "
+                "that Phi'Phi has no inverse: use `np.linalg.pinv(Phi) @ Y`, or the singular values.",
+                "inverse of a singular matrix",
+            ) from None
     yield Verdict(True, "the shortest theta, and every direction that leaves Phi theta unchanged.")
 
 
