@@ -22,6 +22,13 @@ def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
         for side in (node.left, node.right):
             thing = stop.things.get(ast.unparse(side))
             alone = thing is not None and (thing.kind == "number" or thing.shape == ())
+            inner = (stop.shape(side.left), stop.shape(side.right)) if isinstance(side, ast.BinOp) else (None, None)
+            if isinstance(side, ast.BinOp) and all(shape is not None and len(shape) == 1 for shape in inner):
+                left, right = ast.unparse(side.left), ast.unparse(side.right)
+                return (
+                    f"`{left} @ {right}` is one number: both are flat. The matrix of all products of their entries is "
+                    f"`np.outer({left}, {right})`."
+                )
             if alone or isinstance(side, ast.Constant):
                 return (
                     f"`@` is the product of arrays, and `{ast.unparse(side)}` is one number: a multiple is made by `*`."
@@ -128,13 +135,13 @@ def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
 
 
 def not_square(stop: Stop, _: re.Match[str]) -> str | None:
-    """The inverse of a tall matrix."""
+    """The inverse, or the determinant, of a tall matrix."""
     for node in stop.expressions():
         if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve", "det")):
             shape, name = stop.shape(node.args[0]), ast.unparse(node.args[0])
             if shape and len(shape) == 2 and shape[0] != shape[1]:
                 return (
-                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse or a determinant. Least squares "
-                    f"inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
+                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse or a determinant. "
+                    f"Least squares inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
                 )
     return "Only a square matrix has an inverse: least squares inverts Phi'Phi, not Phi."

@@ -155,6 +155,12 @@ TABLE: tuple[Translation, ...] = (
         "It is no array: its parts have names. Of what scipy's `least_squares` returns, `.x` is the solution.",
     ),
     Translation("KeyError", "(.*)", unknown_key),
+    Translation(
+        "UnknownColumns",
+        "no columns t,u,y",
+        "The names do not say which columns are inputs and which outputs: "
+        '`load_record(file, inputs="...", outputs="...")`.',
+    ),
     Translation("AttributeError", "module 'numpy' has no attribute 'ln'", "The natural logarithm is `np.log`."),
     Translation(
         "TypeError",

@@ -212,4 +212,14 @@ TRIES = (
         "        history[n] = theta\n    return history\n\n\ntheta_rels = rels(u_71, y_71, 1.0, 1e6)\n",
         "last\\* sample of the record",
     ),
+    Try(
+        REC,
+        "product of flat arrays",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - P @ z @ phi @ P / (1 + phi @ P @ z)\n     "
+            "   theta = theta + P @ z * eps"
+        ),
+        r"np.outer\(P @ z, phi\)",
+        never=r"made by `\*`",
+    ),
 )

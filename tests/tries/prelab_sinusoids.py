@@ -125,4 +125,12 @@ TRIES = (
         "no curve shows `y1_new`",
         never="two show",
     ),
+    Try(
+        N,
+        "noise in the angle",
+        "y1 = np.sin(2 * np.pi * t / 100 + rng.uniform(-0.2, 0.2, t.shape))\n"
+        "y2 = np.cos(2 * np.pi * t / 100 + rng.uniform(-0.2, 0.2, t.shape))",
+        "inside the brackets",
+        never="Gaussian",
+    ),
 )

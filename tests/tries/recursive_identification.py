@@ -238,4 +238,14 @@ TRIES = (
         "        H[k], T[k] = theta, np.trace(P)\n    return H, T\n",
         "scales P down",
     ),
+    Try(
+        FOR,
+        "P in the loop",
+        "def rls(Phi, Y, lam, LN):\n    theta, H = np.zeros(Phi.shape[1]), np.zeros(Phi.shape)\n"
+        "    for k, phi in enumerate(Phi):\n        P = LN * np.eye(phi.size)\n        g = P @ phi\n"
+        "        P = (P - np.outer(g, g) / (lam + phi @ g)) / lam\n"
+        "        theta = theta + P @ phi * (Y[k] - phi @ theta)\n        H[k] = theta\n    return H\n\n\n"
+        "theta_1 = rls(Phi_61, Y_61, 1.0, 1e6)\ntheta_099 = rls(Phi_61, Y_61, 0.99, 1e6)\n",
+        "once, before the loop",
+    ),
 )

@@ -207,4 +207,7 @@ TRIES = (
         "    Z = np.column_stack([r[:-1], np.r_[0, r[:-2]]])\n    return np.linalg.solve(Z.T @ Phi, Z.T @ y[1:])\n",
         "begin with k = 2",
     ),
+    Try(
+        "sev-1-read", "no names", "record = load_record('TwoHeaters.csv')", "which columns are inputs and which outputs"
+    ),
 )

@@ -10,7 +10,7 @@ from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vecto
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge, told_if_singular
 
 
 @first_failure
@@ -142,12 +142,8 @@ def check_step(ask: Ask) -> Verdict:
         "`rls_step` inverts P. This is what the lemma saves: it divides by a number, and it works where P has no "
         "inverse, too (a parameter that is known for certain has a zero in P)."
     )
-    try:
+    with told_if_singular(inverts, "matrix inverted"):
         verdict = _one_step(ask, P)
-    except NoAnswer as stopped:
-        if "singular" in str(stopped).lower():
-            raise NoAnswer(inverts, "matrix inverted") from None
-        raise
     return verdict if verdict.passed else Verdict(False, inverts, "matrix inverted")
 
 

@@ -6,7 +6,12 @@ from functools import cache, partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.recursive_identification.reference_runs import faulty_run, is_one_array, reference_run
+from labsid.checks.assignments.recursive_identification.reference_runs import (
+    faulty_run,
+    is_one_array,
+    reference_run,
+    reference_step,
+)
 from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
 from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
@@ -208,6 +213,11 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
                 lambda: wrong(old_gain=True),
                 mend="Update P first.",
             ),
+            Slip(
+                "P made anew",
+                "`rls` makes P anew for every row: make it once, before the loop.",
+                lambda: _made_anew(Phi, Y, lam, large),
+            ),
             Slip("sign of the error", "`rls` moves away from the samples.", lambda: wrong(sign=-1.0)),
             Slip(
                 "start not used",
@@ -226,6 +236,14 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
             ),
         ],
     )
+
+
+def _made_anew(Phi: FloatArray, Y: FloatArray, lam: float, LN: float) -> FloatArray:
+    """History of a run in which P is LN I before every sample."""
+    theta, history = np.zeros(Phi.shape[1]), np.empty(Phi.shape)
+    for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
+        theta = history[k] = reference_step(theta, LN * np.eye(phi.size), phi, y, lam)[0]
+    return history
 
 
 def _shows_truth(axes: AxesValue, truth: FloatArray) -> bool:
