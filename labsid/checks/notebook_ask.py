@@ -20,14 +20,9 @@ _SMALL = 9
 
 
 class NotebookAsk:
-    """Asks the variables of a notebook, in the notebook's own process.
+    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for.
 
-    Attributes
-    ----------
-    names : list of str
-        The variables and functions that were asked for.
-    tried, beside : str
-        Of the last function: how it was called with what result, and the data of the notebook that it reads.
+    Of the last function, `tried` says how it was called with what result, `beside` which data of the notebook it reads.
     """
 
     origin: None = None

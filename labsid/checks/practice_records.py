@@ -62,13 +62,7 @@ def offset_free_signals_of(record: Record) -> dict[str, Value]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnaidedRig:
-    """A rig to analyse without steps: its record, the error of a simulation on another run, and what its effect is.
-
-    Attributes
-    ----------
-    record : Record
-        As that of the assignment ``sim-to-real-gap``.
-    """
+    """A rig to analyse without steps: its `record`, the error of a simulation on another run, and its effect."""
 
     record: Record
     _rig: WithheldRig = field(repr=False)

@@ -208,19 +208,6 @@ TRIES = (
         "is a vector",
     ),
     Try(
-        FIG,
-        "rows drawn",
-        "fig_9, ax = plt.subplots()\nax.plot(theta_1.T)\nfig_10, ax = plt.subplots()\nax.plot(theta_099.T)\n",
-        "for each \\*row\\*",
-    ),
-    Try(
-        FIG,
-        "two of three",
-        "fig_9, ax = plt.subplots()\nax.plot(theta_1[:, 1:])\nfig_10, ax = plt.subplots()\nax.plot(theta_099)\n",
-        "no curve shows a1|no curve of the true",
-        never="row",
-    ),
-    Try(
         ONL,
         "1 in the denominator",
         "def arx_step(theta, P, past, u, y, lam):\n    g = P @ past\n    e = y - past @ theta\n"
