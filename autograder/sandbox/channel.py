@@ -157,7 +157,7 @@ def _decode_record(kind: type, fields: dict[str, Any]) -> Value:
             checked[name] = None if value is None else float(value)
         elif name in ("title", "xlabel", "ylabel", "label", "where", "kind"):
             checked[name] = str(value)[:1000]
-        elif name in ("grid", "steps"):
+        elif name in ("grid", "steps", "joined"):
             checked[name] = value is True
         elif name in ("xlim", "ylim", "color"):
             if len(value) != _LENGTHS[name]:
@@ -174,6 +174,8 @@ def _decode_record(kind: type, fields: dict[str, Any]) -> Value:
             checked[name] = _numbers(value, 1)
         elif name in ("A", "B", "C", "D"):
             checked[name] = _numbers(value, 2)
+        else:
+            raise ValueError(name)
     return kind(**checked)
 
 

@@ -2,30 +2,13 @@
 
 import ast
 import re
-from collections.abc import Iterator
 
 from labsid.checks.stops import Stop
 
 
-def _operations(stop: Stop, *kinds: type[ast.operator]) -> Iterator[ast.BinOp]:
-    for node in stop.expressions():
-        if isinstance(node, ast.BinOp) and isinstance(node.op, kinds):
-            yield node
-
-
-def entry_by_entry(stop: Stop, _: re.Match[str]) -> str | None:
-    """`*` where the shapes fit a matrix product."""
-    for node in _operations(stop, ast.Mult):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and one != other and one[-1] == other[0]:
-            left, right = ast.unparse(node.left), ast.unparse(node.right)
-            return f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
-    return None
-
-
 def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
     """A number for each row, in a flat array."""
-    for node in _operations(stop, ast.Mult, ast.Div, ast.Add, ast.Sub):
+    for node in stop.operations(ast.Mult, ast.Div, ast.Add, ast.Sub):
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and len(one) == 2 and len(other) == 1 and one[0] == other[0]:
             name = ast.unparse(node.right)
@@ -39,7 +22,7 @@ def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
 
 def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
     """Two signals of different lengths."""
-    for node in _operations(stop, ast.Add, ast.Sub, ast.Mult, ast.Div):
+    for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div):
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and len(one) == len(other) == 1:
             left, right = ast.unparse(node.left), ast.unparse(node.right)
@@ -52,100 +35,6 @@ def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
                 "with the same slice."
             )
     return "Entry by entry, both need the same shape (an axis of length 1 fits any)."
-
-
-def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
-    """`@` with a number on one side."""
-    for node in _operations(stop, ast.MatMult):
-        for side in (node.left, node.right):
-            thing = stop.things.get(ast.unparse(side))
-            alone = thing is not None and (thing.kind == "number" or thing.shape == ())
-            if alone or isinstance(side, ast.Constant):
-                return (
-                    f"`@` is the product of arrays, and `{ast.unparse(side)}` is one number: a multiple is made by `*`."
-                )
-    return "`@` is the product of arrays; one of the two is a number. A multiple is made by `*`."
-
-
-def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
-    """`@` between shapes that do not fit."""
-    for node in _operations(stop, ast.MatMult):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if not one or not other or one[-1] == other[0]:
-            continue
-        left, right = ast.unparse(node.left), ast.unparse(node.right)
-        empty = next((text for text, shape in ((left, one), (right, other)) if 0 in shape), "")
-        if ":-" in empty.replace(" ", ""):
-            return f"`{empty}` is empty: `[:-0]` takes nothing. `[: len(x) - k]` is right for k = 0, too."
-        said = (
-            f"In `{left} @ {right}` the first has {one[-1]} columns and the second {other[0]} rows: "
-            f"these must be equal."
-        )
-        if "inv(" in left:
-            return " ".join(filter(None, (said, _without_inverse(stop))))
-        if one[0] == other[0] and re.fullmatch(r"\w+(\.T)?", left):
-            turned = left[:-2] if left.endswith(".T") else f"{left}.T"
-            return f"{said} Is `{turned} @ {right}` meant?"
-        return said
-    return "In `A @ B` the columns of A must be as many as the rows of B. Is a transpose, `.T`, missing or too many?"
-
-
-def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
-    """`solve` with a right-hand side of another length."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("solve") and len(node.args) == 2:
-            left, right = (stop.shape(part) for part in node.args)
-            if left and right and left[0] != right[0]:
-                A, b = map(ast.unparse, node.args)
-                said = (
-                    f"`solve(A, b)` solves A x = b: A, here `{A}`, has {left[0]} rows, and b, here `{b}`, has "
-                    f"{right[0]}."
-                )
-                inner = node.args[0]
-                if isinstance(inner, ast.BinOp) and isinstance(inner.op, ast.MatMult):
-                    first = stop.shape(inner.left)
-                    if first and len(first) == 2 and first[1] == right[0]:
-                        said += (
-                            f" The right-hand side of the normal equations is multiplied, too: "
-                            f"`{ast.unparse(inner.left)} @ {b}`."
-                        )
-                return said
-    return "`solve(A, b)` needs as many entries in b as A has rows: is the right-hand side of the equations complete?"
-
-
-def _without_inverse(stop: Stop) -> str:
-    """A product in the line that cannot have an inverse, by its shapes; empty if there is none."""
-    for node in _operations(stop, ast.MatMult):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and len(one) == len(other) == 2 and one[0] == other[1] > one[1]:
-            left, right = ast.unparse(node.left), ast.unparse(node.right)
-            return (
-                f"`{left} @ {right}` is {one[0]} by {one[0]}, but of rank {one[1]} at most: it never has an inverse. "
-                f"`{right} @ {left}` is {one[1]} by {one[1]}."
-            )
-    return ""
-
-
-def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
-    """A product that is singular by its shapes, or dependent columns."""
-    return _without_inverse(stop) or (
-        "The matrix has no inverse: its columns are dependent. Often here: is a column of Phi "
-        "zero, or there twice, or is "
-        "the wrong factor transposed?"
-    )
-
-
-def not_square(stop: Stop, _: re.Match[str]) -> str | None:
-    """The inverse of a tall matrix."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve", "det")):
-            shape, name = stop.shape(node.args[0]), ast.unparse(node.args[0])
-            if shape and len(shape) == 2 and shape[0] != shape[1]:
-                return (
-                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse. Least squares inverts "
-                    f"`{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
-                )
-    return "Only a square matrix has an inverse: least squares inverts Phi'Phi, not Phi."
 
 
 def beyond_the_end(_: Stop, found: re.Match[str]) -> str | None:
@@ -240,10 +129,17 @@ def reshaped(stop: Stop, found: re.Match[str]) -> str | None:
 def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     """Columns of different lengths side by side."""
     said = "Side by side, all need the same number of rows."
+    if "block(" in stop.line:
+        return (
+            f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
+            "corner is `np.zeros((rows, columns))`."
+        )
     for thing in stop.things.values():
         if thing.lengths and len(set(thing.lengths)) > 1:
             said += f" Here these are {', '.join(map(str, thing.lengths))}."
             break
+    if ":" not in stop.line:
+        return said
     return (
         f"{said} `y[a:b]` has b - a of them. Often here: does a slice drop samples at one end, and "
         f"no zeros and no other cut "

@@ -45,7 +45,7 @@ def as_number(name: str, value: Value) -> float:
     """Read a real number or an array of one element; raise `NoAnswer` for anything else."""
     array = _real_array(name, value, "one number")
     if array.size != 1:
-        more = "" if array.size == 0 else " Which of them is meant, or should they be added up or averaged?"
+        more = "" if array.size == 0 else " Which of them is meant, their number, their sum or their mean?"
         raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.{more}")
     return float(array.reshape(-1)[0])
 
@@ -97,7 +97,8 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
         raise NoAnswer(
             f"`{name}` should be one column of numbers; it is a table of {array.shape[0]} by "
             f"{array.shape[0]}. Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or "
-            "was `*` taken for a matrix and a vector, whose product is `@`? Print the shapes of its parts.",
+            "was `*` or `/` taken for matrices? (Their product is `@`, and a system of equations is solved by "
+            "`np.linalg.solve`.) Print the shapes of its parts.",
             "a table in place of a vector",
         )
     if array.ndim != 1:

@@ -1,11 +1,16 @@
 """Checks of what a figure shows; each `require_` function raises `NoAnswer` with what is missing."""
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from labsid._arrays import FloatArray
 from labsid.checks.compare import as_figure
+from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import AxesValue, CurveValue
@@ -48,8 +53,18 @@ def find_curve(axes: AxesValue, y: ArrayLike, x: ArrayLike | None = None) -> Cur
     return None
 
 
-def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: ArrayLike | None = None) -> CurveValue:
-    """Require a curve of `y` (against `x`) and return it; `where` and `what` name the axes and the signal."""
+def require_curve(
+    axes: AxesValue,
+    where: str,
+    what: str,
+    y: ArrayLike,
+    x: ArrayLike | None = None,
+    others: Mapping[str, ArrayLike] = MappingProxyType({}),
+) -> CurveValue:
+    """Require a curve of `y` (against `x`) and return it.
+
+    `where` and `what` name the axes and the signal; `others` are signals that may have been drawn in its place.
+    """
     curve = find_curve(axes, y, x)
     if curve is not None:
         return curve
@@ -61,7 +76,25 @@ def require_curve(axes: AxesValue, where: str, what: str, y: ArrayLike, x: Array
             "against time: give the time vector as the first argument.",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
-    raise NoAnswer(f"In {where} no curve shows {what}. Plot it against time.", "no curve")
+    for name, other in others.items():
+        if len([curve for curve in axes.curves if find_curve(replace(axes, curves=(curve,)), other)]) > 1:
+            raise NoAnswer(f"In {where} no curve shows {what}, and two show `{name}`.", "one signal drawn twice")
+    raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
+
+
+def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice: str) -> NoAnswer:
+    """What to say where no curve shows a signal: what is drawn in its place, if that can be told, else the advice."""
+    samples = wanted.size
+    if any(1 < curve.x.size <= samples and _agree(curve.x, wanted[: curve.x.size]) for curve in axes.curves):
+        text = f"In {where}, {what} is on the horizontal axis: what is given to `plot` first goes there."
+        return NoAnswer(text, "x and y swapped")
+    if samples > 1 and len(axes.curves) >= samples - 1 and all(curve.y.size < samples for curve in axes.curves):
+        text = f"In {where} there is a curve for each *row* of the table: each column is a curve, over all samples."
+        return NoAnswer(text, "rows drawn")
+    related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
+    related += " Often here: is an offset still in it?" if "constant added" in related else ""
+    near = f"In {where} no curve shows {what}, but one is near to it. {related}"
+    return NoAnswer(near if related else f"In {where} no curve shows {what}. {advice}", "no curve")
 
 
 def require_labels(axes: AxesValue, where: str, units: tuple[str, str]) -> None:

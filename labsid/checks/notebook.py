@@ -128,7 +128,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             # several calls before a verdict: the last need not be the one that is wrong
             asks_for_values = question.gives is not None or question.reference is not None
             tried = "" if verdict.slip is not None or asks_for_values else ask.tried
-            reason = " ".join(filter(None, (verdict.reason, tried)))
+            beside = ask.beside if verdict.slip in (None, PYTHON_ERROR) else ""
+            reason = " ".join(filter(None, (verdict.reason, beside, tried)))
             self._fail(question, reason, cells, mend=verdict.mend, names=ask.names)
         self._passed[question_id] = given_values(question, ask, passed=True)
         self._skipped.pop(question_id, None)

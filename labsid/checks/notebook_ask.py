@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.compare import kind_of
+from labsid.checks.function_reads import reads_beside
 from labsid.checks.python_errors import told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
@@ -19,7 +20,10 @@ _SMALL = 9
 
 
 class NotebookAsk:
-    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for."""
+    """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for.
+
+    Of the last function, `tried` says how it was called with what result, `beside` which data of the notebook it reads.
+    """
 
     origin: None = None
 
@@ -31,6 +35,7 @@ class NotebookAsk:
         self._known = known
         self.names: list[str] = []
         self.tried = ""
+        self.beside = ""
         self._calls = 0
         self.rng = np.random.default_rng([PUBLIC_SEED, *question_id.encode()])
 
@@ -44,7 +49,7 @@ class NotebookAsk:
     def value(self, name: str) -> Value:
         """The variable as plain data."""
         self.names.append(name)
-        self.tried = ""
+        self.tried = self.beside = ""
         if name not in self._variables:
             raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.")
         return plain(self._variables[name])
@@ -57,7 +62,7 @@ class NotebookAsk:
         function = self._variables.get(name)
         if not callable(function):
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
-        self.tried = ""
+        self.tried, self.beside = "", reads_beside(name, function, self._variables)
         try:
             with limit_time(CALL_SECONDS):
                 result = plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))

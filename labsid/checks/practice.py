@@ -45,12 +45,13 @@ class _PracticeAsk:
         reference: Callable[..., Value] | None = None,
         values: Mapping[str, Value] | None = None,
         results: tuple[Value, ...] | None = None,
-        answers: Container[str] = (),
+        answers: Container[str] | None = None,
     ) -> None:
         self.rng = rng
         self._answers = answers
         self.known_values = known
         self.values = values
+        self.instance: Mapping[str, Value] | None = None
         self.read: list[str] = []
         self._record = record
         self._reference = reference
@@ -66,7 +67,9 @@ class _PracticeAsk:
         if self.values is None:
             if self._results is not None:
                 raise NoAnswer(_LATER)
-            if name in self._answers:
+            if name in self.known_values:
+                return self.known_values[name]
+            if self._answers is None or name in self._answers:
                 raise _Asked(name, None)
             raise NoAnswer(f"`{name}` is not asked for.")
         if name in self.values:
@@ -124,13 +127,14 @@ class Exercise:
         self.answers = answers
         self._judged = judged
         self._right = right
-        self._given = tuple(given)
+        self.given = tuple(given)
+        self.has_solution = right is not None
         for name, value in given.items():
             setattr(self, name, value)
 
     def __str__(self) -> str:
         lines = [f"{self._question.id}, with new numbers. Name the exercise: p = check.practice(...). Given:"]
-        lines += [f"  p.{name} {_said(getattr(self, name))}" for name in self._given]
+        lines += [f"  p.{name} {_said(getattr(self, name))}" for name in self.given]
         return "\n".join([*lines, self._text])
 
     __repr__ = __str__
@@ -167,18 +171,31 @@ def exercise_of(assignment: Assignment, question: Question, number: int) -> Exer
     rng = np.random.default_rng([PUBLIC_SEED, number, *question.id.encode()])
     record = None if assignment.practice_record is None else assignment.practice_record(rng)
     known = _known_before(assignment, question, record, rng)
+    if question.gives is None and record is not None and assignment.practice_given is not None:
+        known = {**assignment.practice_given(record), **known}
 
     def ask(**answer: Any) -> _PracticeAsk:
-        return _PracticeAsk(record, deepcopy(known), deepcopy(rng), question.reference, **answer)
+        made = _PracticeAsk(record, deepcopy(known), deepcopy(rng), question.reference, **answer)
+        if question.instance is not None:
+            made.instance = question.instance(made)
+            made.known_values = {**made.known_values, **(made.instance or {})}
+        return made
 
     first = ask(values={})
+    if question.instance is not None and first.instance is None:
+        return None
     right = {} if question.gives is None else dict(question.gives(first))
-    given = {} if assignment.practice_given is None else dict(assignment.practice_given(first.record))
-    given |= first.known_values
-    asked = _first_asked(question, ask(answers=right.keys() - first.known_values.keys()))
-    if asked is not None and asked.arguments is not None:
-        return _call(question, ask, given if assignment.practice_given else {}, asked)
-    return None if asked is None else _values(question, ask, given, right)
+    before = {} if assignment.practice_given is None else dict(assignment.practice_given(first.record))
+    given = {**before, **first.known_values} if first.instance is None else dict(first.instance)
+    answers = None if question.gives is None else right.keys() - first.known_values.keys()
+    asked = _first_asked(question, ask(answers=answers))
+    if asked is None:
+        return None
+    if asked.arguments is not None:
+        return _call(question, ask, {**before, **first.known_values} if before else {}, asked)
+    if answers is None:
+        return _without_solution(question, ask, given, asked.name)
+    return _values(question, ask, given, right)
 
 
 def _first_asked(question: Question, ask: _PracticeAsk) -> _Asked | None:
@@ -227,8 +244,7 @@ def _values(
     solved = ask(values=right)
     question.verdict(solved)
     names = tuple(name for name in dict.fromkeys(solved.read) if name not in solved.known_values)
-    shown = given if question.instance is None else question.instance(solved)
-    if shown is None or not names:
+    if not names:
         return None
 
     def judged(values: Mapping[str, Value]) -> Verdict:
@@ -239,8 +255,21 @@ def _values(
 
     wanted = ", ".join(f"{name}=..." for name in names)
     text = f"Compute {' and '.join(names)} as in the step, then run p.check({wanted})."
-    objects = {name: as_student_object(value) for name, value in shown.items()}
+    objects = {name: as_student_object(value) for name, value in given.items()}
     return Exercise(question, text, objects, names, judged, solution)
+
+
+def _without_solution(
+    question: Question, ask: Callable[..., _PracticeAsk], given: Mapping[str, Value], name: str
+) -> Exercise:
+    """An exercise whose answer has many right forms, such as a figure: its check alone judges it."""
+
+    def judged(values: Mapping[str, Value]) -> Verdict:
+        return question.verdict(ask(values=values))
+
+    text = f"Make {name} of these data as in the step, then run p.check({name}=...)."
+    objects = {key: as_student_object(value) for key, value in given.items()}
+    return Exercise(question, text, objects, (name,), judged, None)
 
 
 def _said(value: Any) -> str:

@@ -1,6 +1,8 @@
 """Records to practise with: the lab's tanks with other dimensions and levels, and a rig with an effect."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from labsid.rig.lab.instruments import noise_reduced
 from labsid.rig.lab.integration import simulate_rig
 from labsid.rig.lab.plan import staircase
 from labsid.rig.lab.tanks import TankParameters, steady_levels, tank_rig
-from labsid.rig.switchable.withheld import withheld_record, withheld_rig
+from labsid.rig.switchable.withheld import WithheldRig, withheld_record, withheld_rig, withheld_validation_data
 
 _TS = 0.75
 _BEFORE = 4
@@ -56,3 +58,26 @@ def offset_free_signals_of(record: Record) -> dict[str, Value]:
     offsets = find_offsets(record.u, record.y)
     u, y = record.u - offsets.u_offset, record.y - offsets.y_offset
     return {"t": record.t, "Ts": record.Ts, "u": u, "y": y, "half": y.size // 2}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UnaidedRig:
+    """A rig to analyse without steps: its `record`, the error of a simulation on another run, and its effect."""
+
+    record: Record
+    _rig: WithheldRig = field(repr=False)
+
+    def error(self, simulate: Callable[[FloatArray], Any]) -> float:
+        """Root-mean-square error (V) of `simulate(u_act)` on a run without noise that is not in the record."""
+        u, y = withheld_validation_data(self._rig)
+        return float(np.sqrt(np.mean((np.ravel(simulate(np.array(u))) - y) ** 2)))
+
+    def solution(self) -> dict[str, Any]:
+        """The effect, its path and its parameters."""
+        return {"effect": self._rig.effect, "path": self._rig.path, "parameters": dict(self._rig.parameters)}
+
+
+def unaided_rig(number: int) -> UnaidedRig:
+    """The rig of a number: each has one effect of the assignment's list."""
+    rig = withheld_rig(f"unaided-{number}", _SHARED)
+    return UnaidedRig(withheld_record(rig), rig)

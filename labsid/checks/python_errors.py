@@ -11,11 +11,7 @@ from dataclasses import dataclass
 from labsid.checks.causes import (
     beyond_the_end,
     called_array,
-    entry_by_entry,
     field_of_a_dictionary,
-    not_square,
-    number_in_a_product,
-    product_without_inverse,
     reshaped,
     rows_by_a_vector,
     several_indices,
@@ -23,12 +19,20 @@ from labsid.checks.causes import (
     truth_of_an_array,
     unequal_columns,
     unequal_lengths,
-    unfit_product,
-    unfit_right_side,
     unknown_key,
     unpacked,
 )
 from labsid.checks.matlab_syntax import cause_of_syntax, cause_of_unknown_name
+from labsid.checks.matrix_causes import (
+    entry_by_entry,
+    flat_matrix,
+    flat_state_space,
+    not_square,
+    number_in_a_product,
+    product_without_inverse,
+    unfit_product,
+    unfit_right_side,
+)
 from labsid.checks.stops import Stop
 
 Cause = Callable[[Stop, re.Match[str]], str | None]
@@ -95,7 +99,7 @@ def _present(stop: Stop) -> list[tuple[str, str]]:
     """The variables of the line with what they are, in the order in which they stand there."""
     names = dict.fromkeys(re.findall(r"(?<![\w.\"'])[A-Za-z_]\w*", stop.line))
     shown = [
-        (name, stop.things[name].said)
+        (name, stop.things[name].said + (" (the notebook's own, no argument)" if name in stop.outside else ""))
         for name in names
         if name in stop.things and stop.things[name].kind not in ("function", "module", "object")
     ]
@@ -124,6 +128,8 @@ TABLE: tuple[Translation, ...] = (
     Translation("ValueError", r"mismatch in its core dimension|not aligned", unfit_product),
     Translation("LinAlgError", "[Ss]ingular matrix", product_without_inverse),
     Translation("LinAlgError", "must be square", not_square),
+    Translation("LinAlgError", "must be at least two-dimensional", flat_matrix),
+    Translation("ControlDimension", r"state-space matrix|dimensions of [ABCD] matrix", flat_state_space),
     Translation("LinAlgError", "Incompatible dimensions", "`lstsq(A, b)`: A and b must have the same number of rows."),
     Translation("IndexError", r"index (\d+) is out of bounds for axis \d+ with size (\d+)", beyond_the_end),
     Translation("IndexError", "too many indices", too_many_indices),
@@ -149,6 +155,12 @@ TABLE: tuple[Translation, ...] = (
         "It is no array: its parts have names. Of what scipy's `least_squares` returns, `.x` is the solution.",
     ),
     Translation("KeyError", "(.*)", unknown_key),
+    Translation(
+        "UnknownColumns",
+        "no columns t,u,y",
+        "The names do not say which columns are inputs and which outputs: "
+        '`load_record(file, inputs="...", outputs="...")`.',
+    ),
     Translation("AttributeError", "module 'numpy' has no attribute 'ln'", "The natural logarithm is `np.log`."),
     Translation(
         "TypeError",
@@ -171,6 +183,12 @@ TABLE: tuple[Translation, ...] = (
         "weights should have the same shape",
         "Each frequency or sample needs one weight. `np.fft.rfft(e)` has len(e) // 2 + 1 values, as many as "
         "`np.fft.rfftfreq(len(e), Ts)`.",
+    ),
+    Translation(
+        "ValueError",
+        "Parameter `?[TU]`?",
+        "What comes second in `ct.forced_response(system, ...)` is the time, not the input. Name the input: "
+        "`ct.forced_response(G, inputs=u)`.",
     ),
     Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
     Translation("ValueError", "must match exactly", unequal_columns),

@@ -165,6 +165,10 @@ class Assignment:
         raise ValueError(f"{self.name} has no question {question_id!r}; it has {ids}.")
 
 
+def nothing_new(ask: Ask) -> None:
+    """The `instance` of a question that has nothing to practise with: the text gives everything, or grading decides."""
+
+
 def returned(ask: Ask, name: str, *arguments: Value) -> Value:
     """The result of a student's function; a function without `return` has its own message."""
     value = ask.call(name, *arguments)

@@ -110,7 +110,7 @@ def _columns(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
             if list(order) != sorted(order):
                 now = ", ".join(str(order.index(j)) for j in range(len(order)))
                 said.append(f"its columns are right, in another order: now {now}, counted from 0 as asked for")
-            wrong = [str(order[i]) for i in np.flatnonzero(signs < 0)]
+            wrong = [f"`[:, {order[i]}]`" for i in np.flatnonzero(signs < 0)]
             if wrong:
                 said.append(f"column {' and column '.join(wrong)} has the wrong sign")
             if said:
@@ -134,9 +134,9 @@ def _partly(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
     scale = np.max(np.abs(b))
     near = np.abs(a - b) <= 1e-6 * scale
     if a.ndim == 2:
-        bad = [str(j) for j in np.flatnonzero(~near.all(axis=0))]
+        bad = [f"`[:, {j}]`" for j in np.flatnonzero(~near.all(axis=0))]
         if len(bad) < a.shape[1]:
-            yield f"Column {' and column '.join(bad)} is wrong (counted from 0), the others are right."
+            yield f"Column {' and column '.join(bad)} is wrong, the others are right."
     rows = near.reshape(len(b), -1).all(axis=1)
     wrong = np.flatnonzero(~rows)
     if 0 < wrong.size <= len(b) / 2:

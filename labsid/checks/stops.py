@@ -38,6 +38,8 @@ class Stop:
         Arguments of the function in which it stopped; empty in a cell.
     near : str
         For a name that is not defined, one that is and is spelt nearly like it.
+    outside : tuple of str
+        Names in the line of a function that are variables of the notebook.
     """
 
     kind: str
@@ -48,6 +50,7 @@ class Stop:
     things: Mapping[str, Thing] = field(default_factory=dict)
     arguments: tuple[str, ...] = ()
     near: str = ""
+    outside: tuple[str, ...] = ()
 
     def shape(self, node: ast.expr) -> tuple[int, ...] | None:
         """Shape of an array that stands in the line."""
@@ -62,6 +65,12 @@ class Stop:
                 yield from ast.walk(tree)
                 return
 
+    def operations(self, *kinds: type[ast.operator]) -> Iterator[ast.BinOp]:
+        """The operations of these kinds among them."""
+        for node in self.expressions():
+            if isinstance(node, ast.BinOp) and isinstance(node.op, kinds):
+                yield node
+
 
 def packed(stop: Stop) -> dict[str, Any]:
     """A stop as plain data for a message between processes, without the values of numbers."""
@@ -74,6 +83,7 @@ def packed(stop: Stop) -> dict[str, Any]:
         "things": things,
         "arguments": list(stop.arguments),
         "near": stop.near,
+        "outside": list(stop.outside),
     }
 
 
@@ -100,8 +110,10 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
             things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None)
     line, part, near = (str(message.get(key, "")) for key in ("line", "part", "near"))
     line = line if is_known(line) else ""
-    names = message.get("arguments")
-    arguments = tuple(str(name) for name in names) if isinstance(names, list) else ()
+    arguments, outside = (
+        tuple(str(name) for name in names) if isinstance(names := message.get(key), list) else ()
+        for key in ("arguments", "outside")
+    )
     return Stop(
         kind,
         text,
@@ -111,6 +123,7 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
         {name: thing for name, thing in things.items() if is_known(name) or name in line},
         arguments if all(map(is_known, arguments)) else (),
         near if is_known(near) else "",
+        outside if all(map(is_known, outside)) else (),
     )
 
 
@@ -148,7 +161,10 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
         own = [name for name in names if not name.startswith("_")]
         alike = [name for name in own if name.lower() == error.name.lower()]
         near = next(iter(alike or difflib.get_close_matches(error.name, own, 1, 0.75)), "")
-    return Stop(kind, text, trace.tb_lineno, line, part, things_in(line, names), arguments, near)
+    things = things_in(line, names)
+    is_function = code.co_name != "<module>"
+    outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)
+    return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside)
 
 
 def _last_frame(trace: TracebackType | None, variables: Mapping[str, Any]) -> tuple[FrameType, TracebackType] | None:

@@ -1,6 +1,7 @@
 """Verdicts of checks, and the known mistakes that an answer may match."""
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from typing import Generic, ParamSpec, TypeVar
@@ -73,6 +74,17 @@ class NoAnswer(Exception):
     def __init__(self, text: str, slip: str | None = None) -> None:
         super().__init__(text)
         self.slip = slip
+
+
+@contextmanager
+def told_if_singular(text: str, slip: str) -> Iterator[None]:
+    """Say `text` where a student's function stops at a matrix without an inverse."""
+    try:
+        yield
+    except NoAnswer as stopped:
+        if "singular matrix" in str(stopped).lower():
+            raise NoAnswer(text, slip) from None
+        raise
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from labsid.checks.notebook import NotebookAsk
 from labsid.checks.python_errors import told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import OutOfTime, limit_time
+from labsid.checks.verdict import PYTHON_ERROR
 
 ASSIGNMENTS = (
     "prelab-sinusoids",
@@ -85,7 +86,9 @@ def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
     question = solved.assignment.question(one.question)
     for_values = question.reference is not None or question.gives is not None
     tried = "" if verdict.slip is not None or verdict.passed or for_values else ask.tried
-    return verdict.passed and not verdict.noted, f"{verdict.reason} {tried}".strip()
+    beside = ask.beside if verdict.slip in (None, PYTHON_ERROR) and not verdict.passed else ""
+    said = " ".join(filter(None, (verdict.reason, beside, tried)))
+    return verdict.passed and not verdict.noted, said
 
 
 def outcome(one: Try) -> tuple[bool, str]:

@@ -169,6 +169,15 @@ TRIES = (
     ),
     Try(
         REC,
+        "P taken for symmetric",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ z, P @ phi) / (1 + phi @ P @ z)\n     "
+            "   theta = theta + P @ z * eps"
+        ),
+        "phi' P belongs",
+    ),
+    Try(
+        REC,
         "phi only",
         recursive(
             "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ phi, phi @ P) / (1 + phi @ P @ "
@@ -192,4 +201,25 @@ TRIES = (
     Try(LIK, "squared", lik("-N / 2 * np.log(2 * np.pi * var_e**2) - E @ E / (2 * var_e**2)"), "squares var_e"),
     Try(LIK, "pi", lik("-N / 2 * np.log(2 * pi * var_e) - E @ E / (2 * var_e)"), r"np\.pi"),
     Try(LIK, "per sample", lik("-0.5 * np.log(2 * np.pi * var_e) - E**2 / (2 * var_e)"), "add them up"),
+    Try(
+        RELS,
+        "begins with n = 0",
+        "def rels(u, y, forgetting, LN):\n    theta, P, e = np.zeros(3), LN * np.eye(3), 0.0\n"
+        "    history = np.zeros((len(y), 3))\n    for n in range(len(y)):\n"
+        "        phi = np.array([-y[n - 1], u[n - 1], e])\n"
+        "        e = y[n] - phi @ theta\n        g = P @ phi\n"
+        "        P = (P - np.outer(g, g) / (forgetting + phi @ g)) / forgetting\n        theta = theta + P @ phi * e\n"
+        "        history[n] = theta\n    return history\n\n\ntheta_rels = rels(u_71, y_71, 1.0, 1e6)\n",
+        "last\\* sample of the record",
+    ),
+    Try(
+        REC,
+        "product of flat arrays",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - P @ z @ phi @ P / (1 + phi @ P @ z)\n     "
+            "   theta = theta + P @ z * eps"
+        ),
+        r"np.outer\(P @ z, phi\)",
+        never=r"made by `\*`",
+    ),
 )

@@ -300,4 +300,50 @@ TRIES = (
     ),
     Try(START, "shifted", start("return rest + y[0] - rest[0]"), "shifted"),
     Try(START, "free response", start("return Phi @ np.linalg.lstsq(Phi, y - rest)[0]"), "alone"),
+    Try(EX, "rows for columns", extract(y='LogData["signals"][0]["values"][1]'), "one row of the table"),
+    Try(TS, "samples over duration", "Ts = len(t) / t[-1]", "samples per second"),
+    Try(TS, "duration over samples", "Ts = t[-1] / len(t)", "one interval fewer", never="per second"),
+    Try(
+        F6,
+        "offsets left in",
+        "fig_6, (a, b) = plt.subplots(2, 1)\na.plot(t, y_act)\nb.plot(t, u_act)",
+        "constant added. Often here: is an offset",
+    ),
+    Try(
+        F6,
+        "twice the output",
+        "fig_6, (a, b) = plt.subplots(2, 1)\na.plot(t, 2 * y)\nb.plot(t, u)",
+        "twice the right",
+        never="offset",
+    ),
+    Try(SS, "flat lists", "G_ss = ct.ss([0, 1, -a2, -a1], [0, 1], [b2, b1], 0, Ts)", "A, here .* is a flat list"),
+    Try(
+        SS,
+        "B as a row",
+        "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[0, 1]], [[b2, b1]], [[0]], Ts)",
+        "B n by 1",
+        never="flat list",
+    ),
+    Try(
+        START,
+        "outputs as the state",
+        "def simulate_from_start(u, y):\n    time = np.arange(len(u)) * Ts\n"
+        "    return ct.forced_response(G_ss, time, u, initial_state=[y[0], y[1]]).outputs\n",
+        "outputs themselves for the state",
+        never="Wrong shape",
+    ),
+    Try(
+        PHI,
+        "one lag twice",
+        f"{PHI_HEAD}Phi = np.column_stack([y[1 : half - 1], y[1 : half - 1], u[1 : half - 1], u[: half - 2]])\n"
+        "Y = y[2:half]",
+        r"Column `\[:, 1\]` is wrong, the others are right",
+    ),
+    Try(
+        THETA,
+        "divided by a matrix",
+        "theta_hat = Phi.T @ Y / (Phi.T @ Phi)",
+        "`/` taken for matrices",
+    ),
+    Try(HALF, "input second", "y_sim_half = ct.forced_response(G, u[half:]).outputs", "second .* is the time"),
 )

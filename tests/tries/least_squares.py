@@ -332,4 +332,61 @@ TRIES = (
         f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:][::-1] / c[-1]"),
         "weight of I|c_n|order|wrong",
     ),
+    Try(
+        KIND,
+        "determinant and corner",
+        "def kind(M):\n    S = (M + M.T) / 2\n    d = np.linalg.det(S)\n    if abs(d) < 1e-9:\n"
+        "        return 'positive semidefinite' if S[0, 0] >= 0 else 'negative semidefinite'\n"
+        "    if d < 0:\n        return 'indefinite'\n"
+        "    return 'positive definite' if S[0, 0] > 0 else 'negative definite'\n",
+        "enough for two by two alone",
+    ),
+    Try(
+        KIND,
+        "semidefinite asked first",
+        "def kind(M):\n    w = np.linalg.eigvalsh((M + M.T) / 2)\n    if np.all(w >= -1e-10):\n"
+        "        return 'positive semidefinite'\n    if np.all(w <= 1e-10):\n        return 'negative semidefinite'\n"
+        "    if np.all(w > 0):\n        return 'positive definite'\n    return 'indefinite'\n",
+        "which of the two does it ask first",
+    ),
+    Try(
+        KIND,
+        "definite only if large",
+        "def kind(M):\n    w = np.linalg.eigvalsh((M + M.T) / 2)\n    if np.all(w > 1):\n"
+        "        return 'positive definite'\n"
+        "    return 'positive semidefinite' if np.all(w >= -1e-9) else 'indefinite'\n",
+        "is wrong for",
+        never="ask first|two by two",
+    ),
+    Try(
+        DER,
+        "3 x^2 on the diagonal",
+        "def gradient_form(A, x):\n    return A @ x + A.T @ x\n\n\n"
+        "def jacobian_cubic(x):\n    return np.diag(3 * x**2)\n",
+        "zero off its diagonal",
+    ),
+    Try(
+        CONF,
+        "1.96 for every level",
+        "def confidence(Phi, Y, level):\n    N, p = Phi.shape\n    theta = np.linalg.lstsq(Phi, Y)[0]\n"
+        "    E = Y - Phi @ theta\n    s = np.sqrt(E @ E / (N - p) * np.diag(np.linalg.inv(Phi.T @ Phi)))\n"
+        "    return theta, theta - 1.96 * s, theta + 1.96 * s\n",
+        "1.96, whatever `level`",
+    ),
+    Try(
+        CON,
+        "number for a corner",
+        "def constrained_fit(Phi, Y, A, b):\n    K = np.block([[Phi.T @ Phi, A.T], [A, 0]])\n"
+        "    return np.linalg.solve(K, np.concatenate([Phi.T @ Y, b]))[: Phi.shape[1]]\n",
+        "block of 1 by 1",
+        never="slice",
+    ),
+    Try(
+        SOL,
+        "solve",
+        "def all_solutions(Phi, Y):\n    theta = np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)\n"
+        "    return theta, np.linalg.svd(Phi)[2][np.linalg.matrix_rank(Phi) :].T\n",
+        "Phi'Phi has no inverse",
+        never="wrong factor",
+    ),
 )

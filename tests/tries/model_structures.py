@@ -265,4 +265,22 @@ TRIES = (
         ),
         "own mean",
     ),
+    Try(
+        EQ,
+        "range ends early",
+        "def equations(u, y, na, nb, d):\n    k0 = max(na, d + nb - 1) if nb else na\n"
+        "    rows = [[-y[k - i] for i in range(1, na)] + [u[k - d - i] for i in range(nb)]"
+        " for k in range(k0, len(y))]\n"
+        "    return np.array(rows), y[k0:]\n",
+        "one too few",
+    ),
+    Try(
+        EXC,
+        "one for nothing",
+        "def excitation(u, largest):\n    for n in range(largest, 0, -1):\n"
+        "        M = np.column_stack([u[n - 1 - i : len(u) - i] for i in range(n)])\n"
+        "        if np.linalg.matrix_rank(M) == n:\n            return n\n    return 1\n",
+        "zero throughout",
+        never="rounding",
+    ),
 )

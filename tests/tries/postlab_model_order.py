@@ -108,4 +108,28 @@ TRIES = (
         "fig_8, ax = plt.subplots()\nax.plot(y)\nax.plot(y_sim_1)\nax.plot(y_sim_2)",
         "sample number",
     ),
+    Try(
+        "postlab-1-theta",
+        "arguments of solve swapped",
+        "theta_1 = np.linalg.solve(Phi_1.T @ Y_1, Phi_1.T @ Phi_1)",
+        "the two are swapped",
+    ),
+    Try("postlab-1-theta", "inverse of a vector", "theta_1 = np.linalg.inv(Phi_1.T @ Y_1)", "is flat", never="swapped"),
+    Try(
+        "postlab-2-fit-order",
+        "half of the notebook",
+        "def fit_order(u, y, n):\n"
+        "    Phi = np.column_stack([x[n - i : half - i] for x in (y, u) for i in range(1, n + 1)])\n"
+        "    return np.linalg.lstsq(Phi, y[n:half])[0]\n",
+        r"`half` is 451 \(the notebook's own",
+    ),
+    Try(
+        "postlab-2-fit-order",
+        "unequal rows of its own",
+        "def fit_order(u, y, n):\n    N = len(y)\n"
+        "    Phi = np.column_stack([x[n - i : N - i] for x in (y, u) for i in range(1, n + 1)])\n"
+        "    return np.linalg.lstsq(Phi, y)[0]\n",
+        "same number of rows",
+        never="notebook's own",
+    ),
 )

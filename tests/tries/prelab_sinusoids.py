@@ -60,7 +60,12 @@ TRIES = (
     Try(F, "subtract n", cut("r = data[n:].copy(); r[:, 0] = r[:, 0] - n; return r"), "subtracts n"),
     Try(F, "time untouched", cut("return data[n:]"), "time unchanged"),
     Try(F, "no return", cut("data = data[n:]"), "returns nothing"),
-    Try(F, "names from above", cut("return data_new"), "in place of `data`"),
+    Try(
+        F,
+        "names from above",
+        cut("return data_new"),
+        "never reads its arguments `data` and `n`, but `data_new` of the notebook",
+    ),
     Try(
         F, "subtract first of all", cut("r = data[n:].copy(); r[:, 0] -= data[0, 0]; return r"), "first time of `data`"
     ),
@@ -94,4 +99,38 @@ TRIES = (
     Try(B, "against uncut time", "ax_b.plot(t[200:], y1_new)\nax_b.step(t[200:], y2_new)", "old time"),
     Try(B, "unequal lengths", "ax_b.plot(t, y1_new)", "same length|same first dimension"),
     Try(B, "in (a)", "ax_a.plot(t_new, y1_new)\nax_a.step(t_new, y2_new)", "no curve in Fig. 1\\(b\\)"),
+    Try(
+        "prelab-6-cut-off",
+        "x and y swapped",
+        "ax_b.plot(y1_new, t_new, 'r')\nax_b.step(y2_new, t_new, where='post', color=(0.6, 0.7, 0.8))",
+        "horizontal axis",
+    ),
+    Try(
+        "prelab-6-cut-off",
+        "absolute values",
+        "ax_b.plot(t_new, abs(y1_new), 'r')\nax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
+        "one is near to it. It is the absolute value",
+        never="horizontal axis|offset",
+    ),
+    Try(
+        "prelab-6-cut-off",
+        "one signal twice",
+        "ax_b.plot(t_new, y2_new, 'r')\nax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
+        "no curve shows `y1_new`, and two show `y2_new`",
+    ),
+    Try(
+        "prelab-6-cut-off",
+        "one signal alone",
+        "ax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
+        "no curve shows `y1_new`",
+        never="two show",
+    ),
+    Try(
+        N,
+        "noise in the angle",
+        "y1 = np.sin(2 * np.pi * t / 100 + rng.uniform(-0.2, 0.2, t.shape))\n"
+        "y2 = np.cos(2 * np.pi * t / 100 + rng.uniform(-0.2, 0.2, t.shape))",
+        "inside the brackets",
+        never="Gaussian",
+    ),
 )

@@ -192,4 +192,47 @@ TRIES = (
         "sound form",
     ),
     Try(CAR, "one result", f("rls_careless(Phi, Y, lam, LN)", "return rls(Phi, Y, lam, LN)"), "history of theta and"),
+    Try(
+        STEP,
+        "entry by entry in the error",
+        "def rls_step(theta, P, phi, y):\n    e = y - phi.T * theta\n"
+        "    P = P - np.outer(P @ phi, P @ phi) / (1 + phi @ P @ phi)\n    return theta + P @ phi * e, P\n",
+        "is a vector",
+    ),
+    Try(
+        ONL,
+        "entry by entry in the error",
+        "def arx_step(theta, P, past, u, y, lam):\n    e = y - past * theta\n    g = P @ past\n"
+        "    P = (P - np.outer(g, g) / (lam + past @ g)) / lam\n"
+        "    return theta + P @ past * e, P, np.array([-y, past[0], u])\n",
+        "is a vector",
+    ),
+    Try(
+        ONL,
+        "1 in the denominator",
+        "def arx_step(theta, P, past, u, y, lam):\n    g = P @ past\n    e = y - past @ theta\n"
+        "    P = (P - np.outer(g, g) / (1 + past @ g)) / lam\n"
+        "    return theta + P @ past * e, P, np.array([-y, past[0], u])\n",
+        "the 1 becomes lambda",
+    ),
+    Try(
+        WIN,
+        "scaled before use",
+        "def rls_bounded(Phi, Y, lam, LN, bound):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    H, T = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n        phi = Phi[k]\n"
+        "        g = P @ phi\n        P = (P - np.outer(g, g) / (lam + phi @ g)) / lam\n"
+        "        P = P * min(1, bound / np.trace(P))\n        theta = theta + P @ phi * (Y[k] - phi @ theta)\n"
+        "        H[k], T[k] = theta, np.trace(P)\n    return H, T\n",
+        "scales P down",
+    ),
+    Try(
+        FOR,
+        "P in the loop",
+        "def rls(Phi, Y, lam, LN):\n    theta, H = np.zeros(Phi.shape[1]), np.zeros(Phi.shape)\n"
+        "    for k, phi in enumerate(Phi):\n        P = LN * np.eye(phi.size)\n        g = P @ phi\n"
+        "        P = (P - np.outer(g, g) / (lam + phi @ g)) / lam\n"
+        "        theta = theta + P @ phi * (Y[k] - phi @ theta)\n        H[k] = theta\n    return H\n\n\n"
+        "theta_1 = rls(Phi_61, Y_61, 1.0, 1e6)\ntheta_099 = rls(Phi_61, Y_61, 0.99, 1e6)\n",
+        "once, before the loop",
+    ),
 )

@@ -200,4 +200,14 @@ TRIES = (
         loop(PHI_Y.replace("u[1:-1]", "u[2:]") + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])"),
         "u\\(k-1\\)",
     ),
+    Try(
+        "sev-6-reference",
+        "a row too early",
+        "def fit_with_reference(u, y, r):\n    Phi = np.column_stack([y[:-1], u[:-1]])\n"
+        "    Z = np.column_stack([r[:-1], np.r_[0, r[:-2]]])\n    return np.linalg.solve(Z.T @ Phi, Z.T @ y[1:])\n",
+        "begin with k = 2",
+    ),
+    Try(
+        "sev-1-read", "no names", "record = load_record('TwoHeaters.csv')", "which columns are inputs and which outputs"
+    ),
 )

@@ -162,7 +162,7 @@ TRIES = (
         SIM,
         "interp of record (replay y)",
         "def simulate_better(u_act):\n    return y_act.copy()\n",
-        "record itself|same whatever",
+        "record itself|replay the record",
     ),
     Try(
         SIM,
@@ -270,4 +270,12 @@ TRIES = (
     ),
     Try(CLOSED, "no max", closed(body="1 - np.sqrt(mse_after - sigma**2) / np.sqrt(mse_before - sigma**2)"), "max"),
     Try(CLOSED, "no root", closed(body="1 - max(mse_after - sigma**2, 0) / (mse_before - sigma**2)"), "take the root"),
+    Try(SIM, "record cut", "def simulate_better(u_act):\n    return y_act[: len(u_act)]\n", "replay the record"),
+    Try(
+        SIM,
+        "volts clipped as deviations",
+        "def simulate_better(u):\n    return free_run(theta_hat, np.clip(u, -0.3, 0.3))\n",
+        "take `u_offset` off inside",
+        never="whatever it is handed",
+    ),
 )

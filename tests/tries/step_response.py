@@ -118,7 +118,12 @@ TRIES = (
     Try(FUN, "factor", reader(tau="t_63 - t_28"), "two thirds"),
     Try(FUN, "no return", reader().replace("return", "result ="), "returns nothing"),
     Try(FUN, "two results", reader().replace(", max(t_63 - tau, 0)", ""), "3 elements"),
-    Try(FUN, "y_step inside", reader().replace("np.mean(y[-20:])", "y_step[-1]"), "K is"),
+    Try(
+        FUN,
+        "y_step inside",
+        reader().replace("np.mean(y[-20:])", "y_step[-1]"),
+        "`read_step` reads `y_step` of the notebook",
+    ),
     Try(CUT, "y0 at step only", cut("y_act[first]"), "one sample, number"),
     Try(CUT, "one before", cut("y_act[first - 1]"), "one sample, number"),
     Try(CUT, "level left in", cut("0"), "still includes the level"),
@@ -200,4 +205,14 @@ TRIES = (
     Try(UNI, "counted", fun("is_unique", "Phi", "return len(Phi) >= Phi.shape[1]"), "compares only the numbers"),
     Try(UNI, "rank itself", fun("is_unique", "Phi", "return np.linalg.matrix_rank(Phi)"), "True or False"),
     Try(UNI, "det of Phi", fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"), "square"),
+    Try(FUN, "t_step for t", reader().replace(" t[", " t_step["), "never reads its argument `t`, but `t_step`"),
+    Try(FUN, "half of tau", reader(tau="0.75 * (t_63 - t_28)"), "too (early|late)", never="never reads"),
+    Try(
+        FUN,
+        "np.interp",
+        "def read_step(t, y, amplitude):\n    d = y[-1] - y[0]\n    t_28 = np.interp(0.283 * d + y[0], y, t)\n"
+        "    t_63 = np.interp(0.632 * d + y[0], y, t)\n    tau = 1.5 * (t_63 - t_28)\n"
+        "    return d / amplitude, tau, t_63 - tau\n",
+        "np.interp` needs values that rise",
+    ),
 )

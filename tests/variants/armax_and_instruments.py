@@ -461,7 +461,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     right(FIGURE, "one call, names with numbers", figure(legend="ax.legend(['a (-0.9)', 'b (1.0)', 'c (0.3)'])")),
     wrong(FIGURE, "c missing", figure("ax.plot(theta_rels[:, :2])", "ax.legend(['a', 'b'])"), "no curve", "shows c"),
-    wrong(FIGURE, "rows", figure("ax.plot(theta_rels.T)"), "rows drawn", "columns"),
+    wrong(FIGURE, "rows", figure("ax.plot(theta_rels.T)"), "rows drawn", "each column is a curve"),
     wrong(FIGURE, "no legend", figure(legend=""), "no legend", "legend"),
     wrong(FIGURE, "no label", figure(rest="pass\n"), "axis without a label", "xlabel"),
     wrong(FIGURE, "names swapped", figure(legend="ax.legend(['b', 'a', 'c'])"), "legend entries swapped", "swapped"),

@@ -182,7 +182,11 @@ VARIANTS: list[Right | Wrong] = [
         "outputs y.k.",
     ),
     wrong(
-        EQUATIONS, "Y first", equations(result="y[k0:].reshape(-1, 1), np.column_stack(c1 + c2)"), None, "should have"
+        EQUATIONS,
+        "Y first",
+        equations(result="y[k0:].reshape(-1, 1), np.column_stack(c1 + c2)"),
+        "Phi and Y swapped",
+        "before",
     ),
     wrong(
         EQUATIONS,
@@ -417,12 +421,12 @@ VARIANTS: list[Right | Wrong] = [
         "    ax.scatter(t_8, y_1[:100], label='measured')\n    ax.plot(t_8, signal[:100], label=name)\n"
         "    ax.set_ylabel('y(t)')\n    ax.legend()\nax.set_xlabel('t')\n",
     ),
-    wrong(FIGURE, "no simulation", figure(simulation=""), "curve missing", "the simulation"),
+    wrong(FIGURE, "no simulation", figure(simulation=""), "no curve", "the simulation"),
     wrong(
         FIGURE,
         "prediction drawn twice",
         figure(simulation="ax.plot(t_8, y_hat[:100], label='Simulation')"),
-        "curve missing",
+        "no curve",
         "the simulation",
     ),
     wrong(

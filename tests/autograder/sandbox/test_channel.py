@@ -342,3 +342,17 @@ def test_a_message_over_the_limit_is_not_sent(
     theirs.close()
     with pytest.raises(ChannelError, match="closed"):
         receive(mine)
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+def test_no_field_of_a_record_is_lost(drawn: bool) -> None:
+    curve = CurveValue(np.arange(3.0), np.ones(3), (0.1, 0.2, 0.3), drawn, "y", "post" if drawn else "", drawn)
+    axes = AxesValue("a", "b", "c", (0.0, 1.0), (2.0, 3.0), drawn, ("d",), ("e",), (curve,))
+    for one in (curve, axes, FigureValue((axes,))):
+        assert encode(decode(encode(one))) == encode(one)
+
+
+def test_an_unknown_field_is_refused() -> None:
+    encoded = encode(CurveValue(np.arange(3.0), np.ones(3), (0.1, 0.2, 0.3), False, "y"))
+    with pytest.raises(ChannelError):
+        decode(encoded | {"colour": "red"})

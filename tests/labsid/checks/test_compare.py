@@ -90,8 +90,8 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
         ("3", "`a` should be one number; it is text."),
         (
             [1, 2],
-            "`a` should be one number; it is an array of shape (2,). Which of them is meant, or should they be "
-            "added up or averaged?",
+            "`a` should be one number; it is an array of shape (2,). Which of them is meant, their number, "
+            "their sum or their mean?",
         ),
         ([], "`a` should be one number; it is an array of shape (0,)."),
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
@@ -148,8 +148,8 @@ def test_a_column_of_one_is_a_vector() -> None:
         (
             np.zeros((3, 3)),
             "`y` should be one column of numbers; it is a table of 3 by 3. Often here: did a column (N, 1) meet a flat "
-            "array (N,) in one sum or difference, or was `*` taken for a matrix and a vector, whose product is `@`? "
-            "Print the shapes of its parts.",
+            "array (N,) in one sum or difference, or was `*` or `/` taken for matrices? (Their product is `@`, and a "
+            "system of equations is solved by `np.linalg.solve`.) Print the shapes of its parts.",
             "a table in place of a vector",
         ),
         (np.zeros((1, 1, 3)), "`y` should be one column of numbers; it is an array of shape (1, 1, 3).", None),

@@ -371,3 +371,20 @@ def test_a_curve_of_unequal_length_is_not_found() -> None:
     curve = CurveValue(np.zeros(3), np.zeros(20), (0, 0, 0), False, "")
     axes = AxesValue("", "", "", (0, 1), (0, 1), False, (), (), (curve,))
     assert find_curve(axes, np.zeros(20), T) is None
+
+
+@pytest.mark.parametrize(
+    ("draw", "said", "slip"),
+    [
+        (lambda ax: ax.plot(Y, T), "`y` is on the horizontal axis", "x and y swapped"),
+        (lambda ax: ax.plot(np.column_stack([Y, U]).T), "a curve for each *row*", "rows drawn"),
+        (lambda ax: ax.plot(T, Y + 2), "Often here: is an offset still in it?", "no curve"),
+        (lambda ax: ax.plot(T, 2 * Y), "twice the right value.", "no curve"),
+        (lambda ax: ax.plot(T, U), "Plot it against time.", "no curve"),
+        (lambda ax: (ax.plot(T, U), ax.step(T, U)), "and two show `u`.", "one signal drawn twice"),
+    ],
+)
+def test_what_is_drawn_in_place_of_a_signal_is_said(draw: Callable[[Axes], object], said: str, slip: str) -> None:
+    refused = refusal(require_curve, seen(draw), "the panel", "`y`", Y, T, {"y": Y, "u": U})
+    assert said in str(refused)
+    assert refused.slip == slip

@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator
 
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+import pytest
+
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge, told_if_singular
 
 
 def test_the_first_failure_is_the_verdict_and_nothing_after_it_is_run() -> None:
@@ -52,3 +54,9 @@ def test_a_mistake_within_the_tolerance_is_told_from_the_right_value_by_a_closer
     assert verdict(2.05).slip == "root mean square"
     assert verdict(2.04).passed
     assert verdict(3.1) == Verdict(False, "wrong")
+
+
+def test_a_singular_matrix_is_told_what_it_means_in_its_question_and_nothing_else_is() -> None:
+    for stopped, told in (("LinAlgError: Singular matrix", "no inverse here"), ("ValueError: shapes", "shapes")):
+        with pytest.raises(NoAnswer, match=told), told_if_singular("no inverse here", "inverse"):
+            raise NoAnswer(stopped)

@@ -7,8 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import ipywidgets
+import nbformat
 import pytest
 from course_work import ROOT
+from nbconvert import HTMLExporter
 
 from labsid.hand_in.kernel import NotebookKernel
 from labsid.predictions.display import has_widget, prediction_data
@@ -78,6 +80,37 @@ def test_a_notebook_gets_every_form_at_once(prediction_id: str, sources: Callabl
     data = prediction_data(prediction_id, sources(None))
     assert has_widget(data)
     assert set(data) == {"text/plain", "text/html", "application/vnd.jupyter.widget-view+json"}
+
+
+@pytest.mark.parametrize("prediction_id", PREDICTIONS)
+def test_each_slider_moves_its_figure_and_the_verdict_comes_where_it_is_asked(
+    prediction_id: str, sources: Callable[[str | None], Sources]
+) -> None:
+    prediction = find_prediction(prediction_id)
+    moved = prediction_widget(prediction, prediction.prepare(sources(None)))
+    _, choice, commit = moved.children
+    choice.value = len(prediction.options) - 1
+    commit.click()
+    slider, figure = moved.children[3:5]
+    seen = set()
+    others = [position for position in range(len(prediction.positions)) if position != prediction.asked]
+    for position in (*others, prediction.asked):
+        assert len(moved.children) == 5
+        slider.value = position
+        seen.add(figure.value)
+    assert len(seen) == len(prediction.positions)
+    assert "Your prediction " in moved.children[5].value
+
+
+@pytest.mark.parametrize("prediction_id", PREDICTIONS)
+def test_a_saved_notebook_without_the_state_of_its_widgets_shows_the_still_picture(
+    prediction_id: str, sources: Callable[[str | None], Sources]
+) -> None:
+    output = nbformat.v4.new_output("display_data", data=prediction_data(prediction_id, sources(None)))
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("", outputs=[output])])
+    page, _ = HTMLExporter().from_notebook_node(notebook)
+    assert "Choose one first, then open this." in page
+    assert "widget-view" not in page
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from labsid.checks.assignments.armax_and_instruments.extended_least_squares import (
     check_figure_14,
     check_rels,
+    new_history,
     right_history,
 )
 from labsid.checks.assignments.armax_and_instruments.instruments import check_iterated, check_recursive
@@ -23,7 +24,7 @@ ASSIGNMENT = Assignment(
         Question("ai-4-covariance", check_covariance),
         Question("ai-5-armax", check_armax),
         Question(_RELS, check_rels, right_history, follows_from=FollowsFrom.TEXT),
-        Question("ai-6-figure-14", check_figure_14, uses=(_RELS,), follows_from=FollowsFrom.TEXT),
+        Question("ai-6-figure-14", check_figure_14, uses=(_RELS,), follows_from=FollowsFrom.TEXT, instance=new_history),
         Question("ai-7-iterated", check_iterated),
         Question("ai-8-recursive", check_recursive),
         Question("ai-9-likelihood", check_likelihood),

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_figure, as_history, close
-from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
+from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import ARMAX, ARX, trial_record
 from labsid.checks.values import Value
@@ -148,6 +148,11 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
                 lambda: _errors_after_the_update(u, y, forgetting, LN),
             ),
             Slip(
+                "index wraps around",
+                f"`{call}` begins with n = 0, where `y[n - 1]` is the *last* sample of the record: begin with n = 1.",
+                lambda: _faulty(np.append(u[-1], u), np.append(y[-1], y), forgetting, LN, "")[1:],
+            ),
+            Slip(
                 "noise term left out",
                 f"`{call}` never fills the third place of the regressor with epsilon(n-1).",
                 lambda: np.column_stack([without, np.zeros(y.size)]),
@@ -182,6 +187,12 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
     )
 
 
+def new_history(ask: Ask) -> dict[str, Value]:
+    """A history to practise with, of a record of its own."""
+    u, y = trial_record(ask.rng, 300, float(ask.rng.uniform(0.2, 0.6)))
+    return {"theta_rels": _history(u, y, 1.0, 1e3)}
+
+
 def check_figure_14(ask: Ask) -> Verdict:
     """Fig. 14: the three parameters over the samples."""
     axes = as_figure("fig_14", ask.value("fig_14"), axes=1).axes[0]
@@ -190,15 +201,9 @@ def check_figure_14(ask: Ask) -> Verdict:
         raise NoAnswer("`fig_14` is empty: draw in its axes, with `plot`.", "empty axes")
     found = [find_curve(axes, column) for column in history.T]
     missing = [name for name, curve in zip("abc", found, strict=True) if curve is None]
-    if len(missing) == 3 and any(find_curve(axes, row) for row in history[-5:]):
-        raise NoAnswer(
-            "In Fig. 14 rows are drawn: each of the three columns is a curve over all samples.", "rows drawn"
-        )
     if missing:
-        raise NoAnswer(
-            f"In Fig. 14 no curve shows {' and '.join(missing)}: draw the columns of `theta_rels` over all samples.",
-            "no curve",
-        )
+        what = f"{' or '.join(missing)}, of the columns of `theta_rels`"
+        raise no_curve(axes, "Fig. 14", what, history[:, "abc".index(missing[0])], "Draw them over all samples.")
     require_label(axes, "Fig. 14", "x", "")
     require_legend(axes, "Fig. 14", 3)
     names = [_letter(legend_text(axes, curve)) for curve in found if curve is not None]

@@ -201,6 +201,10 @@ _HINTS = {
     "z for phi in the error": ("predicts with z.", "The error is y - phi'theta, with the measured past."),
     "transposed": _EXCHANGED,
     "transposed above only": _EXCHANGED,
+    "P taken for symmetric": (
+        "has P phi in the update where phi' P belongs. P is not symmetric here, so these differ.",
+        "It is `phi @ P`, or `P.T @ phi`.",
+    ),
     "gain from the P before": ("takes the gain from the P before its update.", "P(n) first, then K(n) = P(n) z(n)."),
     "sign of the update": ("takes K epsilon off theta.", "Add it."),
 }
@@ -218,7 +222,8 @@ def _loop(u: FloatArray, y: FloatArray, warm_up: int, slip: str) -> FloatArray:
         error = y[n] - (z if slip == "z for phi in the error" else phi) @ theta
         before = P
         below = phi @ P @ z if slip == "transposed above only" else right @ P @ left
-        P = P - np.outer(P @ left, right @ P) / (1 + below)
+        after = P @ right if slip == "P taken for symmetric" else right @ P
+        P = P - np.outer(P @ left, after) / (1 + below)
         K = (before if slip == "gain from the P before" else P) @ (phi if slip == "phi for z in the gain" else z)
         theta = theta - K * error if slip == "sign of the update" else theta + K * error
         history[n] = theta

@@ -15,6 +15,7 @@ from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.offset import first_period_length
 
 EXACT = close(1e-9, 1e-9)
+_FEWEST_SAMPLES = 5
 
 
 def right_signals(ask: Ask) -> dict[str, Value]:
@@ -74,7 +75,14 @@ def _extracted(name: str, value: Value) -> FloatArray:
         )
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 2:
         raise NoAnswer(f"`{name}` contains both columns: take one, `[:, 0]` or `[:, 1]`.", "both columns taken")
-    return as_vector(name, value)
+    got = as_vector(name, value)
+    if got.size < _FEWEST_SAMPLES:
+        raise NoAnswer(
+            f"`{name}` has {got.size} entries: that is one row of the table, a single sample. A column has all rows, "
+            "`[:, 0]`.",
+            "a row taken",
+        )
+    return got
 
 
 def right_sampling_time(ask: Ask) -> dict[str, Value]:
@@ -93,6 +101,12 @@ def check_sampling_time(ask: Ask) -> Verdict:
             "frequency in place of time",
             "`Ts` is the sampling frequency, in samples per second. It should be the time between two samples.",
             lambda: 1 / ask.record.Ts,
+        ),
+        Slip(
+            "frequency in place of time",
+            "`Ts` is the number of samples over their duration, in samples per second. It should be the time between "
+            "two samples.",
+            lambda: float(t.size / (t[-1] - t[0])),
         ),
         Slip("length of the record", "`Ts` is the duration of the record.", lambda: float(t[-1] - t[0])),
         Slip("number of samples", "`Ts` is the number of samples.", lambda: float(t.size)),

@@ -19,7 +19,7 @@ from labsid.checks.compare import as_number
 from labsid.checks.figures import find_curve
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import PYTHON_ERROR, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import ArxModel
 from labsid.lab.simulation import free_response, predict_one_step, simulate
 from labsid.lab.verification import mse
@@ -150,7 +150,7 @@ def check_initial_state(ask: Ask) -> Verdict:
     It may be written for flat arrays or for columns, whichever the student's signals are.
     """
     is_column = np.ndim(ask.known("y")) == 2  # type: ignore[arg-type]
-    verdicts = []
+    verdicts: list[Verdict] = []
     for shape in ((-1, 1), (-1,)) if is_column else ((-1,), (-1, 1)):
         try:
             verdicts.append(_check_shape(ask, shape))
@@ -158,7 +158,8 @@ def check_initial_state(ask: Ask) -> Verdict:
             verdicts.append(Verdict(False, str(nothing), nothing.slip))
         if verdicts[-1].passed:
             return verdicts[-1]
-    return next((verdict for verdict in verdicts if verdict.slip is not None), verdicts[0])
+    named = (verdict for verdict in verdicts if verdict.slip not in (None, PYTHON_ERROR))
+    return next(named, verdicts[0])
 
 
 @first_failure
@@ -238,12 +239,30 @@ def _judge_start(got: FloatArray, u: FloatArray, y: FloatArray, y_true: FloatArr
             "remainder.",
             lambda: rest + _projection(model, y, min(50, y.size)),
         ),
+        *(
+            Slip(
+                "outputs for the state",
+                "It takes measured outputs themselves for the state. By eq. (2) the output is C x: estimate the x(0) "
+                "whose response fits `y`, by least squares.",
+                partial(_from_state, model, u, state),
+            )
+            for state in (y[:2], y[1::-1], np.array([y[0], 0.0]), np.array([0.0, y[0]]), np.array([y[0], y[0]]))
+        ),
     ]
     otherwise = (
         "It does not start at the measured output. For noise-free data from the model itself, it should reproduce "
         "the measured output."
     )
     return judge(got, y_true, _near, "", otherwise, slips)
+
+
+def _from_state(model: ArxModel, u: FloatArray, state: FloatArray) -> FloatArray:
+    """Output of eq. (2) from a state."""
+    x, y = np.array(state, float), np.zeros(u.size)
+    for k in range(u.size):
+        y[k] = model.b[::-1] @ x
+        x = np.append(x[1:], u[k] - model.a[:0:-1] @ x)
+    return y
 
 
 def _near(a: FloatArray, b: FloatArray) -> bool:

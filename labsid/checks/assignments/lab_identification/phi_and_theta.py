@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_array, as_matrix, as_vector, close
 from labsid.checks.question import Ask
+from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import fit_arx
@@ -59,7 +60,21 @@ def judge_equations(ask: Ask, names: tuple[str, str], data: LabData, order: int)
         f"`{names[0]}` and `{names[1]}` are not the equations of the first half. Take one row, k = 10 say: it should "
         f"be {row}, with y[k] in `{names[1]}`. It is row 10 minus your first k. Compare it with yours."
     )
-    return Verdict(False, otherwise)
+    return Verdict(False, _wrong_columns(got, names[0], data, order) or otherwise)
+
+
+def _wrong_columns(got: Equations, name: str, data: LabData, order: int) -> str:
+    """Which columns of Phi are wrong, where the others and Y are those of the first half; empty otherwise."""
+    for stop in _ends_of_first_half(data.y.size):
+        start = stop - got[1].size
+        if start < order:
+            continue
+        right = build_phi(data.u, data.y, order, start, stop)
+        related = relation(got[0], right.Phi, close(SAME, SAME))
+        if np.allclose(got[1], right.Y, rtol=SAME, atol=SAME) and related.startswith("Column"):
+            asked = ", ".join([f"y[k-{i}]" for i in range(1, order + 1)] + [f"u[k-{i}]" for i in range(1, order + 1)])
+            return f"The rows of `{name}` for y[k] should be [{asked}]. {related}"
+    return ""
 
 
 def right_equations(names: tuple[str, str], data: LabData, order: int) -> dict[str, Value]:

@@ -58,7 +58,7 @@ def _require_curve(axes: AxesValue, panel: Panel, signal: str) -> CurveValue:
         curve = find_curve(axes, y, t)
         if curve is not None:
             return curve
-    return require_curve(axes, panel.where, f"`{signal}`", y, panel.t[0])
+    return require_curve(axes, panel.where, f"`{signal}`", y, panel.t[0], panel.signals)
 
 
 def _shows(axes: AxesValue, panel: Panel) -> bool:

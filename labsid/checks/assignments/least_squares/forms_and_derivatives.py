@@ -1,6 +1,7 @@
 """Checks of definiteness, the matrix of Example 2-3, and derivatives with respect to a vector."""
 
 from collections.abc import Callable, Iterator
+from operator import ge, gt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +43,13 @@ def check_kind(ask: Ask) -> Verdict:
             "`kind` misses a semidefinite matrix: by rounding, a zero eigenvalue is computed as about 1e-16, of "
             "either sign. Compare with a small tolerance, not with 0.",
             "zero compared exactly",
+        )
+    if all(answers[i] == truth[i].replace(" ", " semi") for i in wrong):
+        return Verdict(
+            False,
+            f"`kind` calls {len(wrong)} matrices semidefinite that are definite. All eigenvalues > 0 are also >= 0: "
+            "which of the two does it ask first?",
+            "semidefinite asked first",
         )
     M = trials[wrong[0]][0]
     is_symmetric = "a symmetric" if np.array_equal(M, M.T) else "an unsymmetric"
@@ -136,6 +144,18 @@ def _exact(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], st
     return answer
 
 
+def _of_determinant_and_corner(tolerance: float, corner: Callable[[float, float], bool]) -> Callable[[FloatArray], str]:
+    """The rule for two by two, by the determinant and the first entry, for every size."""
+
+    def answer(M: FloatArray) -> str:
+        determinant, sign = np.linalg.det((M + M.T) / 2), "positive" if corner(float(M[0, 0]), 0.0) else "negative"
+        if abs(determinant) <= tolerance:
+            return f"{sign} semidefinite"
+        return f"{sign} definite" if determinant > 0 else "indefinite"
+
+    return answer
+
+
 _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
     (
         "eigenvalues of M itself",
@@ -176,6 +196,16 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         "determinant only",
         "uses the determinant, the product of all eigenvalues: two negative ones make it positive.",
         _of_determinant,
+    ),
+    *(
+        (
+            "determinant only",
+            "uses the determinant and the first entry. That is enough for two by two alone: of three eigenvalues, "
+            "two negative ones make the determinant positive. Use the signs of the eigenvalues.",
+            _of_determinant_and_corner(tolerance, corner),
+        )
+        for tolerance in (0.0, 1e-6)
+        for corner in (gt, ge)
     ),
 )
 
@@ -335,6 +365,12 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
                 "3 x'x as for a number",
                 "`jacobian_cubic` differentiates as if x were a number, 3x^2. For a vector, x'x I and x x' differ.",
                 lambda: 3 * outer,
+            ),
+            Slip(
+                "3 x'x as for a number",
+                "`jacobian_cubic` is zero off its diagonal, as if entry i were x_i^3. It is (x'x) x_i, and "
+                "every entry of x is in x'x.",
+                lambda: np.diag(3 * x**2),
             ),
             Slip(
                 "phi'phi for phi phi'",

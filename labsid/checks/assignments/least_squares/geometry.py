@@ -9,7 +9,7 @@ from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge, told_if_singular
 from labsid.least_squares.linear_algebra import pseudo_inverse, singular_values
 from labsid.least_squares.projection import projection_matrix, solution_set
 
@@ -91,6 +91,12 @@ def _too_small(got: FloatArray, Phi: FloatArray) -> Verdict:
     )
 
 
+_SINGULAR = (
+    "`all_solutions` inverts Phi'Phi, or solves with it. The columns of Phi are dependent in this step, so that "
+    "Phi'Phi has no inverse: use `np.linalg.pinv(Phi) @ Y`, or the singular values."
+)
+
+
 @first_failure
 def check_all_solutions(ask: Ask) -> Iterator[Verdict]:
     """`all_solutions(Phi, Y)`: the shortest theta and a basis of the null space of Phi."""
@@ -99,7 +105,9 @@ def check_all_solutions(ask: Ask) -> Iterator[Verdict]:
         while singular_values(Phi).rank < rank:
             # small integers: dependent columns without rounding
             Phi = ask.rng.integers(-3, 4, (n, rank)) @ ask.rng.integers(-2, 3, (rank, p)).astype(float)
-        yield _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
+        with told_if_singular(_SINGULAR, "inverse of a singular matrix"):
+            verdict = _solutions(ask, Phi, ask.rng.uniform(-5, 5, n))
+        yield verdict
     yield Verdict(True, "the shortest theta, and every direction that leaves Phi theta unchanged.")
 
 

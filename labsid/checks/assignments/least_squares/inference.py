@@ -68,6 +68,7 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         ("the quantile is taken at `level`", float(stdtrit(n - p, level))),
         ("the quantile is taken at 1 - level", abs(float(stdtrit(n - p, 1 - level)))),
         ("the quantile is the normal one", float(ndtri(both))),
+        *((f"the quantile is {fixed:g}, whatever `level` and n - p are", fixed) for fixed in (1.96, 2.0, 3.0)),
         ("the quantile has n degrees of freedom", float(stdtrit(n, both))),
         ("the quantile has n - 1 degrees of freedom", float(stdtrit(n - 1, both))),
         ("there is no quantile", 1.0),

@@ -155,6 +155,13 @@ def right_fits(_: Ask) -> dict[str, Value]:
     }
 
 
+def new_models(ask: Ask) -> dict[str, Value]:
+    """A line and a parabola near the points of the table, to practise with."""
+    line = np.array([ask.rng.uniform(0.8, 1.4), ask.rng.uniform(-0.5, 0.5)])
+    parabola = np.array([-ask.rng.uniform(0.02, 0.1), ask.rng.uniform(1.2, 2.0), ask.rng.uniform(-0.5, 0.5)])
+    return {"u_1": EXAMPLE_2_1.x, "y_1": EXAMPLE_2_1.y, "theta_line": line, "theta_parabola": parabola}
+
+
 def check_figure_5(ask: Ask) -> Verdict:
     """Fig. 5: the points, the line and the parabola."""
     axes = one_figure("fig_5", ask.value("fig_5"))

@@ -13,6 +13,7 @@ from labsid.checks.assignments.model_structures.systems_1_and_2 import (
     check_example_3_1,
     check_figure_8,
     check_predict,
+    new_outputs,
     right_outputs,
     right_tables,
 )
@@ -30,7 +31,9 @@ ASSIGNMENT = Assignment(
         Question("ms-5-simulate", check_simulate),
         Question(_TABLE, check_example_3_1, right_tables, follows_from=FollowsFrom.TEXT),
         Question(_PREDICT, check_predict, right_outputs, uses=(_TABLE,), follows_from=FollowsFrom.TEXT),
-        Question("ms-6-figure-8", check_figure_8, uses=(_PREDICT,), follows_from=FollowsFrom.TEXT),
+        Question(
+            "ms-6-figure-8", check_figure_8, uses=(_PREDICT,), follows_from=FollowsFrom.TEXT, instance=new_outputs
+        ),
         Question("ms-7-excitation", check_excitation, reference=excitation_order),
         Question("ms-8-order", check_order),
         Question("ms-9-cancel", check_cancel),

@@ -35,6 +35,13 @@ def check_excitation(ask: Ask) -> Verdict:
     for slip, hint, rule in _WRONG_ORDERS:
         if answers == [rule(u) for _, u in trials]:
             return Verdict(False, f"`excitation` {hint}", slip)
+    if answers == [max(1, right) for right in truth]:
+        return Verdict(
+            False,
+            "`excitation` returns 1 for an input that is zero throughout: not even one column has full rank, so the "
+            "order is 0.",
+            "zero input",
+        )
     if all(right <= answer <= _LARGEST for answer, right in zip(answers, truth, strict=True)):
         return Verdict(
             False,

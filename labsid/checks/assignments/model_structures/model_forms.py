@@ -161,13 +161,22 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
     na, nb, d, N = structure.na, structure.nb, structure.delay, y.size
     call = f"equations(u, y, {na}, {nb}, {d})"
     parts = returned_parts(ask, "equations", "two things, Phi and Y", 2, u, y, na, nb, d)
-    if as_array(f"Phi of {call}", parts[0]).ndim == 1 and as_array(f"Y of {call}", parts[1]).ndim == 2:
+    columns = np.shape(as_array(f"Phi of {call}", parts[0]))[1:]
+    beside = np.shape(as_array(f"Y of {call}", parts[1]))[1:]
+    if columns in ((), (1,)) and beside not in ((), (1,)):
         return Verdict(False, "`equations` returns Y before Phi.", "Phi and Y swapped")
-    if np.shape(as_array(f"Phi of {call}", parts[0]))[1:] == (na + nb + 1,) and nb:
+    if columns == (na + nb + 1,) and nb:
         return Verdict(
             False,
             f"Phi of `{call}` has a column too many: `nb` is the *number* of inputs in a row, not the largest lag.",
             "nb taken for the largest lag",
+        )
+    if columns == (na + nb - 1,):
+        return Verdict(
+            False,
+            f"Phi of `{call}` has {na + nb - 1} column{'s' * (na + nb > 2)}, one too few: na = {na} outputs and nb = "
+            f"{nb} inputs make {na + nb}. Often here: `range(1, na)` ends before na.",
+            "one lag too few",
         )
     Phi = as_matrix(f"Phi of {call}", parts[0], (None, na + nb))
     Y = as_vector(f"Y of {call}", parts[1])

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta, as_vector, close
-from labsid.checks.figures import legend_text, one_figure, plain_text, require_label, require_legend
+from labsid.checks.figures import legend_text, no_curve, one_figure, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -266,6 +266,12 @@ def right_outputs(ask: Ask) -> dict[str, Value]:
     return {**_outputs(as_vector("theta_1", ask.known("theta_1"), 2))}
 
 
+def new_outputs(ask: Ask) -> dict[str, Value]:
+    """Prediction and simulation of another model, to practise with."""
+    theta = np.array([-ask.rng.uniform(0.5, 0.9), ask.rng.uniform(0.6, 1.4)])
+    return {"y_1": _records()[0][1], **_outputs(theta)}
+
+
 def check_figure_8(ask: Ask) -> Verdict:
     """Fig. 8: measurement, one-step prediction and simulation."""
     axes = one_figure("fig_8", ask.value("fig_8"))
@@ -295,4 +301,4 @@ def _curve(axes: AxesValue, what: str, signal: FloatArray) -> CurveValue:
                     "too many samples",
                 )
             return curve
-    raise NoAnswer(f"In Fig. 8 no curve shows {what}: draw its first 100 samples.", "curve missing")
+    raise no_curve(axes, "Fig. 8", what, signal[:100], "Draw its first 100 samples.")

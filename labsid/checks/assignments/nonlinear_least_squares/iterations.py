@@ -13,7 +13,7 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estim
 from labsid.checks.compare import SAME, as_array, as_matrix, as_vector
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge, told_if_singular
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 from labsid.nonlinear.solve import gauss_newton as right_gauss_newton
 
@@ -217,12 +217,19 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
     )
 
 
+_RUN_AWAY = (
+    "`levenberg_marquardt` went so far that all slopes are zero, and the damped equations have no solution there. "
+    "Often here: is a step taken although the SSE does not decrease? Reject it, and multiply mu by 10."
+)
+
+
 def _judge_arrival(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray) -> Verdict:
     g, jacobian = sensor(Phi)
     best = levenberg_marquardt(g, jacobian, y, start)
     if best.status != "converged":  # a start from which nobody arrives says nothing
         return Verdict(True, "")
-    value = _handed_back(ask.call("try_levenberg_marquardt", Phi, y, start), "levenberg_marquardt")
+    with told_if_singular(_RUN_AWAY, "every step accepted"):
+        value = _handed_back(ask.call("try_levenberg_marquardt", Phi, y, start), "levenberg_marquardt")
     if isinstance(value, np.ndarray) and value.dtype.kind == "f" and not np.all(np.isfinite(value)):
         raise NoAnswer(
             "`levenberg_marquardt` runs out of the range of numbers: a step that makes the SSE larger must not be "

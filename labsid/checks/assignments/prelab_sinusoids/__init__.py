@@ -13,17 +13,12 @@ from labsid.checks.assignments.prelab_sinusoids.waveforms import (
     right_sinusoids,
     right_time,
 )
-from labsid.checks.question import Ask, Assignment, FollowsFrom, Question
-
-
-def _nothing_new(ask: Ask) -> None:
-    """The text gives everything: there is nothing to practise with."""
-
+from labsid.checks.question import Assignment, FollowsFrom, Question, nothing_new
 
 ASSIGNMENT = Assignment(
     "prelab-sinusoids",
     (
-        Question("prelab-1-time", check_time, gives=right_time, follows_from=FollowsFrom.TEXT, instance=_nothing_new),
+        Question("prelab-1-time", check_time, gives=right_time, follows_from=FollowsFrom.TEXT, instance=nothing_new),
         Question(
             "prelab-2-noise", check_noise, gives=right_sinusoids, uses=("prelab-1-time",), follows_from=FollowsFrom.TEXT
         ),

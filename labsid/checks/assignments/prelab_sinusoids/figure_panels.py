@@ -42,8 +42,8 @@ def require_panel(axes: AxesValue, where: str, t: FloatArray, signals: dict[str,
     if not axes.curves:
         raise NoAnswer(f"There is no curve in {where} yet.", "empty axes")
     (sine_name, sine_data), (cosine_name, cosine_data) = signals.items()
-    sine = require_curve(axes, where, f"`{sine_name}`", sine_data, t)
-    cosine = require_curve(axes, where, f"`{cosine_name}`", cosine_data, t)
+    sine = require_curve(axes, where, f"`{sine_name}`", sine_data, t, signals)
+    cosine = require_curve(axes, where, f"`{cosine_name}`", cosine_data, t, signals)
     _require_colours(where, sine, cosine)
     if not cosine.steps:
         raise NoAnswer(

@@ -182,6 +182,12 @@ def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
         if _is_uniform(noise, low, high):
             raise NoAnswer(f"The noise in `{name}` {text}.", slip)
     require_added(name, noise, sinusoid)
+    if np.max(np.abs(noise + sinusoid)) <= 1:
+        raise NoAnswer(
+            f"`{name}` never leaves -1 to 1: is the noise inside the brackets of the sine or cosine? It is added to "
+            "the sinusoid, not to its angle.",
+            "noise in the angle",
+        )
     deviation = noise - noise.mean()
     kurtosis = np.mean(deviation**4) / np.mean(deviation**2) ** 2
     if kurtosis > GAUSSIAN_KURTOSIS:

@@ -170,9 +170,7 @@ def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
 def _seen_rows(got: FloatArray, data: FloatArray, n: int) -> str:
     """What is wrong with the rows that came back, in the numbers of the trial."""
     if len(got) != len(data) - n:
-        own = " As many stay of the notebook's own 1001: is a variable of the notebook used in place of `data`?"
-        said = f"of {len(data)} rows and n = {n} it returned {len(got)}; {len(data) - n} should stay."
-        return said + (own if len(got) in (801, 1001, 1001 - n) else "")
+        return f"of {len(data)} rows and n = {n} it returned {len(got)}; {len(data) - n} should stay."
     if not np.allclose(got[:, 1:], data[n:, 1:]):
         return "the signals, from the second column on, are not those of the rows that should stay."
     return f"the signals are right, but the first column begins with {got[0, 0]:.4g} and ends with {got[-1, 0]:.4g}."

@@ -5,6 +5,7 @@ from labsid.checks.assignments.recursive_identification.forgetting_runs import (
     check_figures,
     check_forgetting,
     check_regressors,
+    new_histories,
     right_histories,
     right_regressors,
 )
@@ -23,7 +24,9 @@ ASSIGNMENT = Assignment(
         Question("ri-3-step", check_step),
         Question(_REGRESSORS, check_regressors, right_regressors, follows_from=FollowsFrom.TEXT),
         Question(_FORGETTING, check_forgetting, right_histories, uses=(_REGRESSORS,), follows_from=FollowsFrom.TEXT),
-        Question("ri-6-figures", check_figures, uses=(_FORGETTING,), follows_from=FollowsFrom.TEXT),
+        Question(
+            "ri-6-figures", check_figures, uses=(_FORGETTING,), follows_from=FollowsFrom.TEXT, instance=new_histories
+        ),
         Question("ri-7-online", check_online),
         Question("ri-8-drift", check_drift),
         Question("ri-9-windup", check_windup),

@@ -10,7 +10,7 @@ from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vecto
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import Slip, Verdict, first_failure, judge, told_if_singular
 
 
 @first_failure
@@ -142,12 +142,8 @@ def check_step(ask: Ask) -> Verdict:
         "`rls_step` inverts P. This is what the lemma saves: it divides by a number, and it works where P has no "
         "inverse, too (a parameter that is known for certain has a zero in P)."
     )
-    try:
+    with told_if_singular(inverts, "matrix inverted"):
         verdict = _one_step(ask, P)
-    except NoAnswer as stopped:
-        if "singular" in str(stopped).lower():
-            raise NoAnswer(inverts, "matrix inverted") from None
-        raise
     return verdict if verdict.passed else Verdict(False, inverts, "matrix inverted")
 
 
@@ -260,6 +256,12 @@ def _judge_theta(got: Value, theta: FloatArray, P: FloatArray, phi: FloatArray, 
                 mend="It is the error y - phi'theta that corrects.",
             ),
             Slip("old estimate forgotten", "`rls_step` returns the correction alone.", lambda: after - theta),
+            Slip(
+                "entry by entry",
+                "the error of `rls_step` is a vector: `*` multiplies phi and theta entry by entry.",
+                lambda: theta + new_P @ phi * (y - phi * theta),
+                mend="phi'theta is one number, `phi @ theta`.",
+            ),
             Slip("theta not updated", "`rls_step` hands theta back as it was.", lambda: theta),
         ],
     )

@@ -6,9 +6,14 @@ from functools import cache, partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.recursive_identification.reference_runs import faulty_run, is_one_array, reference_run
+from labsid.checks.assignments.recursive_identification.reference_runs import (
+    faulty_run,
+    is_one_array,
+    reference_run,
+    reference_step,
+)
 from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
-from labsid.checks.figures import find_curve, legend_text, plain_text, require_label, require_legend
+from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -208,6 +213,11 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
                 lambda: wrong(old_gain=True),
                 mend="Update P first.",
             ),
+            Slip(
+                "P made anew",
+                "`rls` makes P anew for every row: make it once, before the loop.",
+                lambda: _made_anew(Phi, Y, lam, large),
+            ),
             Slip("sign of the error", "`rls` moves away from the samples.", lambda: wrong(sign=-1.0)),
             Slip(
                 "start not used",
@@ -228,6 +238,14 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
     )
 
 
+def _made_anew(Phi: FloatArray, Y: FloatArray, lam: float, LN: float) -> FloatArray:
+    """History of a run in which P is LN I before every sample."""
+    theta, history = np.zeros(Phi.shape[1]), np.empty(Phi.shape)
+    for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
+        theta = history[k] = reference_step(theta, LN * np.eye(phi.size), phi, y, lam)[0]
+    return history
+
+
 def _shows_truth(axes: AxesValue, truth: FloatArray) -> bool:
     """Whether a panel shows the true parameter: as a curve, or as a horizontal line at each of its levels."""
     if any(find_curve(axes, truth[start:]) for start in range(_LATEST_START + 1)):
@@ -242,6 +260,17 @@ def _shows_truth(axes: AxesValue, truth: FloatArray) -> bool:
         )
 
     return all(is_drawn(level) for level in np.unique(truth))
+
+
+def new_histories(ask: Ask) -> dict[str, Value]:
+    """Histories to practise with, of another record of Example 6-1."""
+    record = example_6_1(ask.rng)
+    equations = build_equations(_STRUCTURE, record.u, record.y)
+    runs = {
+        name: reference_run(equations.Phi, equations.Y, lam, 1e6)
+        for name, lam in (("theta_1", 1.0), ("theta_099", 0.99))
+    }
+    return {"Y_61": equations.Y, "theta_true": record.theta, **{name: run.theta for name, run in runs.items()}}
 
 
 def check_figures(ask: Ask) -> Verdict:
@@ -262,7 +291,8 @@ def check_figures(ask: Ask) -> Verdict:
                     f"{where} shows `{other}`: Fig. 9 is lambda = 1, Fig. 10 is lambda = 0.99.", "figures swapped"
                 )
             if curve is None:
-                raise NoAnswer(f"In {where} no curve shows {parameter}, column {i} of `{name}`.", "no curve")
+                what = f"{parameter}, column {i} of `{name}`"
+                raise no_curve(axes, where, what, histories[name][:, i], "Draw it against the sample number.")
             if not _shows_truth(axes, truth[:, i]):
                 raise NoAnswer(
                     f"{where} has no curve of the true {parameter}: draw the columns of `theta_true`, too.",

@@ -107,11 +107,14 @@ _WRONG_RULES = (
         "`rls_bounded` compares trace(P) with the bound; after the division by lambda it may be above. Compare "
         "trace(P)/lambda.",
     ),
-    (
-        "P scaled down",
-        "scale",
-        "`rls_bounded` scales P down to the bound. That limits P, too, but it forgets as fast as before; "
-        "asked for is a pause.",
+    *(
+        (
+            "P scaled down",
+            when,
+            "`rls_bounded` scales P down to the bound. That limits P, too, but it forgets as fast as before; "
+            "asked for is a pause.",
+        )
+        for when in ("scale", "scale first")
     ),
     (
         "P reset",
@@ -141,6 +144,8 @@ def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: fl
             over = bool(np.trace(updated(lam)) > bound)
         pauses = {"for good": paused, "never": True, "late": trace > bound, "look after": over}
         P = updated(1.0 if pauses.get(rule, False) else lam)
+        if rule == "scale first" and np.trace(P) > bound:
+            P = P * bound / np.trace(P)
         theta = theta + P @ phi * (y - phi @ theta)
         if rule == "scale" and np.trace(P) > bound:
             P = P * bound / np.trace(P)

@@ -116,8 +116,27 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
                 "`arx_step` takes the gain from the P before the sample.",
                 lambda: both(theta + P @ past * (y - past @ theta), right_P),
             ),
+            Slip(
+                "1 in the denominator",
+                "the denominator of `arx_step` is 1 + phi'P phi; with forgetting the 1 becomes lambda.",
+                lambda: both(*_with_one_below(theta, P, past, y, lam)),
+            ),
+            Slip(
+                "entry by entry",
+                "the error of `arx_step` is a vector: `*` multiplies past and theta entry by entry; phi'theta is one "
+                "number, `past @ theta`.",
+                lambda: both(theta + right_P @ past * (y - past * theta), right_P),
+            ),
         ],
     )
+
+
+def _with_one_below(
+    theta: FloatArray, P: FloatArray, past: FloatArray, y: float, lam: float
+) -> tuple[FloatArray, FloatArray]:
+    """One sample with 1 in place of lambda in the denominator."""
+    after = (P - np.outer(P @ past, P @ past) / (1 + past @ P @ past)) / lam
+    return theta + after @ past * (y - past @ theta), after
 
 
 def tracking_mse(lam: float, slope: float, sigma: float) -> float:

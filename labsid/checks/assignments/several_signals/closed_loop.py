@@ -95,6 +95,15 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
                 f"`{_CALL}` keeps the past output or input beside the reference. {loop}",
                 lambda: by(np.column_stack([_past(r, (1,)), _past(u, (1,))])),
             ),
+            Slip(
+                "row before the second lag",
+                f"`{_CALL}` begins with k = 1, for which r(-1) is not in the record: begin with k = 2.",
+                lambda: (
+                    instrumental_variables(
+                        np.column_stack([r[:-1], np.r_[0.0, r[:-2]]]), np.column_stack([y[:-1], u[:-1]]), y[1:]
+                    ).theta
+                ),
+            ),
             Slip("lag off by one", lags, lambda: by(_past(r, (0, 1)))),
             Slip("lag off by one", lags, lambda: by(_past(r, (0, 2)))),
             Slip(

@@ -53,7 +53,7 @@ def check_simulation(ask: Ask) -> Verdict:
     run = _run(ask)
     y_sim = _played(ask, run.u)
     if run.closed(y_sim) >= ENOUGH:
-        return _shorter(ask, run, y_sim)
+        return _other_inputs(ask, run, y_sim)
     slip = _slip(ask, run, y_sim)
     if slip is not None:
         return Verdict(False, *slip)
@@ -64,8 +64,15 @@ def check_simulation(ask: Ask) -> Verdict:
     )
 
 
-def _shorter(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
-    """Whether the beginning of the input has the beginning of the output."""
+def _other_inputs(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
+    """Whether the output follows from the input: another one for another, and its beginning for the beginning."""
+    if np.allclose(y_sim, _played(ask, run.u[::-1])):
+        return Verdict(
+            False,
+            "`simulate_better` returns the same for another input, the pump voltages in reverse order: does it replay "
+            "the record in place of simulating its argument?",
+            "argument not used",
+        )
     samples = int(run.u.size * ask.rng.uniform(0.4, 0.8))
     short = _played(ask, run.u[:samples])
     if np.max(np.abs(short - y_sim[:samples])) > 0.01 * np.ptp(y_sim):
@@ -107,10 +114,16 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
             "inside.",
             "input offset not taken off",
         )
-    if np.allclose(y_sim, without) or np.allclose(y_sim, _played(ask, run.u[::-1])):
+    if np.allclose(y_sim, without):
         return (
             "`simulate_better` returns the same whatever it is handed: let it use its argument.",
             "argument not used",
+        )
+    if np.allclose(y_sim, _played(ask, run.u[::-1])):
+        return (
+            "`simulate_better` returns the same for these voltages in any order, and another output for their "
+            "deviations from rest: take `u_offset` off inside, before anything else is done to the input.",
+            "input offset not taken off",
         )
     return None
 

@@ -5,6 +5,7 @@ from labsid.checks.assignments.step_response.example_step import (
     check_comparison,
     check_function,
     check_read,
+    new_approximation,
     right_approximation,
     right_reading,
 )
@@ -40,7 +41,13 @@ ASSIGNMENT = Assignment(
             uses=("step-1-read",),
             follows_from=FollowsFrom.TEXT,
         ),
-        Question("step-3-figure", check_comparison, uses=("step-3-mse",), follows_from=FollowsFrom.TEXT),
+        Question(
+            "step-3-figure",
+            check_comparison,
+            uses=("step-3-mse",),
+            follows_from=FollowsFrom.TEXT,
+            instance=new_approximation,
+        ),
         Question("step-5-function", check_function),
         Question("step-6-cut", check_held_step, gives=give_held_step),
         Question("step-6-model", check_tank_model, gives=give_tank_model, uses=("step-6-cut",)),

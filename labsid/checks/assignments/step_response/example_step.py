@@ -128,6 +128,13 @@ def _delayed_steps(t: FloatArray, K: float, tau: float, td: float) -> Iterator[F
                 yield np.asarray(lsim(([K], [tau, 1.0]), AMPLITUDE * late, t, interp=interpolate)[1], float)
 
 
+def new_approximation(ask: Ask) -> dict[str, Value]:
+    """The response of another model beside the step of the text, to practise with."""
+    t, y = _recorded()
+    model = FirstOrderDelay(ask.rng.uniform(2.5, 3.5), ask.rng.uniform(3, 8), ask.rng.uniform(0.5, 2))
+    return {"t_step": t, "y_step": y, "y_approx": first_order_response(model, t, AMPLITUDE)}
+
+
 def check_comparison(ask: Ask) -> Verdict:
     """Step 3: the figure with both responses."""
     t, y = _recorded()

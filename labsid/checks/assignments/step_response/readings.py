@@ -110,7 +110,10 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     if right.K > 0:
         yield _Suspect("sign of the gain", "K", -right.K, 0, both)
     if change < 0:
-        downwards = "in a step down, or wherever the output falls, `y >= level` is true from the start: use the share."
+        downwards = (
+            "in a step down, or wherever the output falls, `y >= level` is true from the start, and `np.interp` needs "
+            "values that rise: use the share."
+        )
         for value in (0.0, -right.td):
             yield _Suspect("only steps up", "tau", value, grid, f"tau: {downwards}")
     if abs(fit.y_initial) > 0.1 * abs(change):

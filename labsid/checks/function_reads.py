@@ -1,0 +1,61 @@
+"""What a function of the student's reads: its arguments, and variables of the notebook beside them."""
+
+import dis
+from collections.abc import Iterator, Mapping
+from types import CodeType, FunctionType
+from typing import Any
+
+import numpy as np
+
+_MOST_NAMES = 3
+_SHORTEST_DATA, _SHORTEST_SIGNAL = 2, 20
+"""Entries; parameters that a step has estimated are fewer than those of a signal, and a function may use them."""
+
+
+def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> str:
+    """A sentence if a function reads a signal of the notebook, or any of its data in place of an argument; or nothing.
+
+    Parameters
+    ----------
+    name : str
+        Name of the function.
+    function : object
+        Whatever the notebook has under that name.
+    variables : mapping
+        The notebook's variables.
+    """
+    if not isinstance(function, FunctionType):
+        return ""
+    code = function.__code__
+    used = set(_names_in(code, "LOAD"))
+    unread = [argument for argument in code.co_varnames[: code.co_argcount] if argument not in used]
+    read = dict.fromkeys(_names_in(code, "LOAD_GLOBAL"))
+    least = _SHORTEST_DATA if unread else _SHORTEST_SIGNAL
+    data = [one for one in read if _entries(variables.get(one)) >= least][:_MOST_NAMES]
+    if not data:
+        return ""
+    never = f"never reads its argument{'s' * (len(unread) > 1)} {_listed(unread)}, but" if unread else "reads"
+    return (
+        f"`{name}` {never} {_listed(data)} of the notebook. It is called with other data: use its arguments in their "
+        "place."
+    )
+
+
+def _entries(value: object) -> int:
+    """How many entries an array or a list has; none for anything else."""
+    return value.size if isinstance(value, np.ndarray) else len(value) if type(value) is list else 0
+
+
+def _names_in(code: CodeType, kind: str) -> Iterator[str]:
+    """The names that instructions of a kind read, also in functions inside the function."""
+    for one in dis.get_instructions(code):
+        if kind in one.opname:
+            yield from (str(part) for part in (one.argval if isinstance(one.argval, tuple) else (one.argval,)))
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            yield from _names_in(inner, kind)
+
+
+def _listed(names: list[str]) -> str:
+    *first, last = (f"`{one}`" for one in names)
+    return f"{', '.join(first)} and {last}" if first else last

@@ -1,0 +1,147 @@
+"""Causes of Python's errors in products, inverses and systems of equations, by the shapes of the matrices."""
+
+import ast
+import re
+
+from labsid.checks.stops import Stop
+
+
+def entry_by_entry(stop: Stop, _: re.Match[str]) -> str | None:
+    """`*` where the shapes fit a matrix product."""
+    for node in stop.operations(ast.Mult):
+        one, other = stop.shape(node.left), stop.shape(node.right)
+        if one and other and one != other and one[-1] == other[0]:
+            left, right = ast.unparse(node.left), ast.unparse(node.right)
+            return f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
+    return None
+
+
+def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
+    """`@` with a number on one side."""
+    for node in stop.operations(ast.MatMult):
+        for side in (node.left, node.right):
+            thing = stop.things.get(ast.unparse(side))
+            alone = thing is not None and (thing.kind == "number" or thing.shape == ())
+            inner = (stop.shape(side.left), stop.shape(side.right)) if isinstance(side, ast.BinOp) else (None, None)
+            if isinstance(side, ast.BinOp) and all(shape is not None and len(shape) == 1 for shape in inner):
+                left, right = ast.unparse(side.left), ast.unparse(side.right)
+                return (
+                    f"`{left} @ {right}` is one number: both are flat. The matrix of all products of their entries is "
+                    f"`np.outer({left}, {right})`."
+                )
+            if alone or isinstance(side, ast.Constant):
+                return (
+                    f"`@` is the product of arrays, and `{ast.unparse(side)}` is one number: a multiple is made by `*`."
+                )
+    return "`@` is the product of arrays; one of the two is a number. A multiple is made by `*`."
+
+
+def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
+    """`@` between shapes that do not fit."""
+    for node in stop.operations(ast.MatMult):
+        one, other = stop.shape(node.left), stop.shape(node.right)
+        if not one or not other or one[-1] == other[0]:
+            continue
+        left, right = ast.unparse(node.left), ast.unparse(node.right)
+        empty = next((text for text, shape in ((left, one), (right, other)) if 0 in shape), "")
+        if ":-" in empty.replace(" ", ""):
+            return f"`{empty}` is empty: `[:-0]` takes nothing. `[: len(x) - k]` is right for k = 0, too."
+        said = (
+            f"In `{left} @ {right}` the first has {one[-1]} columns and the second {other[0]} rows: "
+            f"these must be equal."
+        )
+        if "inv(" in left:
+            return " ".join(filter(None, (said, _without_inverse(stop))))
+        if one[0] == other[0] and re.fullmatch(r"\w+(\.T)?", left):
+            turned = left[:-2] if left.endswith(".T") else f"{left}.T"
+            return f"{said} Is `{turned} @ {right}` meant?"
+        return said
+    return "In `A @ B` the columns of A must be as many as the rows of B. Is a transpose, `.T`, missing or too many?"
+
+
+def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
+    """`solve` with a right-hand side of another length."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("solve") and len(node.args) == 2:
+            left, right = (stop.shape(part) for part in node.args)
+            if left and right and left[0] != right[0]:
+                A, b = map(ast.unparse, node.args)
+                said = (
+                    f"`solve(A, b)` solves A x = b: A, here `{A}`, has {left[0]} rows, and b, here `{b}`, has "
+                    f"{right[0]}."
+                )
+                inner = node.args[0]
+                if isinstance(inner, ast.BinOp) and isinstance(inner.op, ast.MatMult):
+                    first = stop.shape(inner.left)
+                    if first and len(first) == 2 and first[1] == right[0]:
+                        said += (
+                            f" The right-hand side of the normal equations is multiplied, too: "
+                            f"`{ast.unparse(inner.left)} @ {b}`."
+                        )
+                return said
+    return "`solve(A, b)` needs as many entries in b as A has rows: is the right-hand side of the equations complete?"
+
+
+def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
+    """A flat array in the place of a matrix; of `solve`, the two arguments may be swapped."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and node.args:
+            shapes = [stop.shape(part) for part in node.args[:2]]
+            if shapes[0] is None or len(shapes[0]) != 1:
+                continue
+            A = ast.unparse(node.args[0])
+            said = f"`{A}` is flat, shape {shapes[0]}, and stands where `{ast.unparse(node.func)}` takes a matrix."
+            is_swapped = len(shapes) == 2 and shapes[1] == (shapes[0][0], shapes[0][0])
+            return f"{said} `solve(A, b)` takes the matrix first: the two are swapped." if is_swapped else said
+    return "A flat array stands where a matrix belongs: print the shapes of the parts."
+
+
+_MATRICES = ("A", "B", "C", "D")
+
+
+def flat_state_space(stop: Stop, _: re.Match[str]) -> str | None:
+    """A list of numbers in the place of a matrix of a state space."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("ss"):
+            for name, part in zip(_MATRICES, node.args, strict=False):
+                if isinstance(part, ast.List) and not any(isinstance(row, ast.List | ast.Tuple) for row in part.elts):
+                    return (
+                        f"{name}, here `{ast.unparse(part)}`, is a flat list. A matrix is a list of its rows, each of "
+                        "them a list: `[[0, 1], [2, 3]]`, and a column `[[0], [1]]`."
+                    )
+    return "In `ct.ss(A, B, C, D, Ts)`, A is n by n, B n by 1, C 1 by n and D 1 by 1, each as a list of its rows."
+
+
+def _without_inverse(stop: Stop) -> str:
+    """A product in the line that cannot have an inverse, by its shapes; empty if there is none."""
+    for node in stop.operations(ast.MatMult):
+        one, other = stop.shape(node.left), stop.shape(node.right)
+        if one and other and len(one) == len(other) == 2 and one[0] == other[1] > one[1]:
+            left, right = ast.unparse(node.left), ast.unparse(node.right)
+            return (
+                f"`{left} @ {right}` is {one[0]} by {one[0]}, but of rank {one[1]} at most: it never has an inverse. "
+                f"`{right} @ {left}` is {one[1]} by {one[1]}."
+            )
+    return ""
+
+
+def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
+    """A product that is singular by its shapes, or dependent columns."""
+    return _without_inverse(stop) or (
+        "The matrix has no inverse: its columns are dependent. Often here: is a column of Phi "
+        "zero, or there twice, or is "
+        "the wrong factor transposed?"
+    )
+
+
+def not_square(stop: Stop, _: re.Match[str]) -> str | None:
+    """The inverse, or the determinant, of a tall matrix."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve", "det")):
+            shape, name = stop.shape(node.args[0]), ast.unparse(node.args[0])
+            if shape and len(shape) == 2 and shape[0] != shape[1]:
+                return (
+                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse or a determinant. "
+                    f"Least squares inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
+                )
+    return "Only a square matrix has an inverse: least squares inverts Phi'Phi, not Phi."

@@ -1,0 +1,38 @@
+"""What is said of a function that reads the notebook's data."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labsid.checks.function_reads import reads_beside
+
+VARIABLES: dict[str, Any] = {"t_step": np.arange(50.0), "theta": np.ones(4), "half": 25, "np": np}
+
+
+def made(source: str) -> Callable[..., Any]:
+    names = dict(VARIABLES)
+    exec(source, names)
+    function: Callable[..., Any] = names["f"]
+    return function
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("def f(t):\n    return t_step[-1]", "`f` never reads its argument `t`, but `t_step` of the notebook."),
+        ("def f(t, y):\n    return theta + t_step", "arguments `t` and `y`, but `theta` and `t_step`"),
+        ("def f(t):\n    return max(t[0], t_step[-1])", "`f` reads `t_step` of the notebook."),
+        ("def f(t):\n    return [t_step[k] for k in t]", "`f` reads `t_step`"),
+        ("def f(t):\n    return t @ theta", ""),  # an estimate of an earlier step
+        ("def f(t):\n    return t[:half]", ""),
+        ("def f(t):\n    t_step = t\n    return t_step", ""),
+        ("def f(t):\n    return 1", ""),  # an argument that is not needed
+        ("f = len", ""),
+    ],
+)
+def test_data_read_beside_the_arguments_are_named(source: str, said: str) -> None:
+    told = reads_beside("f", made(source), VARIABLES)
+    assert said in told
+    assert bool(said) == bool(told)
