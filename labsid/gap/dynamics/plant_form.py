@@ -97,6 +97,7 @@ STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-sl
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
 GIVE = Parameter("log_give", -8.0, 6.0, 1e-3, start=-4.0)
+GIVEN_WAY = 1.0  # start of the same for a motor: its way counts in its speed times samples
 FRICTION_LAWS = {
     "": (),
     "sharp": (FRICTION,),
@@ -265,7 +266,7 @@ class PlantForm:
             if self.cubic or self.drift_degree or self.unsprung:
                 own += [Parameter("centre", -8.0, 8.0)]
         elif self.kind == "speed":
-            own += FRICTION_LAWS[self.friction]
+            own += [replace(one, start=GIVEN_WAY) if one is GIVE else one for one in FRICTION_LAWS[self.friction]]
             own += [DRAG] if self.drag else []
             own += [LIMIT] if self.limit else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]

@@ -101,7 +101,7 @@ EFFECT_GUIDE: dict[str, EffectGuide] = {
     ),
     "coulomb-friction": EffectGuide(
         "dynamics",
-        {"friction": "u", "break_away": "u", "load": "1"},
+        {"friction": "u", "break_away": "u", "load": "1", "give": "y"},
         "Slow motion, stops and changes of direction.",
         ("input-dead-zone", "input-backlash"),
     ),

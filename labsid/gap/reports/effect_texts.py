@@ -328,6 +328,7 @@ _LABELS = {
     "limit": "error of the loop at the limit, in units of the command",
     "load": "share of the transmitted force that is added to the friction",
     "break_away": "friction at rest, in units of the command",
+    "give": "way before the bodies slide",
     "jump_low": "step at the lower edge",
     "jump_high": "step at the upper edge",
     "ratio": "gain below the band over the gain above it",

@@ -148,7 +148,7 @@ def explain(
             levels, path = other_levels, other
     shorter = without_small_steps(clean, path)
     path = path if shorter == path else rather_a_set(clean, levels, shorter)
-    if (len(path) == 2 and is_nuisance(clean, levels[1], path)) or is_rounding_of_log(clean, path):
+    if (len(path) == 2 and is_nuisance(clean, levels[1], path)) or is_rounding_of_log(clean, path[0], path[-1]):
         path = path[:1]
     unsimulated = unsimulated_effects(data, clean, faults, path)
     floor = float(np.sqrt(np.mean((data.y - readings)[data.rows] ** 2)))
@@ -199,11 +199,10 @@ def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, 
     return bool(rivals) and not differ(data, path[0], path[1], MIN_UNRIVALLED_CHANGE)
 
 
-def is_rounding_of_log(data: Data, path: tuple[Fit, ...]) -> bool:
-    """Whether the rounding of the log of the input explains what the effects found explain."""
-    if len(path) == 1:
-        return False
-    return mean_square(data, path[0]) < log_rounding_error(data, path[0]) + path[-1].noise.sigma2
+def is_rounding_of_log(data: Data, before: Fit, after: Fit) -> bool:
+    """Whether the rounding of the log of the input leaves all of an error but the noise `after` the effects found."""
+    logged = log_rounding_error(data, before)
+    return logged > 0.0 and mean_square(data, before) < logged + after.noise.sigma2
 
 
 def residual_is_slow(data: Data, fit: Fit) -> bool:

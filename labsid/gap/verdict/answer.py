@@ -16,7 +16,7 @@ from labsid.gap.fits.unstable_poles import MOST_CORRECTED, corrected_share
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import plateau_gap
 from labsid.gap.search.beam_search import Progress
-from labsid.gap.search.explanation import Explanation
+from labsid.gap.search.explanation import Explanation, is_rounding_of_log
 from labsid.gap.simulations.baseline import Baseline, check_bounded
 from labsid.gap.verdict.baseline_choice import OUTPUT_ERROR, LinearModel, choose_linear_model
 from labsid.gap.verdict.black_boxes import RemainingError, kinds_of_error, predictable_share
@@ -222,6 +222,8 @@ def answer_from(
     elsewhere = decision.verdict == "none" and other is not None and _is_gap_elsewhere(setting, explanation)
     if elsewhere:
         decision = replace(decision, verdict="unknown", ambiguous=())
+    elif decision.verdict == "unknown" and is_rounding_of_log(explanation.data, explanation.path[0], explanation.best):
+        decision = replace(decision, verdict="none", ambiguous=())
     if decision.verdict == "unknown":
         part, search = _partial(setting, explanation, progress, elsewhere)
         decision = decide_partial(search, decision, bool(about_clipping(record.y)))

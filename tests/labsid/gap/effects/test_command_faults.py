@@ -112,6 +112,16 @@ def test_steps_that_the_log_does_not_have_are_found(step, floor):
 
 
 @searched(*FEW)
+def test_fine_steps_are_found_ahead_of_a_delay_of_half_a_sample():
+    """Rounding after the delay would smear each step over two samples; 32 of them need a fine grid."""
+    step = float(np.ptp(WAVE)) / 32.0
+    acting = step * np.round(WAVE / step)
+    late = 0.5 * (acting + np.concatenate([acting[:1], acting[:-1]]))
+    name, values = only(diagnose(recorded(WAVE, late, 0.002)).report)
+    assert (name, values["step"]) == ("input-quantization", pytest.approx(step, rel=0.01))
+
+
+@searched(*FEW)
 @pytest.mark.parametrize("logged", [np.round(LEVELS, 1), np.round(WAVE, 1)], ids=["levels", "wave"])
 def test_steps_that_the_log_has_are_no_effect(logged):
     assert diagnose(recorded(logged, logged)).report["verdict"] == "none"

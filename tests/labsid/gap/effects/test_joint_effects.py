@@ -22,6 +22,7 @@ from labsid.gap.model_file import from_json_dict
 from labsid.gap.record.data import scaled
 from labsid.gap.search.sets import SETS, set_around, set_fits
 from labsid.records.record import Record
+from labsid.rig.switchable.joints import SLIP, Joint, run_joint
 
 TS = 0.02
 Load = Callable[[float, float, float], float]
@@ -220,3 +221,52 @@ def test_a_set_is_found_in_an_explanation_that_contains_it() -> None:
     assert set_around("gravity", names | {"force-limit"}) == {"gravity", "coulomb-friction", "force-limit"}
     assert all(one.reason.endswith(".") for one in SETS)
     assert {name for one in SETS for name in one.names} <= {group[0].name for group in CANDIDATES}
+
+
+@pytest.mark.parametrize(("law", "share"), [("dahl", 0.0), ("gear", 0.25)])
+def test_a_mass_with_friction_that_gives(goal: FloatArray, law: str, share: float) -> None:
+    """Against the Runge-Kutta method of the rigs; rigid friction differs by far more."""
+    joint = Joint("position", gain=64.0, damping=9.6, law=law, friction=4.0, excess=share)
+    expected = run_joint(joint, goal, TS, float(goal[0]))[:, 0] - goal[0]
+    k, c = joint.gain * TS**2, joint.damping * TS
+
+    def error(stiff: float) -> float:
+        own = (np.inf, np.inf, 0.0, 0.0, 0.0, share, stiff)
+        drive, friction = k * (goal - goal[0]), joint.friction * TS**2
+        found = _states.simulate_mass(drive, c, k, friction, 0.0, 0.0, 0.0, 10, joint=own)[:, 0]
+        return float(np.sqrt(np.mean((found - expected) ** 2)))
+
+    bent = error(joint.friction / SLIP * TS**2)
+    assert bent < (6e-4 if share else 1e-4)
+    assert error(0.0) > 15.0 * bent
+
+
+def test_a_motor_with_friction_that_gives(goal: FloatArray) -> None:
+    joint = Joint("speed", gain=8.0, damping=0.4, law="dahl", friction=2.0)
+    expected = run_joint(joint, goal, TS)[:, 1]
+    rate = joint.gain + joint.damping
+
+    def error(stiff: float) -> float:
+        drive, friction = goal * joint.gain / rate, joint.friction / rate
+        found = _states.simulate_motor(
+            drive, rate * TS, 1e3, friction, False, 0.0, 0.0, 16, bristles=(0.0, stiff / rate)
+        )[:, 1]
+        return float(np.sqrt(np.mean((found - expected) ** 2)))
+
+    bent = error(joint.friction / SLIP * TS)
+    assert bent < 1e-4
+    assert error(0.0) > 50.0 * bent
+
+
+def test_friction_that_gives_is_friction_with_its_way_and_no_mode(goal: FloatArray) -> None:
+    """The bristles of a rigid law would be left as a lightly damped mode, or as play."""
+    joint = Joint("position", gain=64.0, damping=9.6, law="dahl", friction=6.0)
+    record = record_of(goal, run_joint(joint, goal, TS, float(goal[0]))[:, 0])
+    found = diagnose(record)
+    (effect,) = found.report["effects"]
+    assert (found.report["verdict"], effect["name"]) == ("effect", "coulomb-friction")
+    values = {name: one["value"] for name, one in effect["parameters"].items()}
+    assert values["friction"] == pytest.approx(joint.friction / joint.gain, rel=0.1)
+    assert values["give"] == pytest.approx(SLIP, rel=0.5)
+    played = found.model.simulate(record.u, record.y)
+    assert np.std(played - record.y) < 1.05 * 0.003 * np.std(record.y)

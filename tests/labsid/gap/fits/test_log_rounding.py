@@ -41,3 +41,13 @@ def test_it_is_no_gap_and_is_said():
     report = diagnose(recorded(0.02)).report
     assert (report["verdict"], report["effects"]) == ("none", [])
     assert any("logged in steps of 0.02" in text for text in report["screen"])
+
+
+@searched(*FEW)
+def test_what_it_leaves_under_a_chirp_is_no_change_of_the_rig():
+    """The slow part of a chirp is rounded to few values, so that the error changes along the record."""
+    t = 0.04 * np.arange(1500)
+    u = 2.5 * np.sin(0.15 * t + 0.02 * t**2)
+    y = lfilter([0.0, 0.02, 0.019], [1.0, -1.84, 0.879], u)
+    y = y + 0.001 * np.std(y) * np.random.default_rng(2).standard_normal(y.size)
+    assert diagnose(Record(t, 0.2 * np.round(u / 0.2), y, 0.04)).report["verdict"] == "none"

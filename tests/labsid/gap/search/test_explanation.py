@@ -11,11 +11,13 @@ from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.record.data import scaled
 from labsid.gap.record.sample_faults import SampleFaults
 from labsid.gap.reports.report import screen_sentences
-from labsid.gap.search.beam_search import Levels, is_improvement, residual_is_white, search_effects
+from labsid.gap.search import beam_search
+from labsid.gap.search.beam_search import Levels, is_improvement, rather_a_set, residual_is_white, search_effects
 from labsid.gap.search.explanation import Explanation, explain, is_nuisance, unsimulated_effects, without_small_steps
 
 
@@ -112,6 +114,41 @@ def test_only_slow_noise_is_an_effect(plain: Explanation, pole: float, names: tu
     fit = replace(plain.best, noise=replace(plain.best.noise, ar=np.array([pole]), sigma2=0.05**2))
     nothing = np.zeros(data.samples, bool)
     assert unsimulated_effects(data, data, SampleFaults(nothing, (), nothing, None), (fit,)) == names
+
+
+@pytest.mark.parametrize(("size", "names"), [(0.02, ()), (0.2, ("coloured-noise",))])
+def test_beside_effects_coloured_noise_is_a_share_of_the_gap(
+    banded: Explanation, size: float, names: tuple[str, ...]
+) -> None:
+    """What a law that is not quite right leaves of an effect is slow, too."""
+    base, best = banded.path[0], banded.best
+    gap = float(np.sqrt(np.mean((banded.data.y - base.output) ** 2)))
+    white = 0.3 * size * gap
+    e = lfilter([1.0], [1.0, -0.97], np.random.default_rng(3).standard_normal(base.output.size))
+    e *= size * gap / np.std(e)
+    data = replace(banded.data, y=best.output + e)
+    fit = replace(best, noise=replace(best.noise, ar=np.array([0.97]), sigma2=white**2))
+    nothing = np.zeros(data.samples, bool)
+    faults = SampleFaults(nothing, (), nothing, None)
+    assert unsimulated_effects(data, data, faults, (base, fit)) == names
+    assert unsimulated_effects(data, data, faults, (fit,)) == ("coloured-noise",)
+
+
+def test_a_set_wins_over_what_is_left_of_a_longer_path(banded: Explanation, monkeypatch: pytest.MonkeyPatch) -> None:
+    data, base, best = banded.data, banded.path[0], banded.best
+    monkeypatch.setattr(beam_search, "polish", lambda _, fit: fit)
+    (alone,) = (fit for names, fit in banded.levels[1].items() if names == ("input-dead-zone",))
+    both = best.hypothesis.plus(next(one for group in CANDIDATES for one in group if one.name == "input-nonlinearity"))
+    noise = np.sqrt(np.mean((data.y - best.output) ** 2))
+    wave = np.sin(0.1 * np.arange(data.samples)) * np.sqrt(2.0) * noise
+    other = replace(base, bic=best.bic + 40.0, output=best.output + wave)
+    better = replace(best, hypothesis=both, bic=best.bic - 40.0)
+    names = tuple(sorted(both.names))
+    levels = (banded.levels[0], {("input-dead-zone",): alone}, {names: better})
+    monkeypatch.setattr(beam_search, "has_size", lambda *_: True)
+    assert rather_a_set(data, levels, (base, other)) == (base, alone, better)
+    as_good = (base, replace(other, bic=better.bic))
+    assert rather_a_set(data, levels, as_good) is as_good
 
 
 def test_small_steps_are_dropped_only_at_the_end_of_the_path(banded: Explanation) -> None:
