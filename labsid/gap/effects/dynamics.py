@@ -324,7 +324,7 @@ class CoulombFriction(PlantEffect):
         if "load" in self.law:
             found["load"] = Value(fit.value("load_share"), "1")
         if "give" in self.law:
-            found["give"] = Value(abs(np.exp(fit.value("log_give")) / fit.state_per_output), "y")
+            found["give"] = Value(abs(float(np.exp(fit.value("log_give"))) / fit.state_per_output), "y")
         return found
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:

@@ -29,7 +29,7 @@ from labsid.gap.fits.fitting import Fit, Problem, evaluate
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import Trial, is_compatible
 
-CUTOFFS = (0.1, 0.2, 0.4, 0.8)  # of the filter, radians per sample
+CUTOFFS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)  # of the filter, radians per sample
 LIMIT_QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 0.97)  # of the size of the loop's error, tried as its limit
 REVERSAL = 0.05  # of the spread of the speed: width over which the sign of the speed turns
 MIN_PIECE = 60  # samples of a record, which the filter needs
@@ -168,14 +168,15 @@ def _torque_starts(context: Context, names: Sequence[str]) -> Iterator[dict[str,
     """Parameters of a joint that a torque drives, in the unit in which the simulation counts its position."""
     data, own = context.data, angle_unit(context.data)
     stiffness = context.rates[1] * float(np.exp(SLACK_LOG_STIFFNESS))
+    zero = -data.u_scale.centre / data.u_scale.unit  # no torque: a constant beside sine and cosine is not determined
     for cutoff in CUTOFFS:
-        found, _ = _Motion(data, data.y, cutoff).fit(names, [data.u, np.ones(data.samples)], loop=False)
+        found, _ = _Motion(data, data.y, cutoff).fit(names, [data.u - zero], loop=False)
         drive, damping = found["drive0"], found["damping"]
         unit = force_unit(damping, stiffness)
         gain = drive / unit  # of the scaled output, per unit of the position
         if abs(gain) * data.y_scale.unit / own < MIN_TURN:
             continue
-        start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "centre": -found["drive1"] / drive}
+        start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "centre": zero}
         start |= _Motion(data, data.y / gain, cutoff).initial_states(0.0, unit)
         start["friction"] = found.get("friction", 0.0) / abs(drive)
         if Gravity.name in names:
