@@ -32,6 +32,7 @@ _ROOMS = {
     "labsid.model_structures.order": ("loss_against_order",),
     "labsid.model_structures.residuals": ("input_residual_test", "whiteness_test"),
     "labsid.estimation.recursive": ("recursive_armax", "recursive_instrumental", "recursive_least_squares"),
+    "labsid.estimation.online": ("RecursiveArmax", "RecursiveInstrumental", "RecursiveLeastSquares"),
     "labsid.estimation.armax": ("fit_armax",),
     "labsid.estimation.instrumental": ("fit_instrumental",),
     "labsid.estimation.likelihood": ("fit_likelihood",),

@@ -3,6 +3,9 @@
 from labsid.estimation.armax import fit_armax as fit_armax
 from labsid.estimation.instrumental import fit_instrumental as fit_instrumental
 from labsid.estimation.likelihood import fit_likelihood as fit_likelihood
+from labsid.estimation.online import RecursiveArmax as RecursiveArmax
+from labsid.estimation.online import RecursiveInstrumental as RecursiveInstrumental
+from labsid.estimation.online import RecursiveLeastSquares as RecursiveLeastSquares
 from labsid.estimation.recursive import recursive_armax as recursive_armax
 from labsid.estimation.recursive import recursive_instrumental as recursive_instrumental
 from labsid.estimation.recursive import recursive_least_squares as recursive_least_squares

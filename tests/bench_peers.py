@@ -4,8 +4,9 @@
 not installed are left out and named.
 
 Every figure is the best of several runs, from the signals u and y (the time to build Phi included) unless it says "Phi
-given". "off by" is the largest difference from the batch estimate on the same samples; from u and y, labsid's recursion
-also uses the first two rows, with the plant at rest before them.
+given". Online, every sample is a call, and only the last estimate is kept; statsmodels and sysidentpy have no such
+call, and their figure is a sample of a whole record. "off by" is the largest difference from the batch estimate on the
+same samples; from u and y, labsid's recursion also uses the first two rows, with the plant at rest before them.
 """
 
 import argparse
@@ -22,6 +23,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.signal import lfilter
 
+from labsid.estimation.online import RecursiveArmax, RecursiveLeastSquares
 from labsid.estimation.recursive import recursive_armax, recursive_least_squares
 from labsid.lab.long_arx import fit_long_arx
 from labsid.lab.regressor import build_phi
@@ -97,14 +99,6 @@ def labsid_from_signals(u: Array, y: Array) -> Array:
     return recursive_armax(Structure(2, 2), u, y).theta[-1] * [-1, -1, 1, 1]
 
 
-def labsid_online(Phi: Array, Y: Array) -> Array:
-    state = None
-    for k in range(Y.size):
-        state = recursive_least_squares(Phi[k : k + 1], Y[k : k + 1], start=state).state
-    assert state is not None
-    return state.theta
-
-
 def padasip_rls(Phi: Array, Y: Array) -> Array:
     return np.asarray(peer("padasip.filters").FilterRLS(4, mu=1.0, eps=1e-6, w="zeros").run(Y, Phi)[2][-1])
 
@@ -117,6 +111,30 @@ def statsmodels_rls(Phi: Array, Y: Array) -> Array:
 def sysidentpy_rls(Phi: Array, Y: Array) -> Array:
     filtered = peer("sysidentpy.parameter_estimation").RecursiveLeastSquares(lam=1.0, delta=1e-6)
     return np.ravel(filtered.optimize(Phi, Y[:, None]))[-4:]
+
+
+# Online: one call a sample
+
+
+def labsid_online(Phi: Array, Y: Array) -> Array:
+    estimator = RecursiveLeastSquares(4)
+    for phi, y in zip(Phi, Y, strict=True):
+        estimator.update(phi, y)
+    return estimator.theta
+
+
+def labsid_online_from_signals(u: Array, y: Array) -> Array:
+    estimator = RecursiveArmax(Structure(2, 2))
+    for sample in zip(u, y, strict=True):
+        estimator.update(*sample)
+    return estimator.theta * [-1, -1, 1, 1]
+
+
+def padasip_online(Phi: Array, Y: Array) -> Array:
+    filtered = peer("padasip.filters").FilterRLS(4, mu=1.0, eps=1e-6, w="zeros")
+    for phi, y in zip(Phi, Y, strict=True):
+        filtered.adapt(y, phi)
+    return np.asarray(filtered.w)
 
 
 def measure(estimate: Estimator, first: Array, second: Array, runs: int) -> tuple[float, Array]:
@@ -181,12 +199,19 @@ def main() -> None:
         ("labsid, Phi given", labsid_rls, Phi, Y, options.runs),
         ("labsid, a tenth of it", labsid_rls, Phi[: n // 10], Y[: n // 10], options.runs),
         ("labsid, from u and y", labsid_from_signals, u, y, options.runs),
-        ("labsid, one call a sample", labsid_online, Phi[:5000], Y[:5000], few),
         ("padasip FilterRLS", padasip_rls, Phi[:20_000], Y[:20_000], few),
         ("sysidentpy RLS", sysidentpy_rls, Phi[:20_000], Y[:20_000], few),
         ("statsmodels RecursiveLS", statsmodels_rls, Phi[:5000], Y[:5000], few),
     ]
     compare("Recursive least squares, four parameters, history stored", "ns a sample", recursive, True, console)
+    online: list[tuple[str, Estimator, Array, Array, int]] = [
+        ("labsid RecursiveLeastSquares", labsid_online, Phi[:20_000], Y[:20_000], options.runs),
+        ("labsid RecursiveArmax", labsid_online_from_signals, u[:20_000], y[:20_000], options.runs),
+        ("padasip FilterRLS.adapt", padasip_online, Phi[:20_000], Y[:20_000], few),
+        ("statsmodels RecursiveLS", statsmodels_rls, Phi[:5000], Y[:5000], few),
+        ("sysidentpy RLS", sysidentpy_rls, Phi[:20_000], Y[:20_000], few),
+    ]
+    compare("Recursive least squares online, four parameters, one call a sample", "ns a sample", online, True, console)
 
 
 def installed(name: str) -> str:

@@ -3,6 +3,9 @@
 Call `prepare` before one of them. They get the number of parameters as the length of the tuple `unroll`: a length the
 compiler knows, so that it unrolls the small loops. Every array that a loop only reads comes in read-only, or it would
 be compiled twice.
+
+The loops and the updates of one sample share their steps, which the compiler may neither reorder nor fuse: interpreted,
+compiled, over a record or sample by sample, they give the same numbers bit for bit.
 """
 
 import sys
@@ -25,12 +28,12 @@ class Loop:
     Attributes
     ----------
     function : callable
-    relaxed : tuple of str
-        As `compiled` takes them.
+    inline : bool
+        As `compiled` takes it.
     """
 
     function: Callable[..., Any]
-    relaxed: tuple[str, ...]
+    inline: bool
 
     def __call__(self, *arguments: Any) -> Any:
         """Interpret it; like the compiled one, it divides by zero without a word."""
@@ -38,12 +41,12 @@ class Loop:
             return self.function(*arguments)
 
 
-def compiled(*relaxed: str) -> Callable[[Callable[..., Any]], Any]:
-    """Mark a loop that `prepare` compiles."""
-    return lambda function: Loop(function, relaxed)
+def compiled(inline: bool = False) -> Callable[[Callable[..., Any]], Any]:
+    """Mark a loop that `prepare` compiles, into its callers where `inline` is set."""
+    return lambda function: Loop(function, inline)
 
 
-def prepare(samples: int) -> None:
+def prepare(samples: float) -> None:
     """Compile the loops if the record is long, or numba is loaded already."""
     if samples <= LONGEST_INTERPRETED and "numba" not in sys.modules:
         return
@@ -51,10 +54,10 @@ def prepare(samples: int) -> None:
     if waiting:
         from labsid import _compiled
 
-        globals().update({name: _compiled.compiled(*one.relaxed)(one.function) for name, one in waiting.items()})
+        globals().update({name: _compiled.compiled(inline=one.inline)(one.function) for name, one in waiting.items()})
 
 
-@compiled("contract")
+@compiled(inline=True)
 def rls_step(
     phi: FloatArray,
     y: float,
@@ -96,12 +99,71 @@ def rls_step(
     return error, trace
 
 
-@compiled("contract")
+@compiled(inline=True)
+def deferred_step(
+    phi: FloatArray,
+    y: float,
+    theta: FloatArray,
+    P: FloatArray,
+    P_phi: FloatArray,
+    ahead: FloatArray,
+    quotient: float,
+    growth: float,
+    forgetting: float,
+    trace_bound: float,
+    unroll: tuple[int, ...],
+) -> tuple[float, float, float, float]:
+    """Do the same as `rls_step` for P of the sample before; leave P of this sample to the next call, or to `settle`.
+
+    P_phi, quotient and growth are those of the sample before and become those of this one; P_phi, quotient = 0 and
+    growth = 1 leave P as it is. P phi waits for the P of the sample before, which waits for a division. So P phi is
+    taken from the P that is there, while the division runs, and corrected after it. Return the prediction error,
+    quotient, growth, and the trace of the P of the sample before.
+    """
+    p, half = len(unroll), len(unroll) // 2
+    cross = 0.0
+    for i in range(p):
+        cross += P_phi[i] * phi[i]
+        product = 0.0
+        for j in range(i + 1):
+            product += P[i, j] * phi[j]
+        for j in range(i + 1, p):
+            product += P[j, i] * phi[j]
+        ahead[i] = product * growth
+    correction = quotient * cross
+    trace = 0.0
+    for i in range(p):
+        K = P_phi[i] * quotient
+        for j in range(i + 1):  # one triangle, as in rls_step
+            P[i, j] = P[i, j] * growth - K * P_phi[j]
+        trace += P[i, i]
+    kept = forgetting if trace <= forgetting * trace_bound else 1.0
+    # left + right is lambda + phi' P phi, in two halves.
+    left, right = kept, 0.0
+    for i in range(p):
+        P_phi[i] = ahead[i] - P_phi[i] * correction
+    for i in range(half):
+        left += P_phi[i] * phi[i]
+    for i in range(half, p):
+        right += P_phi[i] * phi[i]
+    error = y
+    for i in range(p):
+        error -= phi[i] * theta[i]
+    growth = 1.0 / kept
+    quotient = growth / (left + right)
+    step = quotient * (kept * error)
+    for i in range(p):
+        theta[i] += P_phi[i] * step
+    return error, quotient, growth, trace
+
+
+@compiled()
 def rls(
     Phi: FloatArray,
     Y: FloatArray,
     theta: FloatArray,
     P: FloatArray,
+    pending: FloatArray,
     forgetting: float,
     trace_bound: float,
     unroll: tuple[int, ...],
@@ -109,64 +171,70 @@ def rls(
     errors: FloatArray,
     traces: FloatArray,
 ) -> None:
-    """Recursive least squares over the rows of Phi: `rls_step`, arranged for speed.
-
-    A step waits for the P of the step before, which waits for a division. So P phi for the *next* row is taken from
-    the P before the step, while the division runs, and corrected after it; and whether the next step pauses is
-    decided from the trace that P is about to have, trace(P) growth - quotient |P phi|^2, times the denominator.
-    """
-    p, half, last = len(unroll), len(unroll) // 2, Y.size - 1
-    P_phi, ahead = np.empty(p), np.empty(p)
-    trace = 0.0
-    for i in range(p):
-        trace += P[i, i]
-        P_phi[i] = 0.0
-        for j in range(p):
-            P_phi[i] += P[i, j] * Phi[0, j]
-    shrink = 1.0 / forgetting
-    limit = forgetting * trace_bound
-    pause = trace > limit
+    """Recursive least squares over the rows of Phi; `pending` is what `settle` needs to complete P."""
+    p = len(unroll)
+    P_phi, ahead = pending[:p], np.empty(p)
+    quotient, growth, trace = pending[p], pending[p + 1], 0.0
     for k in range(Y.size):
-        after = min(k + 1, last)
-        kept, growth = (1.0, 1.0) if pause else (forgetting, shrink)
-        error = Y[k]
+        errors[k], quotient, growth, trace = deferred_step(
+            Phi[k], Y[k], theta, P, P_phi, ahead, quotient, growth, forgetting, trace_bound, unroll
+        )
         for i in range(p):
-            error -= Phi[k, i] * theta[i]
-        # left + right is lambda + phi' P phi, in two halves; cross is phi'(next) P phi.
-        left, right, cross, square = kept, 0.0, 0.0, 0.0
-        for i in range(half):
-            left += P_phi[i] * Phi[k, i]
-        for i in range(half, p):
-            right += P_phi[i] * Phi[k, i]
-        for i in range(p):
-            cross += P_phi[i] * Phi[after, i]
-            square += P_phi[i] * P_phi[i]
-            product = 0.0
-            for j in range(i + 1):
-                product += P[i, j] * Phi[after, j]
-            for j in range(i + 1, p):
-                product += P[j, i] * Phi[after, j]
-            ahead[i] = product * growth
-        denominator = left + right
-        pause = (trace - limit * kept) * denominator > square
-        quotient = growth / denominator
-        step = quotient * (kept * error)
-        correction = quotient * cross
-        trace = 0.0
-        for i in range(p):
-            theta[i] += P_phi[i] * step
             history[k, i] = theta[i]
-            K = P_phi[i] * quotient
-            for j in range(i + 1):  # one triangle, as in rls_step
-                P[i, j] = P[i, j] * growth - K * P_phi[j]
-            trace += P[i, i]
-        for i in range(p):
-            P_phi[i] = ahead[i] - P_phi[i] * correction
-        errors[k], traces[k] = error, trace
-    mirror(P)
+        if k > 0:
+            traces[k - 1] = trace
+    pending[p], pending[p + 1] = quotient, growth
 
 
-@compiled("contract")
+@compiled()
+def rls_update(
+    phi: FloatArray,
+    y: float,
+    theta: FloatArray,
+    P: FloatArray,
+    pending: FloatArray,
+    ahead: FloatArray,
+    forgetting: float,
+    trace_bound: float,
+    unroll: tuple[int, ...],
+) -> float:
+    """`rls` over one sample; return its error, or NaN and change nothing where the sample is not finite."""
+    p = len(unroll)
+    zero = 0.0 * y
+    for i in range(p):
+        zero += 0.0 * phi[i]
+    if zero != 0.0:
+        return np.nan
+    error, pending[p], pending[p + 1], _ = deferred_step(
+        phi, y, theta, P, pending[:p], ahead, pending[p], pending[p + 1], forgetting, trace_bound, unroll
+    )
+    return error
+
+
+@compiled(inline=True)
+def extended_step(
+    u: float,
+    y: float,
+    na: int,
+    nb: int,
+    theta: FloatArray,
+    P: FloatArray,
+    phi: FloatArray,
+    P_phi: FloatArray,
+    trace: float,
+    forgetting: float,
+    trace_bound: float,
+    unroll: tuple[int, ...],
+) -> tuple[float, float]:
+    """Update theta, P and the register phi; return the prediction error and the new trace of P."""
+    error, trace = rls_step(phi, y, theta, P, P_phi, trace, forgetting, trace_bound, unroll)
+    shift(phi, 0, na, -y)
+    shift(phi, na, na + nb, u)
+    shift(phi, na + nb, len(unroll), error)
+    return error, trace
+
+
+@compiled()
 def extended_rls(
     u: FloatArray,
     y: FloatArray,
@@ -189,25 +257,38 @@ def extended_rls(
     for i in range(p):
         trace += P[i, i]
     for k in range(y.size):
-        error, trace = rls_step(phi, y[k], theta, P, P_phi, trace, forgetting, trace_bound, unroll)
+        errors[k], trace = extended_step(
+            u[k], y[k], na, nb, theta, P, phi, P_phi, trace, forgetting, trace_bound, unroll
+        )
         for i in range(p):
             history[k, i] = theta[i]
-        errors[k], traces[k] = error, trace
-        shift(phi, 0, na, -y[k])
-        shift(phi, na, na + nb, u[k])
-        shift(phi, na + nb, p, error)
-    mirror(P)
+        traces[k] = trace
 
 
 @compiled()
-def mirror(P: FloatArray) -> None:
-    """Copy the lower triangle into the upper one."""
-    for i in range(len(P)):
-        for j in range(i):
-            P[j, i] = P[i, j]
+def extended_update(
+    u: float,
+    y: float,
+    na: int,
+    nb: int,
+    theta: FloatArray,
+    P: FloatArray,
+    phi: FloatArray,
+    P_phi: FloatArray,
+    forgetting: float,
+    trace_bound: float,
+    unroll: tuple[int, ...],
+) -> float:
+    """`extended_rls` over one sample; return its error, or NaN and change nothing where the sample is not finite."""
+    if 0.0 * u + 0.0 * y != 0.0:
+        return np.nan
+    trace = 0.0
+    for i in range(len(unroll)):
+        trace += P[i, i]
+    return extended_step(u, y, na, nb, theta, P, phi, P_phi, trace, forgetting, trace_bound, unroll)[0]
 
 
-@compiled()
+@compiled(inline=True)
 def shift(register: FloatArray, first: int, last: int, newest: float) -> None:
     """Move the lags ``register[first:last]`` one place on and put the newest in front."""
     for i in range(last - 1, first, -1):
@@ -216,7 +297,7 @@ def shift(register: FloatArray, first: int, last: int, newest: float) -> None:
         register[first] = newest
 
 
-@compiled("contract")
+@compiled()
 def recursive_iv(
     u: FloatArray,
     y: FloatArray,
@@ -269,6 +350,39 @@ def recursive_iv(
         shift(z, 0, na, -y_model)
         shift(z, na, p, u[k])
     return kept_back
+
+
+@compiled()
+def iv_update(
+    u: float,
+    y: float,
+    na: int,
+    theta: FloatArray,
+    P: FloatArray,
+    memory: FloatArray,
+    warm_up: int,
+    history: FloatArray,
+    signals: FloatArray,
+) -> tuple[float, int]:
+    """`recursive_iv` over one sample; return its error, or NaN and change nothing where the sample is not finite."""
+    if 0.0 * u + 0.0 * y != 0.0:
+        return np.nan, 0
+    signals[0], signals[1] = u, y
+    kept_back = recursive_iv(
+        signals[0:1],
+        signals[1:2],
+        na,
+        theta,
+        P,
+        memory[0],
+        memory[1],
+        memory[2],
+        warm_up,
+        history,
+        signals[2:3],
+        signals[3:4],
+    )
+    return signals[2], kept_back
 
 
 @compiled()

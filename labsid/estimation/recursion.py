@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from labsid._arrays import FloatArray, freeze
+from labsid.model_structures.structures import Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +111,25 @@ def check_forgetting(forgetting: float) -> None:
         )
 
 
+def check_delay(structure: Structure) -> None:
+    """Refuse a structure with an input that does not have a delay of 1."""
+    if structure.delay != 1 and structure.nb:
+        raise ValueError(
+            f"structure must have a delay of 1 here; got {structure.delay}. Shift u by the difference first, with "
+            "shift_back or shift_forward."
+        )
+
+
+def check_instrumental(structure: Structure, warm_up: int) -> None:
+    """Refuse what recursive instrumental variables cannot estimate."""
+    if structure.na < 1 or structure.nb < 1 or structure.nc or warm_up < 0:
+        raise ValueError(
+            "structure must be ARX, with past outputs and inputs, and warm_up zero or more; got "
+            f"{structure} and {warm_up}."
+        )
+    check_delay(structure)
+
+
 def resume(start: RecursiveState, p: int, memory: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Copies of theta, P and the memory to work in; an empty memory is one at rest."""
     if start.theta.shape != (p,) or start.P.shape != (p, p) or start.memory.size not in (0, memory):
@@ -118,6 +138,23 @@ def resume(start: RecursiveState, p: int, memory: int) -> tuple[FloatArray, Floa
             f"got {start.theta.size} and {start.memory.size}."
         )
     return start.theta.copy(), start.P.copy(), start.memory.copy() if start.memory.size else np.zeros(memory)
+
+
+def symmetric(P: FloatArray) -> FloatArray:
+    """P from its lower triangle, the one that the loops of least squares write."""
+    return np.tril(P) + np.tril(P, -1).T
+
+
+def nothing_pending(p: int) -> FloatArray:
+    """The `pending` of a P that is complete: ``P phi = 0``, ``quotient = 0`` and ``growth = 1``."""
+    return np.append(np.zeros(p + 1), 1.0)
+
+
+def settle(P: FloatArray, pending: FloatArray) -> FloatArray:
+    """Complete P where its last update is pending: ``growth P - quotient (P phi)(P phi)'``."""
+    P_phi, quotient, growth = pending[:-2], pending[-2], pending[-1]
+    with np.errstate(all="ignore"):
+        return symmetric(P * growth - np.outer(P_phi * quotient, P_phi))
 
 
 def room(n: int, p: int) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -1,14 +1,28 @@
 """Recursive identification: least squares with forgetting, its extension to ARMAX, and instrumental variables.
 
 Every function runs over as many samples as it is given, one included, and returns the state in which it stopped.
-Started from that state it goes on as if there had been no pause: online use and a long record take the same path.
+Started from that state it goes on as if there had been no pause. For one sample a call, `labsid.estimation.online` is
+faster.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray, as_signal, as_signals, read_only
-from labsid.estimation.recursion import Recursion, RecursiveState, check_forgetting, diffuse_start, finish, resume, room
+from labsid.estimation.recursion import (
+    Recursion,
+    RecursiveState,
+    check_delay,
+    check_forgetting,
+    check_instrumental,
+    diffuse_start,
+    finish,
+    nothing_pending,
+    resume,
+    room,
+    settle,
+    symmetric,
+)
 from labsid.model_structures.structures import Structure
 
 
@@ -59,7 +73,10 @@ def recursive_least_squares(
     history, errors, traces = room(Y.size, p)
     Phi, Y = read_only(Phi), read_only(Y)
     _loops.prepare(Y.size)
-    _loops.rls(Phi, Y, theta, P, forgetting, start.trace_bound, (0,) * p, history, errors, traces)
+    pending = nothing_pending(p)
+    _loops.rls(Phi, Y, theta, P, pending, forgetting, start.trace_bound, (0,) * p, history, errors, traces)
+    P = settle(P, pending)
+    traces[-1] = np.trace(P)
     # A NaN or an infinity never leaves theta again: only then is it worth reading the data to see whose it is.
     if not np.isfinite(theta).all():
         as_signal("Y", Y)
@@ -129,7 +146,7 @@ def recursive_armax(
         errors,
         traces,
     )
-    return finish(history, errors, traces, RecursiveState(theta, P, start.trace_bound, phi))
+    return finish(history, errors, traces, RecursiveState(theta, symmetric(P), start.trace_bound, phi))
 
 
 def recursive_instrumental(
@@ -166,21 +183,16 @@ def recursive_instrumental(
     """
     from labsid.estimation import _loops
 
-    if structure.na < 1 or structure.nb < 1 or structure.nc or warm_up < 0:
-        raise ValueError(
-            "structure must be ARX, with past outputs and inputs, and warm_up zero or more; got "
-            f"{structure} and {warm_up}."
-        )
+    check_instrumental(structure, warm_up)
     u, y = _signals(structure, u, y)
     p = structure.parameters
     own_instruments = warm_up if start is None else 0
     start = diffuse_start(p) if start is None else start
     theta, P, memory = resume(start, p, 3 * p)
-    phi, z, stable = memory.reshape(3, p)
     history, errors, traces = room(y.size, p)
     _loops.prepare(y.size)
     kept_back = _loops.recursive_iv(
-        u, y, structure.na, theta, P, phi, z, stable, own_instruments, history, errors, traces
+        u, y, structure.na, theta, P, *memory.reshape(3, p), own_instruments, history, errors, traces
     )
     return finish(history, errors, traces, RecursiveState(theta, P, start.trace_bound, memory), kept_back)
 
@@ -228,11 +240,7 @@ def unsymmetrised_rls(Phi: ArrayLike, Y: ArrayLike, forgetting: float) -> FloatA
 
 
 def _signals(structure: Structure, u: ArrayLike | None, y: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    if structure.delay != 1 and structure.nb:
-        raise ValueError(
-            f"structure must have a delay of 1 here; got {structure.delay}. Shift u by the difference first, with "
-            "shift_back or shift_forward."
-        )
+    check_delay(structure)
     y = as_signal("y", y)
     if u is None and structure.nb:
         raise ValueError(f"u must be given: the {structure.kind} structure has coefficients of it.")

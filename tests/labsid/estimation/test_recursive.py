@@ -508,7 +508,7 @@ interpreted = estimates()
 assert "numba" not in sys.modules
 recursive_least_squares(np.ones((3000, 1)), np.ones(3000))
 assert "numba" in sys.modules
-assert np.max(np.abs(interpreted - estimates())) < 1e-9
+assert np.array_equal(interpreted, estimates())
 """
 
 
