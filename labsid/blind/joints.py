@@ -1,4 +1,7 @@
-"""The row `joints`: joints with laws of friction that the diagnosis does not have, gravity, and limits of the drive."""
+"""The row `joints`: joints with friction of bristles (Dahl, LuGre, growing with the load), gravity, and limits of the drive.
+
+The diagnosis has Dahl's law and the one that grows with the load, simulated otherwise, and not that of LuGre.
+"""
 
 from collections.abc import Sequence
 
