@@ -40,9 +40,9 @@ How a record is labelled:
   only wrong names count. The older metrics, the calibration among them, leave these two rows out.
 - The row `joints` has the joints of `labsid.rig.switchable.joints`: position loops, speed loops and torques with
   friction of bristles (LuGre, Dahl, growing with the load; the diagnosis has the last two, in another simulation),
-  gravity and a limit of the drive, alone and together, and joints without any of them. The best linear model leaves at least 5.2 times the noise,
-  and each effect at least 0.05 of that. Right is to name the one without which the linear model leaves least, and no
-  wrong name above 0.5.
+  gravity and a limit of the drive, alone and together, and joints without any of them. The best linear model leaves
+  at least 5.2 times the noise, and each effect at least 0.05 of that. Right is to name the one without which the linear
+  model leaves least, and no wrong name above 0.5.
 - The row `several` has two or three effects of the table beside one outside it. The first leaves 12 to 40 times the
   noise alone, the others 0.3 to 0.8 times that, the unlisted one 0.08 to 0.2 times; each listed one leaves at least
   three times the noise if it is missing. Half of the records have a second one of the same rig. Right is that every
