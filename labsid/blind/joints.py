@@ -1,7 +1,6 @@
 """The row `joints`: joints with friction of bristles, gravity, and limits of the drive.
 
-Of the laws of friction, the diagnosis has Dahl's and the one that grows with the load, simulated otherwise, and not that
-of LuGre.
+Of the laws of friction, the diagnosis has Dahl's and the one that grows with the load, simulated otherwise.
 """
 
 from collections.abc import Sequence
