@@ -12,11 +12,11 @@ ALLOWED_PACKAGES = ("records", "rig.lab")
 
 ALLOWED_MODULES = (
     "_arrays", "_files", "checks", "checks.causes", "checks.cell_names", "checks.cell_runs", "checks.cells",
-    "checks.compare", "checks.given_lines", "checks.grading_rules", "checks.hints", "checks.kept_tries",
-    "checks.line_values", "checks.matlab_syntax", "checks.notebook", "checks.notebook_ask", "checks.notebook_file",
-    "checks.notebook_tries", "checks.origin_of_values", "checks.permitted", "checks.python_errors", "checks.question",
-    "checks.relations", "checks.stops", "checks.summary", "checks.syntax_trees", "checks.time_limit",
-    "checks.values", "checks.verdict",
+    "checks.compare", "checks.function_reads", "checks.given_lines", "checks.grading_rules", "checks.hints",
+    "checks.kept_tries", "checks.line_values", "checks.matlab_syntax", "checks.matrix_causes", "checks.notebook",
+    "checks.notebook_ask", "checks.notebook_file", "checks.notebook_tries", "checks.origin_of_values",
+    "checks.permitted", "checks.python_errors", "checks.question", "checks.relations", "checks.stops",
+    "checks.summary", "checks.syntax_trees", "checks.time_limit", "checks.values", "checks.verdict",
     "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
     "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "plots.visible",
     "rig", "rig.seeds",

@@ -104,6 +104,7 @@ BOUNDED = {
     "labsid/checks/causes.py": "parts of a line that `parsed_line` has found short and flat",
     "labsid/checks/stops.py": "the same",
     "labsid/checks/line_values.py": "the same",
+    "labsid/checks/matrix_causes.py": "the same",
     "labsid/checks/given_lines.py": "of the release",
     "labsid/checks/syntax_trees.py": "named in its text",
     "autograder/course/definitions.py": "of the course",

@@ -1,0 +1,1 @@
+"""A browser on the pages that students, instructors and engineers see."""
