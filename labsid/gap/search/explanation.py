@@ -148,7 +148,8 @@ def explain(
             levels, path = other_levels, other
     shorter = without_small_steps(clean, path)
     path = path if shorter == path else rather_a_set(clean, levels, shorter)
-    if (len(path) == 2 and is_nuisance(clean, levels[1], path)) or is_rounding_of_log(clean, path[0], path[-1]):
+    is_small = len(path) == 2 and is_nuisance(clean, levels[1], path)
+    if is_small or (len(path) > 1 and is_rounding_of_log(clean, path[0], path[-1])):
         path = path[:1]
     unsimulated = unsimulated_effects(data, clean, faults, path)
     floor = float(np.sqrt(np.mean((data.y - readings)[data.rows] ** 2)))

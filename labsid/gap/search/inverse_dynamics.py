@@ -35,6 +35,7 @@ REVERSAL = 0.05  # of the spread of the speed: width over which the sign of the 
 MIN_PIECE = 60  # samples of a record, which the filter needs
 MIN_TURN = 1e-6  # radians per unit of the simulated position
 LEAST_RATE = 1e-6  # per sample: stiffness and damping are positive
+_LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}
 IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFriction("position"), ForceLimit("position"))}
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
 
@@ -84,61 +85,70 @@ def _pieces(data: Data) -> list[range]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Motion:
-    """Motion of a joint, filtered; time in samples.
+    """Motion of a joint behind one filter; time in samples.
 
     Attributes
     ----------
     data : Data
     position : ndarray, shape (N,)
         In the unit of the simulated position.
-    cutoff : float
-        Of the filter, radians per sample.
+    sections : ndarray
+        Of the filter.
+    speed, acceleration : ndarray, shape (N,)
+        Filtered.
+    columns : dict
+        By coefficient, what its multiples add to the acceleration, filtered.
     """
 
     data: Data
     position: FloatArray
-    cutoff: float
+    sections: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    columns: dict[str, FloatArray]
 
-    def smooth(self, x: FloatArray) -> FloatArray:
-        """A signal without what is faster than the cutoff, and without a shift in time."""
-        sections = butter(2, self.cutoff / np.pi, output="sos")
-        return by_record(x.size, self.data.pieces, lambda own: sosfiltfilt(sections, x[own]))
-
-    def slope(self, x: FloatArray) -> FloatArray:
-        """Change per sample."""
-        return by_record(x.size, self.data.pieces, lambda own: np.gradient(x[own]))
-
-    def fit(self, names: Sequence[str], driving: Sequence[FloatArray], loop: bool) -> tuple[dict[str, float], float]:
-        """Least squares on the acceleration, with what drives the joint: coefficients by name, and the error.
-
-        The first driving signal of a `loop` has a positive coefficient.
-        """
-        speed = self.slope(self.position)
-        moving = self.smooth(speed)
-        columns = [*map(self.smooth, driving), -moving]
-        lower = [LEAST_RATE if loop and not n else -np.inf for n in range(len(driving))] + [LEAST_RATE]
-        labels = [f"drive{n}" for n in range(len(driving))] + ["damping"]
-        if CoulombFriction.name in names:
-            columns.append(-self.smooth(np.tanh(moving / (REVERSAL * np.std(moving)))))
-            lower, labels = [*lower, 0.0], [*labels, "friction"]
-        if Gravity.name in names:
-            angle = np.asarray(self.data.y_scale.back(self.data.y)) / angle_unit(self.data)
-            columns += [-self.smooth(np.sin(angle)), -self.smooth(np.cos(angle))]
-            lower, labels = [*lower, -np.inf, -np.inf], [*labels, "sine", "cosine"]
+    def fit(self, drive: FloatArray, least: float = -np.inf) -> dict[str, float]:
+        """Least squares on the acceleration: coefficients by name, that of the `drive` at `least` so large."""
         rows = np.zeros(self.data.samples, bool)
         for piece in _pieces(self.data):  # not between the records
             rows[piece] = self.data.rows[piece]
-        found = lsq_linear(np.column_stack(columns)[rows], self.smooth(self.slope(speed))[rows], (lower, np.inf))
-        return dict(zip(labels, map(float, found.x), strict=True)), float(found.cost)
+        columns = {"drive": _smooth(self.data, self.sections, drive), **self.columns}
+        lower = [least if name == "drive" else _LEAST[name] for name in columns]
+        found = lsq_linear(np.column_stack([*columns.values()])[rows], self.acceleration[rows], (lower, np.inf))
+        return dict(zip(columns, map(float, found.x), strict=True))
 
-    def initial_states(self, offset: float, unit: float) -> dict[str, float]:
-        """Initial states of each record, of positions from `offset`."""
-        speed = self.smooth(self.slope(self.position)) / np.sqrt(unit)
+    def initial_states(self, offset: float, gain: float, unit: float) -> dict[str, float]:
+        """Initial states of each record, of positions over `gain` from `offset`."""
         found: dict[str, float] = {}
         for number, piece in enumerate(_pieces(self.data), 1):
             place = f" {number}" if number > 1 else ""
-            found |= {f"z0{place}": float(self.position[piece.start] - offset), f"v0{place}": float(speed[piece.start])}
+            found[f"z0{place}"] = float(self.position[piece.start] / gain - offset)
+            found[f"v0{place}"] = float(self.speed[piece.start] / gain / np.sqrt(unit))
         return found
+
+
+def _motion(data: Data, position: FloatArray, cutoff: float, names: Sequence[str]) -> _Motion:
+    """The motion behind a filter without what is faster than `cutoff` (radians per sample)."""
+    sections = butter(2, cutoff / np.pi, output="sos")
+    slope = _slope(data, position)
+    speed = _smooth(data, sections, slope)
+    columns = {"damping": -speed}
+    if CoulombFriction.name in names:
+        columns["friction"] = -_smooth(data, sections, np.tanh(speed / (REVERSAL * np.std(speed))))
+    if Gravity.name in names:
+        angle = np.asarray(data.y_scale.back(data.y)) / angle_unit(data)
+        columns |= {"sine": -_smooth(data, sections, np.sin(angle)), "cosine": -_smooth(data, sections, np.cos(angle))}
+    return _Motion(data, position, sections, speed, _smooth(data, sections, _slope(data, slope)), columns)
+
+
+def _smooth(data: Data, sections: FloatArray, x: FloatArray) -> FloatArray:
+    """A signal behind the filter, without a shift in time, in each record."""
+    return by_record(x.size, data.pieces, lambda own: sosfiltfilt(sections, x[own]))
+
+
+def _slope(data: Data, x: FloatArray) -> FloatArray:
+    """Change per sample, in each record."""
+    return by_record(x.size, data.pieces, lambda own: np.gradient(x[own]))
 
 
 def _loop_starts(context: Context, names: Sequence[str]) -> Iterator[dict[str, float]]:
@@ -149,13 +159,13 @@ def _loop_starts(context: Context, names: Sequence[str]) -> Iterator[dict[str, f
     error = data.u - position
     limits = np.quantile(np.abs(error[data.rows]), LIMIT_QUANTILES) if ForceLimit.name in names else [np.inf]
     for cutoff in CUTOFFS:
-        motion = _Motion(data, position, cutoff)
+        motion = _motion(data, position, cutoff, names)
         for limit in limits:
-            found, _ = motion.fit(names, [np.clip(error, -limit, limit)], loop=True)
-            stiffness, damping = found["drive0"], found["damping"]
+            found = motion.fit(np.clip(error, -limit, limit), LEAST_RATE)
+            stiffness, damping = found["drive"], found["damping"]
             unit = force_unit(damping, stiffness)
             start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "limit": float(limit)}
-            start |= motion.initial_states(float(data.u[0]), unit)
+            start |= motion.initial_states(float(data.u[0]), 1.0, unit)
             start["friction"] = found.get("friction", 0.0) / unit
             if Gravity.name in names:
                 torque, rest = _weight(found)
@@ -170,14 +180,15 @@ def _torque_starts(context: Context, names: Sequence[str]) -> Iterator[dict[str,
     stiffness = context.rates[1] * float(np.exp(SLACK_LOG_STIFFNESS))
     zero = -data.u_scale.centre / data.u_scale.unit  # no torque: a constant beside sine and cosine is not determined
     for cutoff in CUTOFFS:
-        found, _ = _Motion(data, data.y, cutoff).fit(names, [data.u - zero], loop=False)
-        drive, damping = found["drive0"], found["damping"]
+        motion = _motion(data, data.y, cutoff, names)
+        found = motion.fit(data.u - zero)
+        drive, damping = found["drive"], found["damping"]
         unit = force_unit(damping, stiffness)
         gain = drive / unit  # of the scaled output, per unit of the position
         if abs(gain) * data.y_scale.unit / own < MIN_TURN:
             continue
         start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "centre": zero}
-        start |= _Motion(data, data.y / gain, cutoff).initial_states(0.0, unit)
+        start |= motion.initial_states(0.0, gain, unit)
         start["friction"] = found.get("friction", 0.0) / abs(drive)
         if Gravity.name in names:
             torque, rest = _weight(found)
