@@ -30,7 +30,7 @@ check: set-up lint  ## for work in progress, within a minute: style, types, and 
 	@.venv/bin/python -m pytest -n auto -m "not slow" $(PYTEST_ARGS)
 
 lint: set-up  ## style, format and types
-	@.venv/bin/ruff check .
+	@.venv/bin/ruff check --no-cache . # a cached answer can be stale: whose package an import is, depends on other files
 	@.venv/bin/ruff format --check .
 	@.venv/bin/mypy
 

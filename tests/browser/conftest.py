@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from browser.processes import served, wait_until_reachable
 from course_work import ROOT, copy_course
 
 from autograder.course.build import build_course
 from autograder.course.layout import Course
 from autograder.course.release import release_files
+from browser.processes import served, wait_until_reachable
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 from urllib.parse import urljoin
 
 import pytest
-from browser.conftest import LAB, PRELAB, Instructor, Student
-from browser.processes import served, wait_until_reachable
 from gap_reports import report, with_experiment, with_holdout, with_rest
 from signals_reports import signals_report, with_planned_inputs
 
 from autograder.course.layout import Course
+from browser.conftest import LAB, PRELAB, Instructor, Student
+from browser.processes import served, wait_until_reachable
 from labsid.gap.batches.batch_page import write_batch_page
 from labsid.gap.reports.html_report import write_html_report
 
@@ -30,9 +30,10 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="servers are ended by
 def test_a_student_works_in_jupyterlab_and_submits(
     context: "BrowserContext", jupyterlab: str, student: Student
 ) -> None:
+    from playwright.sync_api import expect
+
     from browser.accessibility import problems
     from browser.notebook_page import OWN_PARTS, NotebookPage
-    from playwright.sync_api import expect
 
     page = context.new_page()
     page.goto(jupyterlab)
@@ -119,8 +120,9 @@ Participant 103,Cat Ny,cat@x.edu,cat,No submission,,1.00,-,
 
 
 def test_an_instructor_grades_marks_and_exports(context: "BrowserContext", instructor: Instructor) -> None:
-    from browser.accessibility import PICTURES, problems
     from playwright.sync_api import expect
+
+    from browser.accessibility import PICTURES, problems
 
     home = instructor.home
     (home / "moodle.zip").write_bytes(hand_ins(instructor.course))

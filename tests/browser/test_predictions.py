@@ -12,9 +12,10 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="servers are ended by
 
 
 def test_a_student_predicts_commits_and_sees(context: "BrowserContext", jupyterlab: str) -> None:
+    from playwright.sync_api import expect
+
     from browser.accessibility import PICTURES, problems
     from browser.notebook_page import OWN_PARTS, NotebookPage
-    from playwright.sync_api import expect
 
     page = context.new_page()
     page.goto(jupyterlab)

@@ -1,8 +1,9 @@
 """The site that `make docs` has built, in a browser: axe-core and the width of its pages. Skipped without a build."""
 
 import pytest
-from browser.accessibility import problems_in_either_scheme
 from course_work import ROOT
+
+from browser.accessibility import problems_in_either_scheme
 
 BUILT = ROOT / "build" / "docs" / "html"
 PAGES = (
