@@ -96,7 +96,7 @@ def free_number(
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
-GIVE = Parameter("log_give", -8.0, 6.0, 1e-3, start=-4.0)
+GIVE = Parameter("log_give", -12.0, 6.0, 1e-3, start=-4.0)
 GIVEN_WAY = 1.0  # start of the same for a motor: its way counts in its speed times samples
 FRICTION_LAWS = {
     "": (),

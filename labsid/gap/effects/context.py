@@ -16,6 +16,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.record.data import Data
 
 LOOP_GAINS = (0.15, 3.0)  # in the units of the record, of an output that follows its command: gravity changes it
+LEAST_FOLLOWED = 0.25  # range of such an output over that of its command
 LONG_STEP = 2000  # samples of a simulated step response
 
 
@@ -149,8 +150,11 @@ class Context:
         """Whether the output may be the quantity that the input commands, in its unit, as in a position loop."""
         if self.parent.hypothesis.plant.kind == "given":  # a simulated output answers no other input
             return False
-        gain = self.gain * self.data.y_scale.unit / self.data.u_scale.unit
-        return LOOP_GAINS[0] < gain < LOOP_GAINS[1]
+        per_unit = self.data.y_scale.unit / self.data.u_scale.unit
+        step = self.step
+        gain = float(step[LONG_STEP // 2 :].mean() - step[0]) * per_unit  # the mean, for it may not be damped
+        moves = float(np.ptp(self.data.y[self.data.rows]) / np.ptp(self.data.u)) * per_unit
+        return LOOP_GAINS[0] < gain < LOOP_GAINS[1] and moves > LEAST_FOLLOWED
 
     @property
     def response_time(self) -> float:

@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.fits.fast_least_squares import RIDGE, scaled_gram, solve_least_squares, solve_positive_definite
 from labsid.gap.fits.hypothesis import Design, Hypothesis
-from labsid.gap.fits.known_scales import known_bounds, known_gains, known_values
+from labsid.gap.fits.known_scales import implied_count, known_bounds, known_gains, known_values
 from labsid.gap.fits.noise_model import Noise, fit_noise
 from labsid.gap.record.data import Data
 
@@ -278,6 +278,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     theta, undetermined = hypothesis.completed(point.theta, data.u)
     fixed = hypothesis.plant.follows or hypothesis.plant.stabilised
     known = known_gains(data, hypothesis).size * fixed + len(known_values(data, hypothesis))
+    known += implied_count(hypothesis, point.theta)
     free = point.theta.size - undetermined - known + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     free_run = float(np.mean(e[data.rows] ** 2))

@@ -40,6 +40,28 @@ def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:
     return {place: float(np.log(data.u_scale.unit / (angle_unit(data) or 1.0)))}
 
 
+def implied_count(hypothesis: Hypothesis, theta: FloatArray) -> int:
+    """The number of parameters that follow from others, for the BIC.
+
+    Where a torque drives the joint, the gain is the angle per position in the unit of the record (which
+    `Gravity.is_plausible` requires), and a stiffness at its lower limit is no spring.
+
+    Parameters
+    ----------
+    hypothesis : Hypothesis
+    theta : ndarray, shape (n,)
+
+    Returns
+    -------
+    int
+    """
+    plant = hypothesis.plant
+    if not plant.gravity or plant.follows:
+        return 0
+    place = hypothesis.slices["plant"].start + plant.index("log_k")
+    return 1 + int(theta[place] <= hypothesis.parameters[place].lower)
+
+
 def known_bounds(data: Data, hypothesis: Hypothesis) -> tuple[FloatArray, FloatArray]:
     """Bounds of theta, equal where a parameter is known."""
     known = known_values(data, hypothesis)

@@ -1,8 +1,9 @@
-"""Start values of a joint from its motion, by the inverse dynamics.
+"""Fits of a joint from start values by its inverse dynamics.
 
 The filtered acceleration of a joint is linear in its stiffness, damping, dry friction and weight, once the limit of its
 loop is known. Least squares on it needs no simulation, and so has no local minimum: a search that adds one effect at a
-time can end in one, where an arm stalls between the limit of its drive and its weight.
+time can end in one, where an arm stalls between the limit of its drive and its weight. Where a torque moves the joint
+slowly, it hardly shows the inertia; then the torque in motion gives friction and weight, and several rates are tried.
 
 Source: M. Gautier, "Dynamic identification of robots with power model", IEEE International Conference on Robotics and
 Automation (1997); the filter is the same for all columns, as there.
@@ -10,9 +11,11 @@ Automation (1997); the filter is the same for all columns, as there.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from operator import attrgetter
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
@@ -25,7 +28,7 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS, CoulombFriction
 from labsid.gap.effects.force_limit import ForceLimit
 from labsid.gap.effects.gravity import Gravity, angle_unit
-from labsid.gap.fits.fitting import Fit, Problem, evaluate
+from labsid.gap.fits.fitting import Fit, Problem, descend, evaluate
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import Trial, is_compatible
 
@@ -35,13 +38,21 @@ REVERSAL = 0.05  # of the spread of the speed: width over which the sign of the 
 MIN_PIECE = 60  # samples of a record, which the filter needs
 MIN_TURN = 1e-6  # radians per unit of the simulated position
 LEAST_RATE = 1e-6  # per sample: stiffness and damping are positive
-_LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}
+_LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}  # of each coefficient
 IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFriction("position"), ForceLimit("position"))}
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
+WAYS = (0.01, 0.1)  # radians before a joint slides whose friction gives; a long way makes the error smooth
+ITERATIONS = 25  # of the fit from the best start point of each filter
+STILL = 0.1  # of the spread of the speed: below it friction is not known from the direction of the motion
+MOST_STILL = 0.05  # share of such samples within the filter
+MIN_MOVING = 40  # samples in motion
+FREQUENCIES = (0.003, 0.01, 0.03, 0.1)  # radians per sample: tried rates of small swings,
+DAMPINGS = (0.3, 1.0)  # with these dampings, where the motion is too slow to show them
+LEAST_STIFFNESS = 3e-10  # per squared sample, of the spring that a joint driven by a torque does not have
 
 
 def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> list[Trial]:
-    """Start points of a joint with the named effects, of least error first.
+    """Fits of a joint with the named effects from such start values, of least error first.
 
     Parameters
     ----------
@@ -65,12 +76,31 @@ def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> 
     for effects, starts in ((IN_LOOP, _loop_starts), (BY_TORQUE, _torque_starts)):
         chosen = [effects[name] for name in names if name in effects]
         if len(chosen) == len(names) and all(one.applies(context) and is_compatible(base, one) for one in chosen):
-            hypothesis = base.hypothesis.with_effects((*base.hypothesis.effects, *chosen))
-            problem = Problem(data, hypothesis)
-            common = {"delay": float(base.theta[0])} if not base.hypothesis.delay_is_an_effect else {}
-            thetas = [_theta(hypothesis.parameters, common | start) for start in starts(context, names)]
-            trials += [Trial(problem, point) for point in evaluate(problem, thetas)]
+            at = [list(starts(context, names, cutoff)) for cutoff in CUTOFFS]
+            for laws, ways in _laws(chosen):
+                hypothesis = base.hypothesis.with_effects((*base.hypothesis.effects, *laws))
+                problem = Problem(data, hypothesis)
+                common = {"delay": float(base.theta[0])} if not base.hypothesis.delay_is_an_effect else {}
+                for few in at:
+                    thetas = [_theta(hypothesis.parameters, common | start | _way(start, ways)) for start in few]
+                    best = min(evaluate(problem, thetas), key=attrgetter("cost"), default=None)
+                    trials += [] if best is None else [Trial(problem, descend(problem, best, ITERATIONS))]
     return sorted(trials, key=attrgetter("point.cost"))
+
+
+def _laws(chosen: list[Effect]) -> Iterator[tuple[list[Effect], float]]:
+    """The effects with each law of friction, and the way before the joint slides; zero where it does not give."""
+    yield chosen, 0.0
+    if any(isinstance(one, CoulombFriction) for one in chosen):
+        giving = [
+            CoulombFriction(f"{one.variant}-load-give") if isinstance(one, CoulombFriction) else one for one in chosen
+        ]
+        yield from ((giving, way) for way in WAYS)
+
+
+def _way(start: Mapping[str, float], way: float) -> dict[str, float]:
+    """The parameter of a way in radians."""
+    return {"log_give": float(np.log(way)) - start["log_turn"]} if way else {}
 
 
 def _theta(parameters: Sequence[Parameter], start: Mapping[str, float]) -> FloatArray:
@@ -107,15 +137,46 @@ class _Motion:
     acceleration: FloatArray
     columns: dict[str, FloatArray]
 
-    def fit(self, drive: FloatArray, least: float = -np.inf) -> dict[str, float]:
-        """Least squares on the acceleration: coefficients by name, that of the `drive` at `least` so large."""
+    @property
+    def rows(self) -> NDArray[np.bool_]:
+        """Samples that count, none of them between the records."""
         rows = np.zeros(self.data.samples, bool)
-        for piece in _pieces(self.data):  # not between the records
+        for piece in _pieces(self.data):
             rows[piece] = self.data.rows[piece]
+        return rows
+
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Those of `rows` at which the joint moves: where it rests, friction is any force up to its level."""
+        still = np.abs(self.speed) < STILL * np.std(self.speed)
+        return self.rows & (_smooth(self.data, self.sections, still.astype(np.float64)) < MOST_STILL)
+
+    def fits(self, drive: FloatArray, least: float = -np.inf) -> Iterator[dict[str, float]]:
+        """Least squares on the acceleration, at all samples and in motion: coefficients by name.
+
+        That of the `drive` is at `least` so large.
+        """
         columns = {"drive": _smooth(self.data, self.sections, drive), **self.columns}
         lower = [least if name == "drive" else _LEAST[name] for name in columns]
-        found = lsq_linear(np.column_stack([*columns.values()])[rows], self.acceleration[rows], (lower, np.inf))
-        return dict(zip(columns, map(float, found.x), strict=True))
+        for rows in (self.rows, self.moving):
+            if rows.sum() >= MIN_MOVING:
+                found = lsq_linear(np.column_stack([*columns.values()])[rows], self.acceleration[rows], (lower, np.inf))
+                yield dict(zip(columns, map(float, found.x), strict=True))
+
+    def slow_fits(self, torque: FloatArray, per_radian: float) -> Iterator[dict[str, float]]:
+        """Coefficients as those of `fits`, from friction and weight against the torque in motion, at several rates."""
+        rows = self.moving
+        columns = {name: -one for name, one in self.columns.items() if name != "damping"}
+        if rows.sum() < MIN_MOVING or "sine" not in columns:
+            return
+        against = _smooth(self.data, self.sections, torque)[rows]
+        lower = [_LEAST[name] for name in columns]
+        found = lsq_linear(np.column_stack([*columns.values()])[rows], against, (lower, np.inf)).x
+        forces = dict(zip(columns, map(float, found), strict=True))
+        weight, _ = _weight(forces)
+        for frequency, damping in product(FREQUENCIES, DAMPINGS):
+            drive = frequency**2 / (weight * per_radian)
+            yield {"drive": drive, "damping": 2.0 * damping * frequency} | {n: drive * x for n, x in forces.items()}
 
     def initial_states(self, offset: float, gain: float, unit: float) -> dict[str, float]:
         """Initial states of each record, of positions over `gain` from `offset`."""
@@ -151,50 +212,51 @@ def _slope(data: Data, x: FloatArray) -> FloatArray:
     return by_record(x.size, data.pieces, lambda own: np.gradient(x[own]))
 
 
-def _loop_starts(context: Context, names: Sequence[str]) -> Iterator[dict[str, float]]:
+def _loop_starts(context: Context, names: Sequence[str], cutoff: float) -> Iterator[dict[str, float]]:
     """Parameters of a position loop, whose force is its stiffness times the error, as far as the limit."""
     data = context.data
     scale, own = data.u_scale, angle_unit(data)
     position = np.asarray(scale.of(np.asarray(data.y_scale.back(data.y))))
     error = data.u - position
     limits = np.quantile(np.abs(error[data.rows]), LIMIT_QUANTILES) if ForceLimit.name in names else [np.inf]
-    for cutoff in CUTOFFS:
-        motion = _motion(data, position, cutoff, names)
-        for limit in limits:
-            found = motion.fit(np.clip(error, -limit, limit), LEAST_RATE)
+    motion = _motion(data, position, cutoff, names)
+    for limit in limits:
+        for found in motion.fits(np.clip(error, -limit, limit), LEAST_RATE):
             stiffness, damping = found["drive"], found["damping"]
             unit = force_unit(damping, stiffness)
             start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "limit": float(limit)}
             start |= motion.initial_states(float(data.u[0]), 1.0, unit)
+            start["log_turn"] = float(np.log(scale.unit / own))
             start["friction"] = found.get("friction", 0.0) / unit
             if Gravity.name in names:
                 torque, rest = _weight(found)
                 first = float(scale.back(data.u[0])) / own
-                start |= {"torque": torque / unit, "log_turn": float(np.log(scale.unit / own)), "angle": rest - first}
+                start |= {"torque": torque / unit, "angle": rest - first}
             yield start
 
 
-def _torque_starts(context: Context, names: Sequence[str]) -> Iterator[dict[str, float]]:
+def _torque_starts(context: Context, names: Sequence[str], cutoff: float) -> Iterator[dict[str, float]]:
     """Parameters of a joint that a torque drives, in the unit in which the simulation counts its position."""
-    data, own = context.data, angle_unit(context.data)
-    stiffness = context.rates[1] * float(np.exp(SLACK_LOG_STIFFNESS))
+    data = context.data
+    per_radian = angle_unit(data) / data.y_scale.unit
     zero = -data.u_scale.centre / data.u_scale.unit  # no torque: a constant beside sine and cosine is not determined
-    for cutoff in CUTOFFS:
-        motion = _motion(data, data.y, cutoff, names)
-        found = motion.fit(data.u - zero)
+    motion = _motion(data, data.y, cutoff, names)
+    for found in (*motion.fits(data.u - zero), *motion.slow_fits(data.u - zero, 1.0 / per_radian)):
         drive, damping = found["drive"], found["damping"]
+        stiffness = _weight(found)[0] / per_radian if Gravity.name in names else context.rates[1]
+        stiffness = max(stiffness * float(np.exp(SLACK_LOG_STIFFNESS)), LEAST_STIFFNESS)
         unit = force_unit(damping, stiffness)
         gain = drive / unit  # of the scaled output, per unit of the position
-        if abs(gain) * data.y_scale.unit / own < MIN_TURN:
+        turn = abs(gain) / per_radian
+        if turn < MIN_TURN:
             continue
         start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "centre": zero}
-        start |= motion.initial_states(0.0, gain, unit)
+        start |= motion.initial_states(0.0, gain, unit) | {"log_turn": float(np.log(turn))}
         start["friction"] = found.get("friction", 0.0) / abs(drive)
         if Gravity.name in names:
             torque, rest = _weight(found)
-            turned = rest - data.y_scale.centre / own
+            turned = rest - data.y_scale.centre / data.y_scale.unit / per_radian
             start |= {"torque": torque / abs(drive), "angle": float(np.sign(gain)) * turned}
-            start["log_turn"] = float(np.log(abs(gain) * data.y_scale.unit / own))
         yield start
 
 

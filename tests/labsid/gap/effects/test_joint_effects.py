@@ -1,6 +1,7 @@
 """Gravity, limits in the loop of a drive and friction that grows with the load, against scipy and on records."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,12 +12,12 @@ from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.dynamics import _states
 from labsid.gap.effects.base import Fitted
-from labsid.gap.effects.context import Context
+from labsid.gap.effects.context import Context, unit_step_response
 from labsid.gap.effects.families import CANDIDATES
 from labsid.gap.effects.gravity import DEGREES, Gravity, angle_unit
 from labsid.gap.fits.fitting import fit_from, rms
 from labsid.gap.fits.hypothesis import Hypothesis
-from labsid.gap.fits.known_scales import known_bounds, known_gains
+from labsid.gap.fits.known_scales import implied_count, known_bounds, known_gains
 from labsid.gap.fits.linear_fits import fit_baseline, fit_highpass
 from labsid.gap.model_file import from_json_dict
 from labsid.gap.record.data import scaled
@@ -203,7 +204,19 @@ def test_the_gain_and_the_unit_of_the_angle_of_a_position_loop_are_not_estimated
     assert known_bounds(data, free) is free.bounds
 
 
-@pytest.mark.parametrize(("gain", "range_", "applies"), [(0.5, 1.0, True), (30.0, 1.0, False), (0.5, 0.01, False)])
+def test_without_a_spring_the_gain_and_the_stiffness_are_not_counted() -> None:
+    """Otherwise a softening spring, which counts neither, would win over a pendulum that fits as well."""
+    loop, free = Hypothesis((Gravity(),)), Hypothesis((Gravity("unsprung"),))
+    theta = np.array([one.start for one in free.parameters])
+    assert implied_count(loop, np.array([one.start for one in loop.parameters])) == 0
+    assert implied_count(free, theta) == 1
+    theta[free.slices["plant"].start + free.plant.index("log_k")] = -22.0
+    assert implied_count(free, theta) == 2
+
+
+@pytest.mark.parametrize(
+    ("gain", "range_", "applies"), [(0.5, 1.0, True), (30.0, 1.0, False), (0.5, 0.01, False), (0.2, 2.0, False)]
+)
 def test_gravity_needs_an_angle_that_follows_its_command(
     goal: FloatArray, two_poles: Callable[..., FloatArray], gain: float, range_: float, applies: bool
 ) -> None:
@@ -212,6 +225,20 @@ def test_gravity_needs_an_angle_that_follows_its_command(
     data = scaled(u, gain * two_poles(u) + gain * noise, np.ones(u.size, bool), TS)
     base = fit_baseline(data)
     assert Gravity().applies(Context(data, base, base)) == applies
+
+
+def test_an_output_follows_its_command_also_where_its_linear_model_swings_on(
+    goal: FloatArray, two_poles: Callable[..., FloatArray]
+) -> None:
+    """The value at the end of a step response without damping is one of its phase, and may be negative."""
+    data = scaled(goal, 0.5 * two_poles(goal), np.ones(goal.size, bool), TS)
+    base = fit_baseline(data)
+    for rate in 0.01, 0.02, 0.04:
+        swinging = replace(base, theta=np.array([0.0, -14.0, 2.0 * np.log(rate)]))
+        gains = np.eye(1, base.gains.size)[0]
+        step = unit_step_response(swinging.hypothesis, swinging.theta, gains, 2000)
+        assert np.ptp(step[-1000:]) > 1.5 * step.mean()
+        assert Context(data, replace(swinging, gains=0.5 * gains / step.mean()), base).follows
 
 
 def test_a_set_is_found_in_an_explanation_that_contains_it() -> None:

@@ -1,4 +1,4 @@
-"""Start values by inverse dynamics are those of the simulated joint, before anything is fitted."""
+"""Fits from the inverse dynamics are those of the simulated joint, also where it hardly moves or mostly rests."""
 
 from dataclasses import replace
 
@@ -45,7 +45,7 @@ def _named(trial: Trial) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("unit", [1.0, 180.0 / np.pi], ids=["radians", "degrees"])
-def test_the_joint_of_a_position_loop_is_found_without_a_simulation(unit: float) -> None:
+def test_the_joint_of_a_position_loop_is_found(unit: float) -> None:
     data = _record(LOOP, unit)
     best = _trials(data, "gravity", "coulomb-friction", "force-limit")[0]
     found = _named(best)
@@ -59,14 +59,28 @@ def test_the_joint_of_a_position_loop_is_found_without_a_simulation(unit: float)
 
 
 @pytest.mark.parametrize("turned", [False, True], ids=["same-sign", "turned"])
-def test_the_joint_that_a_torque_drives_is_found_without_a_simulation(turned: bool) -> None:
+def test_the_joint_that_a_torque_drives_is_found(turned: bool) -> None:
     data = _record(TORQUE, turned=turned)
     best = _trials(data, "gravity", "coulomb-friction")[0]
     found = _named(best)
     assert found["torque"] * data.u_scale.unit == pytest.approx(TORQUE.gravity, rel=0.1)
     assert found["friction"] * data.u_scale.unit == pytest.approx(TORQUE.friction, rel=0.3)
     assert np.exp(found["log_c"]) == pytest.approx(TORQUE.damping * TS, rel=0.3)
-    assert np.sqrt(best.point.cost) < 0.3
+    assert np.sqrt(best.point.cost) < 0.01
+
+
+def test_a_joint_that_swings_once_and_slowly_is_found() -> None:
+    """The inertia hardly shows, and friction holds the joint for a third of the record."""
+    t = TS * np.arange(700)
+    command = 22.0 * np.sin(0.9 * t)
+    angle = run_joint(TORQUE, command, TS, TORQUE.rest)[:, 0]
+    noisy = angle + 0.005 * np.std(angle) * np.random.default_rng(2).standard_normal(t.size)
+    data = scaled(command, noisy, np.ones(t.size, bool), TS)
+    best = _trials(data, "gravity", "coulomb-friction")[0]
+    found = _named(best)
+    assert found["torque"] * data.u_scale.unit == pytest.approx(TORQUE.gravity, rel=0.15)
+    assert found["friction"] * data.u_scale.unit == pytest.approx(TORQUE.friction, rel=0.3)
+    assert np.sqrt(best.point.cost) < 0.02
 
 
 def test_each_record_has_its_own_initial_states() -> None:
@@ -80,8 +94,8 @@ def test_each_record_has_its_own_initial_states() -> None:
     trials = joint_trials(data, base, fit_highpass(data, base), ("gravity", "coulomb-friction", "force-limit"))
     found = _named(trials[0])
     position = data.u_scale.of(np.asarray(data.y_scale.back(data.y)))
-    assert found["z0 2"] == pytest.approx(position[second] - data.u[0])
-    assert found["z0"] == pytest.approx(position[0] - data.u[0])
+    assert found["z0 2"] == pytest.approx(position[second] - data.u[0], abs=0.01)
+    assert found["z0"] == pytest.approx(position[0] - data.u[0], abs=0.01)
     slope = np.polyfit(np.arange(15), position[second : second + 15], 1)[0]
     unit = force_unit(np.exp(found["log_c"]), np.exp(found["log_k"]))
     assert found["v0 2"] * np.sqrt(unit) == pytest.approx(slope, rel=0.3)
