@@ -255,7 +255,7 @@ def simulate_mass(
     held = 0.0  # force of the bristles
     if stiff > 0.0 and v == 0.0:
         held = w[0] - k * z - torque * math.sin(turn * z - angle)
-        held = math.copysign(min(abs(held), friction), held)
+        held = math.copysign(min(abs(held), friction + peak), held)
     for n in range(w.size):
         if pace is not None:
             k = constant * pace[n]
@@ -295,7 +295,8 @@ def simulate_mass(
             if dry > 0.0 and smooth > 0.0:
                 z, v = _slide(z, v, force, damping, stiffness, dry, smooth, h)
             elif dry > 0.0 and stiff > 0.0:
-                z, v, held = _bend(z, v, force, damping, stiffness, dry, stiff, held, h)
+                level = sliding_friction(v, dry, peak, decay)
+                z, v, held = _bend(z, v, force, damping, stiffness, level, stiff, held, h)
             elif dry > 0.0:
                 if v > 0.0:
                     sign = 1.0
@@ -404,7 +405,8 @@ def simulate_motor(
             if smooth > 0.0:
                 v = _slide_motor(v, drive, rate, dry, smooth, h, keep)
             elif stiff > 0.0 and dry > 0.0:
-                _, v, held = _bend(0.0, v, a * drive, rate, 0.0, a * dry, a * stiff, held, h)
+                level = a * sliding_friction(v, dry, top, decay)
+                _, v, held = _bend(0.0, v, a * drive, rate, 0.0, level, a * stiff, held, h)
             elif sign != 0.0:
                 rest = drive - sign * sliding_friction(v, dry, top, decay)
                 v = rest + (v - rest) * keep

@@ -98,6 +98,10 @@ FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
 GIVE = Parameter("log_give", -12.0, 6.0, 1e-3, start=-4.0)
 GIVEN_WAY = 1.0  # start of the same for a motor: its way counts in its speed times samples
+PEAK = (
+    Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
+    Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
+)
 FRICTION_LAWS = {
     "": (),
     "sharp": (FRICTION,),
@@ -105,14 +109,11 @@ FRICTION_LAWS = {
         FRICTION,
         Parameter("log_smooth", -5.0, 0.0, 1e-3, start=-2.3),
     ),
-    "peak": (
-        FRICTION,
-        Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
-        Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
-    ),
+    "peak": (FRICTION, *PEAK),
     "load": (FRICTION, LOAD_SHARE),
     "give": (FRICTION, GIVE),
     "load-give": (FRICTION, LOAD_SHARE, GIVE),
+    "peak-give": (FRICTION, *PEAK, GIVE),
 }
 """Parameters of friction, and of its law: logarithms of small speeds over the one that a unit of the drive gives, the
 excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, and the
@@ -162,7 +163,7 @@ class PlantForm:
         Whether a larger input means less flow.
     friction : str
         Dry friction: "sharp", "smooth" about rest, with a "peak" that breaks away, growing with the "load", with a
-        "give" before it slides, or the last two, "load-give"; empty without it.
+        "give" before it slides, or two of these, "load-give" or "peak-give"; empty without it.
     drag, cubic : bool
         Resistance with the square of the speed, cubic restoring force.
     gravity : bool

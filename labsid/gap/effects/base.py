@@ -86,7 +86,8 @@ class Effect:
     @property
     def bic_penalty(self) -> float:
         """Smallest BIC gain over a simpler form; zero for the simplest one."""
-        return RICHER_FORM_BIC if self.variant in chain(*self.richer.values()) else 0.0
+        plain = self.plain_form
+        return 0.0 if plain is None else RICHER_FORM_BIC + plain.bic_penalty
 
     @property
     def plain_form(self) -> "Effect | None":

@@ -266,7 +266,8 @@ class CoulombFriction(PlantEffect):
 
     `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
     "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), "-load" grows
-    with the force that the gear transmits, and with "-give" the bodies give way before they slide (Dahl's law).
+    with the force that the gear transmits, and with "-give" the bodies give way before they slide (Dahl's law), with
+    "-peak-give" more of it at rest.
     """
 
     name = "coulomb-friction"
@@ -274,7 +275,7 @@ class CoulombFriction(PlantEffect):
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
         place: tuple(f"{place}-{law}" for law in LAWS) for place in variants
-    }
+    } | {f"{place}-give": (f"{place}-peak-give",) for place in variants}
     places = ("speed", "speed-lag")
     planted_variants = ("position", "speed")
 
@@ -285,7 +286,7 @@ class CoulombFriction(PlantEffect):
 
     @property
     def law(self) -> str:
-        """Of the friction: sharp, or one of `LAWS`."""
+        """Of the friction: sharp, one of `LAWS`, or "peak-give"."""
         return self.variant[len(self.place) + 1 :] or "sharp"
 
     def applies(self, context: Context) -> bool:
@@ -319,7 +320,7 @@ class CoulombFriction(PlantEffect):
         """`friction` in units of the input; with a peak, `break_away`; with the load, its share `load`."""
         unit, friction = fit.command_unit, fit.value("friction")
         found = {"friction": Value(friction * unit, "u")}
-        if self.law == "peak":
+        if "peak" in self.law:
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
         if "load" in self.law:
             found["load"] = Value(fit.value("load_share"), "1")

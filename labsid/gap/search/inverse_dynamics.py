@@ -41,7 +41,8 @@ LEAST_RATE = 1e-6  # per sample: stiffness and damping are positive
 _LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}  # of each coefficient
 IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFriction("position"), ForceLimit("position"))}
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
-WAYS = (0.01, 0.1)  # radians before a joint slides whose friction gives; a long way makes the error smooth
+GIVING = ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # laws, with the way before the joint slides
+# (radians): a long way makes the error smooth
 ITERATIONS = 25  # of the fit from the best start point of each filter
 STILL = 0.1  # of the spread of the speed: below it friction is not known from the direction of the motion
 MOST_STILL = 0.05  # share of such samples within the filter
@@ -92,10 +93,14 @@ def _laws(chosen: list[Effect]) -> Iterator[tuple[list[Effect], float]]:
     """The effects with each law of friction, and the way before the joint slides; zero where it does not give."""
     yield chosen, 0.0
     if any(isinstance(one, CoulombFriction) for one in chosen):
-        giving = [
-            CoulombFriction(f"{one.variant}-load-give") if isinstance(one, CoulombFriction) else one for one in chosen
-        ]
-        yield from ((giving, way) for way in WAYS)
+        for law, way in GIVING:
+            yield (
+                [
+                    CoulombFriction(f"{one.variant}-{law}") if one.name == CoulombFriction.name else one
+                    for one in chosen
+                ],
+                way,
+            )
 
 
 def _way(start: Mapping[str, float], way: float) -> dict[str, float]:

@@ -268,6 +268,26 @@ def test_a_mass_with_friction_that_gives(goal: FloatArray, law: str, share: floa
     assert error(0.0) > 15.0 * bent
 
 
+def test_a_mass_whose_friction_gives_and_is_larger_at_rest() -> None:
+    """Against the LuGre model of the rigs, whose bristles are damped; each half of the law alone is worse."""
+    t = TS * np.arange(2000)
+    goal = 0.8 * np.sin(1.1 * t) + 0.4 * np.sin(2.3 * t + 1.0)
+    joint = Joint("position", gain=64.0, damping=9.6, law="lugre", friction=4.0, excess=0.6)
+    expected = run_joint(joint, goal, TS, float(goal[0]))[:, 0] - goal[0]
+    k, c, friction = joint.gain * TS**2, joint.damping * TS, joint.friction * TS**2
+
+    def error(peak: float, stiff: float) -> float:
+        law = (0.0, peak * friction, joint.stribeck * TS)
+        own = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0, stiff)
+        drive = k * (goal - goal[0])
+        found = _states.simulate_mass(drive, c, k, friction, 0.0, 0.0, 0.0, 4, law=law, joint=own)[:, 0]
+        return float(np.sqrt(np.mean((found - expected) ** 2)))
+
+    both = error(0.6, friction / SLIP)
+    assert both < 2e-3
+    assert min(error(0.0, friction / SLIP), error(0.6, 0.0)) > 2.0 * both
+
+
 def test_a_motor_with_friction_that_gives(goal: FloatArray) -> None:
     joint = Joint("speed", gain=8.0, damping=0.4, law="dahl", friction=2.0)
     expected = run_joint(joint, goal, TS)[:, 1]
