@@ -28,7 +28,7 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS, CoulombFriction
 from labsid.gap.effects.force_limit import ForceLimit
 from labsid.gap.effects.gravity import Gravity, angle_unit
-from labsid.gap.fits.fitting import Fit, Problem, descend, evaluate
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import Trial, is_compatible
 
@@ -78,14 +78,11 @@ def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> 
         chosen = [effects[name] for name in names if name in effects]
         if len(chosen) == len(names) and all(one.applies(context) and is_compatible(base, one) for one in chosen):
             at = [list(starts(context, names, cutoff)) for cutoff in CUTOFFS]
-            for laws, ways in _laws(chosen):
-                hypothesis = base.hypothesis.with_effects((*base.hypothesis.effects, *laws))
-                problem = Problem(data, hypothesis)
-                common = {"delay": float(base.theta[0])} if not base.hypothesis.delay_is_an_effect else {}
-                for few in at:
-                    thetas = [_theta(hypothesis.parameters, common | start | _way(start, ways)) for start in few]
-                    best = min(evaluate(problem, thetas), key=attrgetter("cost"), default=None)
-                    trials += [] if best is None else [Trial(problem, descend(problem, best, ITERATIONS))]
+            common = {"delay": float(base.theta[0])} if not base.hypothesis.delay_is_an_effect else {}
+            for laws, way in _laws(chosen):
+                problem = Problem(data, base.hypothesis.with_effects((*base.hypothesis.effects, *laws)))
+                best = (_best_of(problem, [common | start | _way(start, way) for start in few]) for few in at)
+                trials += [Trial(problem, descend(problem, one, ITERATIONS)) for one in best if one is not None]
     return sorted(trials, key=attrgetter("point.cost"))
 
 
@@ -93,14 +90,12 @@ def _laws(chosen: list[Effect]) -> Iterator[tuple[list[Effect], float]]:
     """The effects with each law of friction, and the way before the joint slides; zero where it does not give."""
     yield chosen, 0.0
     if any(isinstance(one, CoulombFriction) for one in chosen):
-        for law, way in GIVING:
-            yield (
-                [
-                    CoulombFriction(f"{one.variant}-{law}") if one.name == CoulombFriction.name else one
-                    for one in chosen
-                ],
-                way,
-            )
+        yield from (([_giving(one, law) for one in chosen], way) for law, way in GIVING)
+
+
+def _giving(effect: Effect, law: str) -> Effect:
+    """Friction of another law, any other effect as it is."""
+    return CoulombFriction(f"{effect.variant}-{law}") if isinstance(effect, CoulombFriction) else effect
 
 
 def _way(start: Mapping[str, float], way: float) -> dict[str, float]:
@@ -111,6 +106,12 @@ def _way(start: Mapping[str, float], way: float) -> dict[str, float]:
 def _theta(parameters: Sequence[Parameter], start: Mapping[str, float]) -> FloatArray:
     """Theta with the named values, within the bounds."""
     return np.array([np.clip(start.get(one.name, one.start), one.lower, one.upper) for one in parameters])
+
+
+def _best_of(problem: Problem, starts: Sequence[Mapping[str, float]]) -> Point | None:
+    """The start of least error; None if none can be simulated."""
+    points = evaluate(problem, [_theta(problem.hypothesis.parameters, start) for start in starts])
+    return min(points, key=attrgetter("cost"), default=None)
 
 
 def _pieces(data: Data) -> list[range]:
