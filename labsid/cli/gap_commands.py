@@ -27,7 +27,7 @@ gap = typer.Typer(
     help="Diagnose the gap between a simulation and a rig, and correct the simulation.",
 )
 
-_OUTPUT_OPTIONS = ("json_file", "html", "export")
+_OUTPUT_OPTIONS = ("json_file", "html", "export", "why")
 
 Inputs = Annotated[str | None, typer.Option(metavar="NAME", help="The actuator of FILE.xml, or columns.")]
 Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="The joint or sensor of FILE.xml, or columns.")]
@@ -89,6 +89,9 @@ def diagnose(
         str | None,
         typer.Option(metavar="U,Y", help="Units of input and output, or of all signals in order, such as V,mm."),
     ] = None,
+    why: Annotated[
+        bool, typer.Option("--why", help="Also print each gate of the verdict, and what was not taken.")
+    ] = False,
     seed: Seed = 0,
     holdout_columns: Annotated[
         str | None, typer.Option(metavar="NAMES", help="Columns of RECORD2, if different.")
@@ -121,6 +124,10 @@ def diagnose(
     if holdout is not None:
         other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
     several = any(record.several for record in loaded)
+    if several and why:
+        raise ValueError(
+            "--why explains the verdict of one input and one output. Choose one of each by --inputs and --outputs."
+        )
     if several and export is not None and export.suffix.lower() not in (".json", ".py"):
         raise ValueError(f"a simulation of several signals is exported as .json or .py; got {export}.")
     stated = None if units is None or several else _units(units)
@@ -149,6 +156,11 @@ def diagnose(
 
         write_html_report(html, report)
     print(found.with_report(report))
+    if why and isinstance(found, diagnosis.Diagnosis):
+        from labsid.cli.gap_why import format_why
+        from labsid.gap.verdict.gates import explain_verdict
+
+        print(format_why(explain_verdict(found.answer)))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
         if isinstance(found, diagnosis.Diagnosis):
             _write_simulation(export, found)

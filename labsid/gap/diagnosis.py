@@ -485,7 +485,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     measured = (prepared.measured, prepared.holdout_measured)
     report["replay"] = None if stabilised else replay_content(record, inside, measured, answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
-    return Diagnosis(report, model)
+    return Diagnosis(report, model, answer)
 
 
 def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:

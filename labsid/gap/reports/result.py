@@ -10,6 +10,7 @@ from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.html_report import render_html
 from labsid.gap.reports.page_parts import in_frame
 from labsid.gap.reports.text_report import format_report
+from labsid.gap.verdict.answer import Answer
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -24,10 +25,13 @@ class Diagnosis:
         In the layout ``labsid.gap/4``; ``--json`` writes it.
     model : ExportedModel
         The simulation with the effects added; ``--export`` writes it.
+    answer : Answer
+        What the report was made of; `labsid.gap.verdict.gates.explain_verdict` explains it.
     """
 
     report: dict[str, Any]
     model: ExportedModel
+    answer: Answer
 
     @property
     def verdict(self) -> str:

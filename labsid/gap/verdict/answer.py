@@ -36,7 +36,7 @@ from labsid.gap.verdict.decision import (
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
 from labsid.gap.verdict.novelty import Novelty, measure_novelty
-from labsid.gap.verdict.scores import GapScore, closed_share, is_gap_elsewhere, score_fits
+from labsid.gap.verdict.scores import ErrorElsewhere, GapScore, closed_share, error_elsewhere, score_fits
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
@@ -62,6 +62,34 @@ class Complete:
     names: tuple[str, ...]
     confidence: float
     evidence: Evidence
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DecisionSteps:
+    """What the verdict was decided from, in this order; `labsid.gap.verdict.gates` explains it.
+
+    Attributes
+    ----------
+    searched : Explanation
+        Result of the beam search.
+    discarded : GapScore or None
+        Its score, if it was discarded because it does not reduce the error on held-out samples.
+    whole : GapScore
+        Score of the explanation whose confidence was computed: without effects if that of the search was discarded.
+    elsewhere : ErrorElsewhere or None
+        Error on the holdout, if the record shows no gap.
+    search : HeldOutSearch or None
+        The effects that pay on held-out samples, if the explanation as a whole was not accepted.
+    named : Decision
+        Before the limits of what may be claimed.
+    """
+
+    searched: Explanation
+    discarded: GapScore | None
+    whole: GapScore
+    elsewhere: ErrorElsewhere | None
+    search: HeldOutSearch | None
+    named: Decision
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,6 +129,8 @@ class Answer:
         Which samples of another record determine its initial state.
     corrected : float or None
         Rms of what the correction of an unstable rig moves the output, over that of what the input moves it.
+    steps : DecisionSteps
+        What the verdict was decided from.
     on_other : tuple of Data and two Fits, or None
         If the record shows no gap and the holdout does: the holdout, with the simulations before and after. `remaining`
         and `left` are then those on the holdout.
@@ -123,6 +153,7 @@ class Answer:
     fits: dict[tuple[str, ...], Fit]
     start: RecordStart
     corrected: float | None
+    steps: DecisionSteps
     on_other: tuple[Data, Fit, Fit] | None = None
 
     @property
@@ -176,6 +207,7 @@ class _Comparison:
     before: _Before
     score: GapScore
     left: ResidualMeasures
+    discarded: GapScore | None = None
 
 
 def answer_from(
@@ -219,7 +251,8 @@ def answer_from(
     setting = _Setting(record, base, fitted, other, given, rng, measured, start, further)
     whole, complete = _complete(setting, explanation)
     decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
-    elsewhere = decision.verdict == "none" and other is not None and _is_gap_elsewhere(setting, explanation)
+    outside = _error_elsewhere(setting, explanation) if decision.verdict == "none" and other is not None else None
+    elsewhere = outside is not None and outside.is_gap
     if elsewhere:
         decision = replace(decision, verdict="unknown", ambiguous=())
     elif decision.verdict == "unknown" and is_rounding_of_log(explanation.data, explanation.path[0], explanation.best):
@@ -227,11 +260,13 @@ def answer_from(
     if decision.verdict == "unknown":
         part, search = _partial(setting, explanation, progress, elsewhere)
         decision = decide_partial(search, decision, bool(about_clipping(record.y)))
-        found = _answer(part, complete, decision, search)
+        steps = DecisionSteps(explanation, whole.discarded, whole.score, outside, search, decision)
+        found = _answer(part, complete, steps)
         return _on_other(found, part) if elsewhere else found
+    steps = DecisionSteps(explanation, whole.discarded, whole.score, outside, None, decision)
     if len(whole.explanation.path) == 1:  # no simulated effect was added
         whole = replace(whole, score=replace(whole.score, closed=None, ci95=None))
-    return _answer(whole, complete, decision)
+    return _answer(whole, complete, steps)
 
 
 def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison, Complete]:
@@ -243,7 +278,7 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
     if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
         found, without = _complete(setting, replace(explanation, path=explanation.path[:1]))
         gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
-        return found, replace(without, confidence=0.0) if gap else without
+        return replace(found, discarded=score), replace(without, confidence=0.0) if gap else without
     found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))
     outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
     rows = explanation.data.rows
@@ -261,10 +296,10 @@ def _predictable(explanation: Explanation) -> float:
     return predictable_share(explanation.data, explanation.best)
 
 
-def _is_gap_elsewhere(setting: _Setting, explanation: Explanation) -> bool:
-    """Whether the holdout shows a gap, where the record shows none."""
+def _error_elsewhere(setting: _Setting, explanation: Explanation) -> ErrorElsewhere:
+    """The error on the holdout, where the record shows no gap."""
     before = _before(setting, explanation, as_fitted=True)
-    return is_gap_elsewhere(before.held_out, before.output, explanation.path[0])
+    return error_elsewhere(before.held_out, before.output, explanation.path[0])
 
 
 def _partial(
@@ -304,10 +339,10 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
     return not any(isinstance(effect, AdditiveEffect) for effect in explanation.best.hypothesis.found)
 
 
-def _answer(found: _Comparison, complete: Complete, decision: Decision, search: HeldOutSearch | None = None) -> Answer:
-    explanation, score = found.explanation, found.score
+def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Answer:
+    explanation, score, search = found.explanation, found.score, steps.search
     novelty = measure_novelty(explanation.data, explanation.path[0])
-    decision = without_curve_of_switch(decision, explanation.data, explanation.best)
+    decision = without_curve_of_switch(steps.named, explanation.data, explanation.best)
     decision = without_stand_ins(decision, explanation.best)
     corrected = corrected_share(explanation.data, explanation.best)
     if decision.verdict == "effect" and corrected is not None and corrected > MOST_CORRECTED:
@@ -331,6 +366,7 @@ def _answer(found: _Comparison, complete: Complete, decision: Decision, search: 
         fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
         start=found.before.held_out.start,
         corrected=corrected,
+        steps=steps,
     )
 
 

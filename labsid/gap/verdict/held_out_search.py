@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, fit_from, mean_square
 from labsid.gap.fits.linear_fits import fit_highpass
 from labsid.gap.record.data import Data
@@ -98,6 +99,25 @@ class Step:
     missed: float = 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """Whether every effect of a combination pays.
+
+    Attributes
+    ----------
+    weakest : str
+        The effect without which the error grows least.
+    reduction : Reduction
+        What it reduces.
+    kept : bool
+        Whether it pays, by itself or together with the effects of its set.
+    """
+
+    weakest: str
+    reduction: Reduction
+    kept: bool
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class HeldOutSearch:
     """Result of `search_held_out`.
@@ -114,6 +134,11 @@ class HeldOutSearch:
         Of a given simulation: what other values of its parameters reduce, if that pays.
     fits : dict
         By sorted names: the fit of every combination tried.
+    totals : dict
+        By sorted names: `Candidate.total` of every combination tried.
+    judged : dict
+        By sorted names: the combinations whose effects were examined; of a given simulation also other values of its
+        parameters, as `parameter-mismatch`.
     """
 
     steps: tuple[Step, ...]
@@ -121,6 +146,8 @@ class HeldOutSearch:
     elsewhere: Fit | None
     mismatch: Reduction | None = None
     fits: dict[tuple[str, ...], Fit] = field(default_factory=dict)
+    totals: dict[tuple[str, ...], float] = field(default_factory=dict)
+    judged: dict[tuple[str, ...], Judgement] = field(default_factory=dict)
 
 
 class _Pool:
@@ -138,6 +165,7 @@ class _Pool:
         self.removed: set[tuple[Fit, str]] = set()  # effects of a fit without which it has been refitted
         self.blocks = hold_out(self.data, None) if held_out.other is not None else None
         self.on_blocks: dict[Fit, FloatArray] = {}
+        self.judged: dict[tuple[str, ...], Judgement] = {}
 
     def add(self, fits: Iterable[Fit]) -> None:
         """Keep the fits that are the best of their names; none where the budget of runs did not suffice for its fit."""
@@ -231,6 +259,8 @@ def search_held_out(
     refitted = held_out.errors(start) if given else before
     mismatch = compare_errors(before, refitted)
     pool = _Pool(held_out, start, min(before, refitted, key=np.sum), progress)
+    if given:
+        pool.judged[MISMATCH,] = Judgement(MISMATCH, mismatch, mismatch.pays)
     for number, level in enumerate(explanation.levels[1:]):
         fits = sorted(level.values(), key=lambda fit: mean_square(explanation.data, fit))
         pool.add(held_out.refit(fit) for fit in (fits if number == 0 else fits[:COMPARED]))
@@ -252,7 +282,15 @@ def search_held_out(
         elsewhere = _paying(pool, min(lasting, key=lambda one: one.total)).fit
     every = {tuple(sorted(names)): one.fit for names, one in pool.best.items()}
     steps = _steps(pool, best, explanation.best.hypothesis.names)
-    return HeldOutSearch(steps, tried, elsewhere, mismatch if mismatch.pays else None, every)
+    return HeldOutSearch(
+        steps,
+        tried,
+        elsewhere,
+        mismatch if mismatch.pays else None,
+        every,
+        {tuple(sorted(names)): one.total for names, one in pool.best.items() if names},
+        pool.judged,
+    )
 
 
 def _plain_fits(data: Data, fits: Iterable[Fit]) -> Iterator[Fit]:
@@ -281,17 +319,18 @@ def _paying(pool: _Pool, candidate: Candidate) -> Candidate:
     while candidate.names:
         name, fewer = _least_missed(pool, candidate)
         found = pool.reduction(fewer, candidate)
-        if found.pays:
-            return candidate
-        together = set_around(name, candidate.names)
-        if (
-            found.factor < MAX_FACTOR
-            and together
-            and pool.reduction(_without_all(pool, candidate, together), candidate).pays
-        ):
+        kept = found.pays or (found.factor < MAX_FACTOR and _pays_as_a_set(pool, candidate, name))
+        pool.judged[tuple(sorted(candidate.names))] = Judgement(name, found, kept)
+        if kept:
             return candidate
         candidate = fewer
     return candidate
+
+
+def _pays_as_a_set(pool: _Pool, candidate: Candidate, name: str) -> bool:
+    """Whether an effect belongs to a set whose effects together pay."""
+    together = set_around(name, candidate.names)
+    return bool(together) and pool.reduction(_without_all(pool, candidate, together), candidate).pays
 
 
 def _without_all(pool: _Pool, candidate: Candidate, names: frozenset[str]) -> Candidate:

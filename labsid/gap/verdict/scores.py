@@ -84,8 +84,30 @@ def score_fits(held_out: HeldOut, before: FloatArray, after: Fit, rng: np.random
     )
 
 
-def is_gap_elsewhere(held_out: HeldOut, before: FloatArray, fit: Fit) -> bool:
-    """Whether the error of a simulation on another record is more than noise, where the record shows no gap.
+@dataclass(frozen=True, slots=True)
+class ErrorElsewhere:
+    """Error of a simulation on another record, where the record that it was fitted to shows no gap.
+
+    Attributes
+    ----------
+    error, noise : float
+        Mean squares, scaled.
+    limit : float
+        The largest mean square that is no gap: `NO_GAP_ELSEWHERE` of the noise, or `CERTAIN` standard errors above it.
+    """
+
+    error: float
+    noise: float
+    limit: float
+
+    @property
+    def is_gap(self) -> bool:
+        """Whether the error is more than noise."""
+        return self.error > self.limit
+
+
+def error_elsewhere(held_out: HeldOut, before: FloatArray, fit: Fit) -> ErrorElsewhere:
+    """Compare the error of a simulation on another record with noise, where the record shows no gap.
 
     The mean squares of the noise in blocks of the record say how far that of another record may differ by chance.
 
@@ -105,7 +127,7 @@ def is_gap_elsewhere(held_out: HeldOut, before: FloatArray, fit: Fit) -> bool:
     noise = max(held_out.expected(fit) or 0.0, noise_power(data, fit))
     error = float(np.mean((held_out.measured - before)[held_out.scored] ** 2))
     spread = float(np.std(power, ddof=1)) * np.sqrt(1.0 / power.size + e.size / power.size / scored)
-    return error > max(NO_GAP_ELSEWHERE**2 * noise, noise + CERTAIN * spread)
+    return ErrorElsewhere(error, noise, float(max(NO_GAP_ELSEWHERE**2 * noise, noise + CERTAIN * spread)))
 
 
 def closed_share(before: float, after: float, floor: float) -> float | None:

@@ -74,6 +74,28 @@ def written(tmp_path, write_rig_record, plain):
     return write
 
 
+# What is explained ----------------------------------------------------------------------------------------
+
+
+def test_why_follows_the_report_and_changes_nothing(labsid, record, tmp_path):
+    """`--why` prints the gates after the same report; the JSON, its command line included, is the same."""
+    status, plain, err = labsid("diagnose", record, "--json", "plain.json")
+    explained = labsid("diagnose", record, "--why", "--json", "why.json")
+    assert (status, err, explained[0], explained[2]) == (0, "", 0, "")
+    assert explained[1].startswith(plain)
+    assert "[verdict/decision.MIN_CONFIDENCE]" in explained[1].removeprefix(plain)
+    assert explained[1].rstrip().endswith("Verdict none: no gap beyond noise.")
+    assert (tmp_path / "why.json").read_text() == (tmp_path / "plain.json").read_text()
+
+
+def test_why_is_refused_for_several_signals(refused, tmp_path):
+    """In one line, before the search, with what to type instead."""
+    rows = np.random.default_rng(0).standard_normal((100, 3)).tolist()
+    lines = [",".join(map(repr, [0.1 * k, *row])) for k, row in enumerate(rows)]
+    (tmp_path / "two.csv").write_text("\n".join(["t,u1,u2,y", *lines]))
+    refused("Choose one of each by --inputs and --outputs", "diagnose", "two.csv", "--why")
+
+
 # What is written ------------------------------------------------------------------------------------------
 
 
