@@ -124,10 +124,6 @@ def diagnose(
     if holdout is not None:
         other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
     several = any(record.several for record in loaded)
-    if several and why:
-        raise ValueError(
-            "--why explains the verdict of one input and one output. Choose one of each by --inputs and --outputs."
-        )
     if several and export is not None and export.suffix.lower() not in (".json", ".py"):
         raise ValueError(f"a simulation of several signals is exported as .json or .py; got {export}.")
     stated = None if units is None or several else _units(units)
@@ -144,6 +140,7 @@ def diagnose(
             exclude=excluded,
             seed=seed,
             evaluations=evaluations,
+            why=why,
             progress=progress,
         )
     report = found.report | {"command": _command_line(context)}
@@ -156,11 +153,10 @@ def diagnose(
 
         write_html_report(html, report)
     print(found.with_report(report))
-    if why and isinstance(found, diagnosis.Diagnosis):
+    if isinstance(found, diagnosis.Diagnosis) and found.why is not None:
         from labsid.cli.gap_why import format_why
-        from labsid.gap.verdict.gates import explain_verdict
 
-        print(format_why(explain_verdict(found.answer)))
+        print(format_why(found.why))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
         if isinstance(found, diagnosis.Diagnosis):
             _write_simulation(export, found)

@@ -61,6 +61,7 @@ from labsid.gap.verdict.several_records import (
     label,
     score_by_record,
 )
+from labsid.gap.verdict.why import explain_verdict
 from labsid.lab.findings import Finding
 from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.records.several_signals import one_signal_each
@@ -85,6 +86,7 @@ def diagnose(
     exclude: Sequence[tuple[float, float]] = (),
     seed: int = 0,
     evaluations: int | None = None,
+    why: bool = False,
     progress: Progress | None = None,
 ) -> Diagnosis | SignalsDiagnosis:
     """Find where a simulation and a rig disagree, which effects cause it, and the share of the gap that they close.
@@ -115,6 +117,9 @@ def diagnose(
     evaluations : int, optional
         Largest number of runs of a given simulation, after which the search ends with what it has found; scoring that
         takes a few dozen more. No limit by default: a search usually takes one to ten thousand.
+    why : bool
+        Whether `Diagnosis.why` explains the verdict: each of its gates, and why the best other combinations of effects
+        were not taken.
     progress : callable, optional
         Called with a description of the current step and the completed share. By default a notebook shows a bar.
 
@@ -126,7 +131,7 @@ def diagnose(
     ------
     ValueError
         If the record is too short, its input or output is constant, or the simulation does not match the record; if
-        there is a number of evaluations, but no simulation that is run.
+        there is a number of evaluations, but no simulation that is run; if `why` is asked for of several signals.
 
     Notes
     -----
@@ -134,7 +139,7 @@ def diagnose(
     """
     records = [record] if isinstance(record, Record) else record
     if any(one.several for one in records):
-        _check_several_signals(records, simulation is not None, evaluations)
+        _check_several_signals(records, simulation is not None, evaluations, why)
         with _on_one_thread(progress) as said:
             return diagnose_signals(
                 records[0],
@@ -164,7 +169,7 @@ def diagnose(
             explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
         if undecided:
             prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
-        return _in_units(_report(prepared, explanation, seed, progress), records[0].units)
+        return _in_units(_report(prepared, explanation, seed, progress, why), records[0].units)
 
 
 @contextmanager
@@ -176,8 +181,15 @@ def _on_one_thread(progress: Progress | None) -> Iterator[Progress | None]:
         yield progress
 
 
-def _check_several_signals(records: Sequence[Record], is_given: bool, evaluations: int | None) -> None:
+def _check_several_signals(
+    records: Sequence[Record], is_given: bool, evaluations: int | None, why: bool = False
+) -> None:
     """Refuse what a record of several signals cannot be diagnosed with."""
+    if why:
+        raise ValueError(
+            "a verdict is explained for one input and one output only; the record has several signals. Choose one of "
+            "each by --inputs and --outputs, or omit --why."
+        )
     if len(records) > 1:
         raise ValueError(
             f"got {len(records)} records of several signals; one can be diagnosed at a time. Give another run as the "
@@ -440,7 +452,9 @@ def _prepare_several(
     return _Prepared(joined.record, joined.record, joined.measured, None, None, data, base, findings, notes, joined)
 
 
-def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: Progress | None) -> Diagnosis:
+def _report(
+    prepared: _Prepared, explanation: Explanation, seed: int, progress: Progress | None, why: bool
+) -> Diagnosis:
     record, holdout, base = prepared.record, prepared.holdout, prepared.base
     rng = np.random.default_rng(seed)
     answer = answer_from(record, explanation, base, holdout, rng, progress, prepared.holdout_measured)
@@ -485,7 +499,7 @@ def _report(prepared: _Prepared, explanation: Explanation, seed: int, progress: 
     measured = (prepared.measured, prepared.holdout_measured)
     report["replay"] = None if stabilised else replay_content(record, inside, measured, answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
-    return Diagnosis(report, model, answer)
+    return Diagnosis(report, model, explain_verdict(answer) if why else None)
 
 
 def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:

@@ -10,7 +10,7 @@ from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.html_report import render_html
 from labsid.gap.reports.page_parts import in_frame
 from labsid.gap.reports.text_report import format_report
-from labsid.gap.verdict.answer import Answer
+from labsid.gap.verdict.gates import Why
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -25,13 +25,13 @@ class Diagnosis:
         In the layout ``labsid.gap/4``; ``--json`` writes it.
     model : ExportedModel
         The simulation with the effects added; ``--export`` writes it.
-    answer : Answer
-        What the report was made of; `labsid.gap.verdict.gates.explain_verdict` explains it.
+    why : Why or None
+        Each gate of the verdict, which ``--why`` prints; None unless asked for.
     """
 
     report: dict[str, Any]
     model: ExportedModel
-    answer: Answer
+    why: Why | None = None
 
     @property
     def verdict(self) -> str:

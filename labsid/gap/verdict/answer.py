@@ -66,7 +66,7 @@ class Complete:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DecisionSteps:
-    """What the verdict was decided from, in this order; `labsid.gap.verdict.gates` explains it.
+    """What the verdict was decided from, in this order; `labsid.gap.verdict.why` explains it.
 
     Attributes
     ----------

@@ -7,6 +7,7 @@ import shlex
 import signal
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.gap.simulations.simulation_files import load_simulation
 from labsid.records.record import Record, load_record
 
+ROOT = Path(__file__).resolve().parents[3]
 DEN = np.poly([0.95, 0.8]).tolist()
 
 
@@ -93,7 +95,23 @@ def test_why_is_refused_for_several_signals(refused, tmp_path):
     rows = np.random.default_rng(0).standard_normal((100, 3)).tolist()
     lines = [",".join(map(repr, [0.1 * k, *row])) for k, row in enumerate(rows)]
     (tmp_path / "two.csv").write_text("\n".join(["t,u1,u2,y", *lines]))
-    refused("Choose one of each by --inputs and --outputs", "diagnose", "two.csv", "--why")
+    refused("Choose one of each by --inputs and --outputs, or omit --why", "diagnose", "two.csv", "--why")
+
+
+def test_the_diagnosis_of_the_readme_runs_as_printed(capsys, monkeypatch):
+    """The first command of the README prints the text beneath it: the same words, and numbers within 2 %."""
+    monkeypatch.chdir(ROOT)
+    section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## One diagnosis")[2]
+    (command,) = re.findall(r"^    \.venv/bin/labsid (.*)$", section.partition("\n## ")[0], re.M)
+    (printed,) = re.findall(r"```text\n(.*?)```", section.partition("\n## ")[0], re.S)
+    assert main(shlex.split(command)) == 0
+    begins = capsys.readouterr().out.splitlines()[: printed.count("\n")]
+    number = r"-?\d+(?:\.\d+)?"
+    texts = (printed.rstrip(), "\n".join(begins))
+    words = [re.sub(number, "#", text).split() for text in texts]
+    stated, found = ([float(value) for value in re.findall(number, text)] for text in texts)
+    assert words[0] == words[1]
+    assert found == pytest.approx(stated, rel=0.02)
 
 
 # What is written ------------------------------------------------------------------------------------------

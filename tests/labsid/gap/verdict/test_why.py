@@ -14,7 +14,8 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import make_baseline
 from labsid.gap.verdict.answer import Answer, answer_from
 from labsid.gap.verdict.decision import Evidence, PartialEvidence, confidence_in, partial_probability
-from labsid.gap.verdict.gates import Gate, Why, explain_verdict
+from labsid.gap.verdict.gates import Gate, Why
+from labsid.gap.verdict.why import explain_verdict
 from labsid.records.record import Record
 
 
@@ -141,14 +142,15 @@ def test_the_cap_of_a_record_unlike_the_simulated_rigs_is_a_gate(in_part: Answer
 def on_holdout(rig_record) -> Diagnosis:
     """A linear rig without a gap, and a holdout of one that clips."""
     with searched("input-delay", "output-saturation"):
-        found = diagnose(rig_record("none"), holdout=rig_record("output-saturation", seed=5))
+        found = diagnose(rig_record("none"), holdout=rig_record("output-saturation", seed=5), why=True)
     assert isinstance(found, Diagnosis)
     return found
 
 
 def test_the_gap_on_a_holdout_is_a_gate(on_holdout: Diagnosis) -> None:
     """A record without a gap passes as `none`; that its holdout has one is stated."""
-    why = explain_verdict(on_holdout.answer)
+    why = on_holdout.why
+    assert why is not None
     assert gate_at(why, "verdict/decision.MIN_CONFIDENCE").passed
     (gate,) = why.stages[2].gates
     assert gate.threshold.place in ("verdict/scores.NO_GAP_ELSEWHERE", "verdict/scores.CERTAIN")
@@ -159,8 +161,10 @@ def test_a_given_simulation_has_the_gate_of_its_parameters(rig_record) -> None:
     """Whether other values of the parameters gain enough BIC is stated for a simulation that was given."""
     model = {"num": [0.0, 0.0, 0.012], "den": np.poly([0.95, 0.8]).tolist(), "dt": 0.5}
     with searched("input-delay"):
-        found = diagnose(rig_record("none"), model)
-    gate = gate_at(explain_verdict(found.answer), "search/beam_search.BIC_MARGIN")
+        found = diagnose(rig_record("none"), model, why=True)
+    assert isinstance(found, Diagnosis)
+    assert found.why is not None
+    gate = gate_at(found.why, "search/beam_search.BIC_MARGIN")
     assert gate.passed == ("parameter-mismatch" in found.effects)
     assert "parameter-mismatch" in gate.meaning
 
