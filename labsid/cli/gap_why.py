@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from math import isfinite
 from textwrap import wrap
 
-from labsid.gap.verdict.gates import Gate, Probability, Stage, Why, joined_names
+from labsid._texts import joined
+from labsid.gap.verdict.gates import Gate, Probability, Stage, Why
 
 WIDTHS = (60, 100)  # characters of a line: those of the terminal, within these limits
 MEANINGS = {
@@ -56,7 +57,7 @@ def format_why(why: Why, columns: int | None = None) -> str:
     lines = ["", "WHY", ""]
     for number, stage in enumerate(why.stages, 1):
         lines += [*_stage(number, stage, wide), ""]
-    named = f" ({joined_names(why.names)})" if why.names else ""
+    named = f" ({joined(why.names)})" if why.names else ""
     return "\n".join([*lines, *_wrapped(f"Verdict {why.verdict}{named}: {MEANINGS[why.verdict]}.", wide, "")])
 
 

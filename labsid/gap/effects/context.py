@@ -151,10 +151,11 @@ class Context:
         if self.parent.hypothesis.plant.kind == "given":  # a simulated output answers no other input
             return False
         per_unit = self.data.y_scale.unit / self.data.u_scale.unit
+        if np.ptp(self.data.y[self.data.rows]) * per_unit <= LEAST_FOLLOWED * np.ptp(self.data.u):
+            return False
         step = self.step
         gain = float(step[LONG_STEP // 2 :].mean() - step[0]) * per_unit  # the mean, for it may not be damped
-        moves = float(np.ptp(self.data.y[self.data.rows]) / np.ptp(self.data.u)) * per_unit
-        return LOOP_GAINS[0] < gain < LOOP_GAINS[1] and moves > LEAST_FOLLOWED
+        return LOOP_GAINS[0] < gain < LOOP_GAINS[1]
 
     @property
     def response_time(self) -> float:

@@ -36,8 +36,7 @@ def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:
     plant = hypothesis.plant
     if not (plant.follows and plant.gravity):
         return {}
-    place = hypothesis.slices["plant"].start + plant.index("log_turn")
-    return {place: float(np.log(data.u_scale.unit / (angle_unit(data) or 1.0)))}
+    return {_place(hypothesis, "log_turn"): float(np.log(data.u_scale.unit / (angle_unit(data) or 1.0)))}
 
 
 def implied_count(hypothesis: Hypothesis, theta: FloatArray) -> int:
@@ -58,7 +57,7 @@ def implied_count(hypothesis: Hypothesis, theta: FloatArray) -> int:
     plant = hypothesis.plant
     if not plant.gravity or plant.follows:
         return 0
-    place = hypothesis.slices["plant"].start + plant.index("log_k")
+    place = _place(hypothesis, "log_k")
     return 1 + int(theta[place] <= hypothesis.parameters[place].lower)
 
 
@@ -71,3 +70,8 @@ def known_bounds(data: Data, hypothesis: Hypothesis) -> tuple[FloatArray, FloatA
     for place, value in known.items():
         lower[place] = upper[place] = value
     return lower, upper
+
+
+def _place(hypothesis: Hypothesis, name: str) -> int:
+    """Place in theta of a parameter of the dynamics."""
+    return hypothesis.slices["plant"].start + hypothesis.plant.index(name)

@@ -17,7 +17,7 @@ from labsid.gap.limits.planting import Plantation, plantations
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import BIC_MARGIN
 from labsid.gap.search.candidates import is_compatible
-from labsid.gap.search.explanation import MIN_NAMED_CHANGE
+from labsid.gap.search.explanation import MIN_NAMED_CHANGE, change_place
 
 LEAST_SHARE = 5e-5  # smallest planted size over the whole
 COARSE, FINE = 4.0, 2.0  # ratios of planted sizes: of those that are far from invisible, and of others
@@ -133,8 +133,8 @@ class _Margins:
 
     @classmethod
     def of(cls, data: Data, fit: Fit) -> "_Margins":
-        found = min(len(fit.hypothesis.names), len(MIN_NAMED_CHANGE) - 1)
-        return cls(fit.noise.rows, SEARCH_LOSS * (MIN_NAMED_CHANGE[found] + SURE / np.sqrt(data.rows.sum())))
+        change = MIN_NAMED_CHANGE[change_place(len(fit.hypothesis.names) + 1)]
+        return cls(fit.noise.rows, SEARCH_LOSS * (change + SURE / np.sqrt(data.rows.sum())))
 
     def distance(self, added: FloatArray | int) -> FloatArray:
         """Distance at which the margin is exceeded in nine of ten records, for a number of added parameters."""

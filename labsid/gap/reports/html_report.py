@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from labsid._files import write_file
+from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED
 from labsid.gap.reports.limit_rows import (
@@ -145,9 +146,7 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
         ours = report["verdict"] in ("effect", "partial") and set(names) == accepted
         rows.append(
             {
-                "name": sentences.capitalised(
-                    sentences.joined([sentences.noun_without_article(name) for name in names])
-                ),
+                "name": sentences.capitalised(joined([sentences.noun_without_article(name) for name in names])),
                 "probability": probability(row["probability"]),
                 "closed": "–" if closed is None else closed_percent(closed),
                 "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",

@@ -4,11 +4,12 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from labsid._texts import joined
 from labsid.gap.limits.smallest_sizes import Limits
 from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.effect_texts import noun
 from labsid.gap.reports.quantities import in_units, number
-from labsid.gap.reports.sentences import capitalised, joined, noun_without_article, uncapitalised
+from labsid.gap.reports.sentences import capitalised, noun_without_article, uncapitalised
 
 SIGNALS = {"input": "u", "output": "y"}
 COLUMNS = ("effect", "visible from", "named from", "excluded", "nearest other")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from labsid._texts import joined
 from labsid.gap.effects.families import EFFECTS_BY_KEY
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.reports import sentences
@@ -81,7 +82,7 @@ def _combination(report: dict[str, Any], one: dict[str, Any]) -> dict[str, Any]:
     return {
         "names": names,
         "accepted": accepted,
-        "title": sentences.capitalised(sentences.joined([sentences.noun_without_article(name) for name in names])),
+        "title": sentences.capitalised(joined([sentences.noun_without_article(name) for name in names])),
         "closed": _closed(report, names, accepted),
         "still": _still(one, names),
         "model": model | {"simulated": one["simulated"], "bounds": [lower.tolist(), upper.tolist()]},
@@ -111,7 +112,7 @@ def _still(one: dict[str, Any], names: list[str]) -> str:
     missing = [name for name in missing if name not in UNSIMULATED and name in EFFECT_TEXTS]
     if not missing:
         return ""
-    nouns = sentences.joined([sentences.noun_without_article(name) for name in missing])
+    nouns = joined([sentences.noun_without_article(name) for name in missing])
     if not one["simulated"]:
         return f"Your simulation cannot run in this page. What acts on its input stays as fitted: {nouns}."
     return f"Without a slider: {nouns}."

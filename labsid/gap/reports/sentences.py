@@ -3,6 +3,7 @@
 import re
 from typing import Any
 
+from labsid._texts import joined
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
 from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
 
@@ -565,13 +566,6 @@ def distinguishing_effects(separates: list[str]) -> tuple[str, str]:
     first, second = (name.split("+") for name in separates[:2])
     ours, rival = [n for n in first if n not in second], [n for n in second if n not in first]
     return joined([noun(n) for n in ours or first]), joined([noun(n) for n in rival or second])
-
-
-def joined(words: list[str], last: str = "and", comma: bool = False) -> str:
-    """``a, b and c``; with `comma`, ``a, b, and c``."""
-    if len(words) < 2:
-        return "".join(words)
-    return f"{', '.join(words[:-1])}{',' if comma else ''} {last} {words[-1]}"
 
 
 def noun_without_article(name: str) -> str:

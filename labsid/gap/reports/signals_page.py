@@ -3,6 +3,7 @@
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.page_parts import (
     effect_content,
@@ -56,7 +57,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "parameters": any(effect["parameters"] for effect in report["effects"]),
         "plain_units": any(not _has_units(effect) for effect in report["effects"]),
         "alternatives": ambiguity_sentence(report),
-        "places": sentences.joined(list(dict.fromkeys(_place(effect) for effect in probable))),
+        "places": joined(list(dict.fromkeys(_place(effect) for effect in probable))),
         "table": _table(report),
         "couplings": coupling_sentence(report),
         "not_drawn": _not_drawn(report),
@@ -85,7 +86,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     at = f" at {effect['signal']}" if effect["signal"] else ""
     return shown | {
         "title": f"{shown['title']}{at}",
-        "place": f"seen in {sentences.joined(effect['outputs'])}",
+        "place": f"seen in {joined(effect['outputs'])}",
         "closed": None,  # of all effects together only
     }
 
@@ -94,7 +95,7 @@ def _place(effect: dict[str, Any]) -> str:
     """Where to look for the cause of an effect."""
     if effect["signal"]:
         return f"at {effect['signal']}"
-    return f"in the dynamics of {sentences.joined(effect['outputs'])}"
+    return f"in the dynamics of {joined(effect['outputs'])}"
 
 
 def _has_units(effect: dict[str, Any]) -> bool:
@@ -107,7 +108,7 @@ def _not_drawn(report: dict[str, Any]) -> str:
     from labsid.plots.signals import inputs_shown
 
     shown = inputs_shown(report)
-    return sentences.joined([one["name"] for one in report["signals"]["inputs"] if one["name"] not in shown])
+    return joined([one["name"] for one in report["signals"]["inputs"] if one["name"] not in shown])
 
 
 def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:

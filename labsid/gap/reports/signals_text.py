@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import clause, noun
 from labsid.gap.reports.location_text import location_sentences
@@ -74,7 +75,7 @@ def _gain(gap: dict[str, Any]) -> str:
 def ambiguity_sentence(report: dict[str, Any]) -> str:
     """The effects that the record does not rule out, each with its signal; empty if there are none."""
     rivals = [f"{noun(one['name'])}{_at(one['signal'])}" for one in report["ambiguous"]]
-    return f"The record does not rule out {sentences.joined(rivals, 'or')}." if rivals else ""
+    return f"The record does not rule out {joined(rivals, 'or')}." if rivals else ""
 
 
 def finding_sentences(report: dict[str, Any]) -> list[str]:
@@ -92,7 +93,7 @@ def _placed(effect: dict[str, Any]) -> str:
     if effect["signal"]:
         return f"at {effect['signal']}: "
     what = "Beside" if effect["path"] == "disturbance" else "In the dynamics of"
-    return f"{sentences.uncapitalised(what)} {sentences.joined(effect['outputs'])}: "
+    return f"{sentences.uncapitalised(what)} {joined(effect['outputs'])}: "
 
 
 def _qualified(effect: dict[str, Any]) -> str:
@@ -105,7 +106,7 @@ def place_of(effect: dict[str, Any]) -> str:
     """Where an effect acts, and on which outputs."""
     if effect.get("from"):
         return f"from {effect['from']} to {effect['to']}"
-    outputs = sentences.joined(effect["outputs"])
+    outputs = joined(effect["outputs"])
     return f"at {effect['signal']}, seen in {outputs}" if effect["signal"] else f"seen in {outputs}"
 
 
@@ -175,7 +176,7 @@ def coupling_sentence(report: dict[str, Any]) -> str:
     for output in (one["name"] for one in report["signals"]["outputs"]):
         own = sorted((one for one in report["couplings"] if one["to"] == output), key=lambda one: -one["share"])
         listed = [f"{one['from']} {percent(one['share'])}" for one in own if one["share"] >= MIN_COUPLING]
-        said = sentences.joined(listed) or "no input"
+        said = joined(listed) or "no input"
         texts.append(f"{output}: {said}." if texts else f"{output} is moved by {said} (shares of its response).")
     return " ".join(texts)
 
@@ -187,5 +188,5 @@ def where_sentences(report: dict[str, Any]) -> list[str]:
     texts = []
     if len(where["outputs"]) > 1:
         listed = [f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda item: -item[1])]
-        texts.append(f"Of the gap, each in units of its noise: {sentences.joined(listed)}. In {where['output']}:")
+        texts.append(f"Of the gap, each in units of its noise: {joined(listed)}. In {where['output']}:")
     return [*texts, *location_sentences(report)]

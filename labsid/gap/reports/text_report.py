@@ -3,6 +3,7 @@
 import textwrap
 from typing import Any
 
+from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_value
 from labsid.gap.reports.limit_rows import COLUMNS, NOT_SHOWN, hidden_sentences, limit_cells, limits_sentence
@@ -47,7 +48,7 @@ def format_report(report: dict[str, Any]) -> str:
     if report["verdict"] == "none":
         rows = [row for row in rows if row[0] != "where"]  # the location of noise is not informative
     if report["verdict"] == "unknown":
-        tried = sentences.joined([sentences.noun_without_article(name) for name in sentences.effects_tried(report)])
+        tried = joined([sentences.noun_without_article(name) for name in sentences.effects_tried(report)])
         rows.insert(1, ("tried", [f"{sentences.capitalised(tried)}."]))
     for title, texts in rows:
         lines += titled_lines(title, " ".join(printable(text) for text in texts if text))

@@ -260,11 +260,16 @@ def without_small_steps(data: Data, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
     last = len(path) - 1
     patch = MIN_SHARE_OF_GAP * rms(data, path[0])
     while last > 0:
-        named = differ(data, path[last - 1], path[last], MIN_NAMED_CHANGE[min(last, len(MIN_NAMED_CHANGE)) - 1])
+        named = differ(data, path[last - 1], path[last], MIN_NAMED_CHANGE[change_place(last)])
         if named and (last == 1 or rms_difference(data, path[last - 1], path[last]) > patch):
             break
         last -= 1
     return path[: last + 1]
+
+
+def change_place(effects: int) -> int:
+    """Place in `MIN_NAMED_CHANGE` of the last of so many effects."""
+    return min(effects, len(MIN_NAMED_CHANGE)) - 1
 
 
 def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tuple[Fit, ...]) -> tuple[str, ...]:

@@ -134,6 +134,10 @@ class _Motion:
         Filtered.
     columns : dict
         By coefficient, what its multiples add to the acceleration, filtered.
+    rows : ndarray of bool, shape (N,)
+        Samples that count, none of them between the records.
+    moving : ndarray of bool, shape (N,)
+        Those of `rows` at which the joint moves: where it rests, friction is any force up to its level.
     """
 
     data: Data
@@ -142,27 +146,19 @@ class _Motion:
     speed: FloatArray
     acceleration: FloatArray
     columns: dict[str, FloatArray]
+    rows: NDArray[np.bool_]
+    moving: NDArray[np.bool_]
 
-    @property
-    def rows(self) -> NDArray[np.bool_]:
-        """Samples that count, none of them between the records."""
-        rows = np.zeros(self.data.samples, bool)
-        for piece in _pieces(self.data):
-            rows[piece] = self.data.rows[piece]
-        return rows
-
-    @property
-    def moving(self) -> NDArray[np.bool_]:
-        """Those of `rows` at which the joint moves: where it rests, friction is any force up to its level."""
-        still = np.abs(self.speed) < STILL * np.std(self.speed)
-        return self.rows & (_smooth(self.data, self.sections, still.astype(np.float64)) < MOST_STILL)
+    def filtered(self, x: FloatArray) -> FloatArray:
+        """A signal behind the filter."""
+        return _smooth(self.data, self.sections, x)
 
     def fits(self, drive: FloatArray, least: float = -np.inf) -> Iterator[dict[str, float]]:
         """Least squares on the acceleration, at all samples and in motion: coefficients by name.
 
-        That of the `drive` is at `least` so large.
+        That of the filtered `drive` is at `least` so large.
         """
-        columns = {"drive": _smooth(self.data, self.sections, drive), **self.columns}
+        columns = {"drive": drive, **self.columns}
         lower = [least if name == "drive" else _LEAST[name] for name in columns]
         for rows in (self.rows, self.moving):
             if rows.sum() >= MIN_MOVING:
@@ -170,18 +166,22 @@ class _Motion:
                 yield dict(zip(columns, map(float, found.x), strict=True))
 
     def slow_fits(self, torque: FloatArray, per_radian: float) -> Iterator[dict[str, float]]:
-        """Coefficients as those of `fits`, from friction and weight against the torque in motion, at several rates."""
+        """Coefficients as those of `fits`, from friction and weight against the filtered torque in motion.
+
+        They are those of several rates; `per_radian` is the position of a radian.
+        """
         rows = self.moving
         columns = {name: -one for name, one in self.columns.items() if name != "damping"}
         if rows.sum() < MIN_MOVING or "sine" not in columns:
             return
-        against = _smooth(self.data, self.sections, torque)[rows]
         lower = [_LEAST[name] for name in columns]
-        found = lsq_linear(np.column_stack([*columns.values()])[rows], against, (lower, np.inf)).x
+        found = lsq_linear(np.column_stack([*columns.values()])[rows], torque[rows], (lower, np.inf)).x
         forces = dict(zip(columns, map(float, found), strict=True))
         weight, _ = _weight(forces)
+        if weight == 0.0:  # there is no torque in motion
+            return
         for frequency, damping in product(FREQUENCIES, DAMPINGS):
-            drive = frequency**2 / (weight * per_radian)
+            drive = frequency**2 * per_radian / weight
             yield {"drive": drive, "damping": 2.0 * damping * frequency} | {n: drive * x for n, x in forces.items()}
 
     def initial_states(self, offset: float, gain: float, unit: float) -> dict[str, float]:
@@ -205,7 +205,13 @@ def _motion(data: Data, position: FloatArray, cutoff: float, names: Sequence[str
     if Gravity.name in names:
         angle = np.asarray(data.y_scale.back(data.y)) / angle_unit(data)
         columns |= {"sine": -_smooth(data, sections, np.sin(angle)), "cosine": -_smooth(data, sections, np.cos(angle))}
-    return _Motion(data, position, sections, speed, _smooth(data, sections, _slope(data, slope)), columns)
+    rows = np.zeros(data.samples, bool)
+    for piece in _pieces(data):
+        rows[piece] = data.rows[piece]
+    still = np.abs(speed) < STILL * np.std(speed)
+    moving = rows & (_smooth(data, sections, still.astype(np.float64)) < MOST_STILL)
+    acceleration = _smooth(data, sections, _slope(data, slope))
+    return _Motion(data, position, sections, speed, acceleration, columns, rows, moving)
 
 
 def _smooth(data: Data, sections: FloatArray, x: FloatArray) -> FloatArray:
@@ -227,7 +233,7 @@ def _loop_starts(context: Context, names: Sequence[str], cutoff: float) -> Itera
     limits = np.quantile(np.abs(error[data.rows]), LIMIT_QUANTILES) if ForceLimit.name in names else [np.inf]
     motion = _motion(data, position, cutoff, names)
     for limit in limits:
-        for found in motion.fits(np.clip(error, -limit, limit), LEAST_RATE):
+        for found in motion.fits(motion.filtered(np.clip(error, -limit, limit)), LEAST_RATE):
             stiffness, damping = found["drive"], found["damping"]
             unit = force_unit(damping, stiffness)
             start = {"log_c": float(np.log(damping)), "log_k": float(np.log(stiffness)), "limit": float(limit)}
@@ -247,7 +253,8 @@ def _torque_starts(context: Context, names: Sequence[str], cutoff: float) -> Ite
     per_radian = angle_unit(data) / data.y_scale.unit
     zero = -data.u_scale.centre / data.u_scale.unit  # no torque: a constant beside sine and cosine is not determined
     motion = _motion(data, data.y, cutoff, names)
-    for found in (*motion.fits(data.u - zero), *motion.slow_fits(data.u - zero, 1.0 / per_radian)):
+    torque = motion.filtered(data.u - zero)
+    for found in (*motion.fits(torque), *motion.slow_fits(torque, per_radian)):
         drive, damping = found["drive"], found["damping"]
         stiffness = _weight(found)[0] / per_radian if Gravity.name in names else context.rates[1]
         stiffness = max(stiffness * float(np.exp(SLACK_LOG_STIFFNESS)), LEAST_STIFFNESS)
@@ -260,9 +267,9 @@ def _torque_starts(context: Context, names: Sequence[str], cutoff: float) -> Ite
         start |= motion.initial_states(0.0, gain, unit) | {"log_turn": float(np.log(turn))}
         start["friction"] = found.get("friction", 0.0) / abs(drive)
         if Gravity.name in names:
-            torque, rest = _weight(found)
+            weight, rest = _weight(found)
             turned = rest - data.y_scale.centre / data.y_scale.unit / per_radian
-            start |= {"torque": torque / abs(drive), "angle": float(np.sign(gain)) * turned}
+            start |= {"torque": weight / abs(drive), "angle": float(np.sign(gain)) * turned}
         yield start
 
 

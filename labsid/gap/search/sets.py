@@ -24,7 +24,7 @@ from labsid.gap.search.inverse_dynamics import joint_trials
 
 KEPT_STARTS = 8  # start points to which the next effect of a set is added
 SKETCHED, FITTED = 4, 2  # of them that are minimized for a few iterations, and to convergence
-JOINT_TRIALS = 3  # start points by inverse dynamics, beside these
+JOINT_TRIALS = 3  # fits from the inverse dynamics, beside these
 
 
 @dataclass(frozen=True, slots=True)

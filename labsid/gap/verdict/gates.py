@@ -150,8 +150,3 @@ def threshold_of(module: ModuleType, name: str, place: int | None = None) -> Thr
     where = module.__name__.removeprefix("labsid.gap.").replace(".", "/")
     index = "" if place is None else f"[{place}]"
     return Threshold(float(value if place is None else value[place]), f"{where}.{name}{index}")
-
-
-def joined_names(names: tuple[str, ...] | list[str]) -> str:
-    """``a, b and c``."""
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1]))) if names else ""

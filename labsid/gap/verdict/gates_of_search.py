@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from operator import attrgetter
 
+from labsid._texts import joined
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits import profile
 from labsid.gap.fits.fitting import Fit, mean_square, rms
@@ -12,7 +13,7 @@ from labsid.gap.search import beam_search, explanation
 from labsid.gap.search.explanation import Explanation, is_rounding_of_log
 from labsid.gap.search.sets import SETS
 from labsid.gap.verdict.answer import Answer
-from labsid.gap.verdict.gates import Gate, NotTaken, Stage, Threshold, joined_names, threshold_of
+from labsid.gap.verdict.gates import Gate, NotTaken, Stage, Threshold, threshold_of
 
 SHOWN = 3  # combinations of each size that were not taken
 
@@ -22,11 +23,11 @@ def explain_search(answer: Answer) -> Stage:
     found = answer.steps.searched
     gates = [*_mismatch_gates(answer), *_step_gates(found)]
     if len(found.path) > 1:
-        result = f"The search accepts {joined_names(found.best.hypothesis.names)}."
+        result = f"The search accepts {joined(found.best.hypothesis.names)}."
     else:
         result = "The search accepts no simulated effect."
     if found.unsimulated:
-        result += f" The samples themselves show {joined_names(found.unsimulated)}."
+        result += f" The samples themselves show {joined(found.unsimulated)}."
     return Stage(
         "Which effects does the BIC accept, on all samples?",
         tuple(gates),
@@ -53,12 +54,12 @@ def _step_gates(found: Explanation) -> Iterator[Gate]:
     """The gates of the accepted explanation; without one, of the effect of lowest BIC."""
     path, data = found.path, found.data
     if len(path) > 1:
-        simpler, fit, names = path[0], path[-1], joined_names(path[-1].hypothesis.names)
+        simpler, fit, names = path[0], path[-1], joined(path[-1].hypothesis.names)
         meaning = f"Over no effect. If it passes, {names} may be added."
     elif len(found.levels) > 1 and found.levels[1]:
         simpler = path[0]
         fit = min(found.levels[1].values(), key=attrgetter("bic"))
-        names = joined_names(fit.hypothesis.names)
+        names = joined(fit.hypothesis.names)
         meaning = f"Over no effect, of the best one: {names}. If it passes, it may be added."
     else:
         return
@@ -69,7 +70,7 @@ def _step_gates(found: Explanation) -> Iterator[Gate]:
         limit = threshold_of(beam_search, "MIN_CHANGE")
     else:
         simpler = path[-2]
-        limit = threshold_of(explanation, "MIN_NAMED_CHANGE", min(last, len(explanation.MIN_NAMED_CHANGE)) - 1)
+        limit = threshold_of(explanation, "MIN_NAMED_CHANGE", explanation.change_place(last))
     yield Gate(
         "change of the output over the rms residual",
         _change(found, simpler, fit),
@@ -123,10 +124,10 @@ def _reason_of_bic(found: Explanation, simpler: Fit, fit: Fit, size: int) -> str
     if not beam_search.differ(data, simpler, fit, beam_search.MIN_CHANGE):
         return f"it changes the output too little ({beam_search.MIN_CHANGE:g} needed)"
     if accepted is not None and fit.bic > accepted.bic:
-        return f"{joined_names(accepted.hypothesis.names)} has the lower BIC, by {fit.bic - accepted.bic:,.0f}"
+        return f"{joined(accepted.hypothesis.names)} has the lower BIC, by {fit.bic - accepted.bic:,.0f}"
     if not has_size(data, fit):
         return f"without its size the fit is worse by less than profile.MIN_SIZE_LOSS = {profile.MIN_SIZE_LOSS:g}"
-    least = explanation.MIN_NAMED_CHANGE[min(size, len(explanation.MIN_NAMED_CHANGE)) - 1]
+    least = explanation.MIN_NAMED_CHANGE[explanation.change_place(size)]
     if change <= least:
         return f"it is too small to be named (change of {least:g} needed)"
     if beam_search.residual_is_white(data, path[-1]):

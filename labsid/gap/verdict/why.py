@@ -8,13 +8,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from labsid._texts import joined
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits import unstable_poles
 from labsid.gap.verdict import answer as answers
 from labsid.gap.verdict import decision, held_out_errors, novelty, scores
 from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.decision import Evidence, PartialEvidence
-from labsid.gap.verdict.gates import Gate, NotTaken, Probability, Stage, Threshold, Why, joined_names, threshold_of
+from labsid.gap.verdict.gates import Gate, NotTaken, Probability, Stage, Threshold, Why, threshold_of
 from labsid.gap.verdict.gates_of_search import explain_search
 from labsid.gap.verdict.held_out_search import HeldOutSearch, Judgement
 
@@ -83,7 +84,7 @@ def _whole_truth(answer: Answer) -> Stage:
                 "If it fails, `effect` becomes `partial`: beside such a correction no cause explains everything.",
             )
         )
-    effects = f"With {joined_names(complete.names)}" if complete.names else "Without effects"
+    effects = f"With {joined(complete.names)}" if complete.names else "Without effects"
     rest = "nothing but noise" if sure.passed else "more than noise"
     return Stage(
         "Does the explanation leave nothing but noise?",
@@ -147,7 +148,7 @@ def _on_held_out_samples(answer: Answer, search: HeldOutSearch) -> Stage:
         gates += _paying_gates(example, search.judged[example])
     if named.verdict == "partial":
         verb = "pays" if len(named.names) == 1 else "each pay"
-        result = f"{joined_names(named.names)} {verb}: the verdict is `partial`."
+        result = f"{joined(named.names)} {verb}: the verdict is `partial`."
     else:
         result = "No effect pays: the verdict is `unknown`."
     return Stage(
@@ -163,7 +164,7 @@ def _on_held_out_samples(answer: Answer, search: HeldOutSearch) -> Stage:
 def _paying_gates(names: tuple[str, ...], judged: Judgement) -> Iterator[Gate]:
     """Whether the effect of a combination that is missed least pays."""
     beside = [name for name in names if name != judged.weakest]
-    what = f"{judged.weakest} beside {joined_names(beside)}" if beside else judged.weakest
+    what = f"{judged.weakest} beside {joined(beside)}" if beside else judged.weakest
     alternative = " alone; its set pays together" if judged.kept and not judged.reduction.pays else ""
     yield Gate(
         f"rms error with {what} over that without",
@@ -245,7 +246,7 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
             last,
             threshold_of(novelty, "OUTSIDE"),
             "No simulated rig on which probabilities were measured (verdict/novelty.RANGES) is like this record in "
-            f"{joined_names(answer.novelty.beyond)}.",
+            f"{joined(answer.novelty.beyond)}.",
         ),
     )
     for before, after, limit, meaning in rules:

@@ -5,26 +5,17 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from gap_answers import answered
 from gap_search import searched
 
 from labsid.cli.gap_why import EVIDENCE, format_why
 from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.search import beam_search
 from labsid.gap.search.explanation import Explanation
-from labsid.gap.simulations.baseline import make_baseline
-from labsid.gap.verdict.answer import Answer, answer_from
+from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.decision import Evidence, PartialEvidence, confidence_in, partial_probability
 from labsid.gap.verdict.gates import Gate, Why
 from labsid.gap.verdict.why import explain_verdict
-from labsid.records.record import Record
-
-
-def answered(explained: Explanation) -> Answer:
-    data = explained.data
-    u, y = (np.asarray(scale.back(x)) for scale, x in ((data.u_scale, data.u), (data.y_scale, data.y)))
-    record = Record(np.arange(u.size) * data.Ts, u, y, data.Ts)
-    base = make_baseline(data, record.t, None, 2)
-    return answer_from(record, explained, base, None, np.random.default_rng(0))
 
 
 @pytest.fixture(scope="module")
