@@ -13,7 +13,7 @@ import yaml
 
 import labsid
 from autograder.course.layout import Course
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.effects.families import DESCRIPTIONS
 
 ROOT = Path(__file__).resolve().parent.parent
 SITE = ROOT / "notebooks" / "site"
@@ -69,8 +69,8 @@ def test_links_of_the_pages_lead_to_files():
 
 
 def test_every_effect_has_a_page(pages):
-    assert toctree_of(pages["gallery_index"](), SITE) == {f"notebooks/site/gallery/{name}.md" for name in EFFECT_GUIDE}
-    for name, guide in EFFECT_GUIDE.items():
+    assert toctree_of(pages["gallery_index"](), SITE) == {f"notebooks/site/gallery/{name}.md" for name in DESCRIPTIONS}
+    for name, guide in DESCRIPTIONS.items():
         page = pages["gallery_page"](name)
         assert guide.excited_by in page
         assert all(f"({rival}.md)" in page for rival in guide.confused_with)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.quantities import number
 from labsid.gap.reports.sentences import noun_without_article
 from labsid.gap.rigs import RigResult
@@ -16,7 +16,7 @@ WIDTH = 130  # characters of a table that is written to a file
 def print_effects() -> None:
     """Print a row for each effect: name, path, what it is, parameters, and the record that shows it."""
     table = Table("effect", "path", "what it is", "parameters", "record that shows it")
-    for name, guide in EFFECT_GUIDE.items():
+    for name, guide in DESCRIPTIONS.items():
         table.add_row(
             name,
             guide.path,

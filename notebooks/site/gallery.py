@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 from labsid import diagnose, load_record
 from labsid.blind.suite import diagnosis_hash, label_dict, make_cases, write_case
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.plots import save_svg
 
 GALLERY = Path(__file__).resolve().parents[2] / "build" / "gallery"
@@ -23,7 +23,7 @@ ROWS = {"single-clear": 40, "families": 4, "honest": 20, "joints": 6, "with-sim"
 
 def write_records(folder: Path) -> Iterator[str]:
     """Write a record of each effect, named after it, and its simulation if it has one; yields the names."""
-    missing = set(EFFECT_GUIDE)
+    missing = set(DESCRIPTIONS)
     for row, count in ROWS.items():
         for case in make_cases("dev", count, [row]):
             labels = label_dict(case)["labels"]
@@ -54,7 +54,7 @@ def main() -> None:
         for path in GALLERY.iterdir():
             path.unlink()
         stamp.write_text(str(diagnosis_hash()))
-    if all((GALLERY / f"{name}.txt").is_file() for name in EFFECT_GUIDE):
+    if all((GALLERY / f"{name}.txt").is_file() for name in DESCRIPTIONS):
         return
     with TemporaryDirectory() as folder:
         for name in write_records(Path(folder)):

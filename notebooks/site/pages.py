@@ -22,8 +22,8 @@ from autograder.course.lint import METADATA, lint_release
 from autograder.course.nbgrader_access import import_nbgrader_api
 from labsid._files import write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE, effect_page
-from labsid.gap.reports.effect_texts import EFFECT_TEXTS
+from labsid.gap.effects.families import DESCRIPTIONS
+from labsid.gap.reports.effect_guide import effect_page
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = Path("notebooks/site")
@@ -91,8 +91,8 @@ def gallery_index() -> str:
         "One page for each effect that `labsid gap` can name: what it does, what confuses it, and what a record needs "
         "to show it. The figure is the diagnosis of a simulated rig with it. `make gallery` makes the figures.",
     ]
-    for path in dict.fromkeys(guide.path for guide in EFFECT_GUIDE.values()):
-        lines = "\n".join(f"gallery/{name}" for name, guide in EFFECT_GUIDE.items() if guide.path == path)
+    for path in dict.fromkeys(guide.path for guide in DESCRIPTIONS.values()):
+        lines = "\n".join(f"gallery/{name}" for name, guide in DESCRIPTIONS.items() if guide.path == path)
         parts += [f"## {_capital(path)}", f"```{{toctree}}\n:maxdepth: 1\n\n{lines}\n```"]
     return "\n\n".join(parts) + "\n"
 
@@ -104,9 +104,9 @@ def _capital(text: str) -> str:
 def gallery_page(name: str) -> str:
     """What an effect is, what shows it and what it is confused with, and a diagnosis of a simulated rig that has it."""
     rows = dict(effect_page(name))
-    rivals = [f"[{EFFECT_TEXTS[rival].noun}]({rival}.md)" for rival in EFFECT_GUIDE[name].confused_with]
-    parts = [f"# {_capital(re.sub('^an? ', '', EFFECT_TEXTS[name].noun))}"]
-    parts += [f"`{name}`, path: {rows['path']}.", f"**{EFFECT_TEXTS[name].clauses[-1]}.** {rows['rig']}"]
+    rivals = [f"[{DESCRIPTIONS[rival].noun}]({rival}.md)" for rival in DESCRIPTIONS[name].confused_with]
+    parts = [f"# {_capital(re.sub('^an? ', '', DESCRIPTIONS[name].noun))}"]
+    parts += [f"`{name}`, path: {rows['path']}.", f"**{DESCRIPTIONS[name].clauses[-1]}.** {rows['rig']}"]
     if "parameters" in rows:
         parts += ["## Parameters", "\n".join(f"- {text}" for text in rows["parameters"].split("; "))]
     if rivals:
@@ -120,7 +120,7 @@ def gallery_page(name: str) -> str:
             "## A simulated rig with it",
             "Files: " + ", ".join(f"{{download}}`{path.name} <{path.name}>`" for path in files) + ".",
             f"```text\n$ labsid gap diagnose {name}.csv{given}\n{text.read_text(encoding='utf-8').strip()}\n```",
-            f"![Output and errors of a rig with {EFFECT_TEXTS[name].noun}, of both simulations]({name}.svg)",
+            f"![Output and errors of a rig with {DESCRIPTIONS[name].noun}, of both simulations]({name}.svg)",
         ]
     else:
         parts += ["*The figure of a simulated rig is made by `make gallery`.*"]
@@ -192,7 +192,7 @@ def _shown(value: object) -> str:
 
 def write_pages(folder: Path) -> None:
     """Write all sources; files whose content is the same keep their time, so that Sphinx reads the others only."""
-    pages = {SITE / "gallery" / f"{name}.md": gallery_page(name) for name in EFFECT_GUIDE}
+    pages = {SITE / "gallery" / f"{name}.md": gallery_page(name) for name in DESCRIPTIONS}
     pages |= {SITE / "gallery.md": gallery_index(), SITE / "constants.md": constants_page()}
     names = Course(ROOT).assignments()
     pages[SITE / "notebooks.md"] = notebooks_page(names)

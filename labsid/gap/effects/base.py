@@ -12,6 +12,7 @@ from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description
 from labsid.gap.record.data import Data
 
 MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
@@ -29,6 +30,8 @@ class Effect:
     ----------
     name : str
         From the table of effects.
+    description : Description or None
+        What is said of it; on one class of each name.
     key_form : str
         Of the variant in the key.
     variants : tuple of str
@@ -51,6 +54,7 @@ class Effect:
     """
 
     name: ClassVar[str]
+    description: ClassVar[Description | None] = None
     key_form: ClassVar[str] = "{}"
     variants: ClassVar[tuple[str, ...]] = ("",)
     further: ClassVar[Mapping[str, tuple[str, ...]]] = {}

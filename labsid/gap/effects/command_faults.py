@@ -10,6 +10,7 @@ from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import Fitted, InputEffect, Value
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.description import Description, Reported
 
 INSTANTS = 48  # of the record, at which the command may be switched off and on again
 SHORTEST = 8  # samples that it is off
@@ -34,6 +35,27 @@ class Off(InputEffect):
     """
 
     name = "input-off"
+    description = Description(
+        path="input",
+        noun="a command that is not applied",
+        clauses=(
+            "From {onset} to {end}, {level} acts instead of the command in the log",
+            "From {onset} on, {level} acts instead of the command in the log",
+            "For a part of the record the command is logged but not applied",
+        ),
+        meaning=(
+            "The log goes on with the command, and the rig does not get it: a drive that has tripped, an emergency "
+            "stop, a loose cable, a set point that is frozen. Check the state of the drive during this time."
+        ),
+        excited_by="A command that goes on changing while it is off.",
+        parameters={
+            "onset": Reported("start", "s", position=True),
+            "end": Reported("end of it", "s", position=True),
+            "level": Reported("command that acts", "u", position=True),
+        },
+        confused_with=("load-step", "output-dropout", "parameter-drift"),
+        of_one_record=True,
+    )
     least_levels = 2
     position = -1
     variants = ("", "while", "before")
@@ -123,6 +145,22 @@ class Quantization(InputEffect):
     """The command acts in coarse steps that its log does not have; it is rounded, to multiples of the step."""
 
     name = "input-quantization"
+    description = Description(
+        path="input",
+        noun="a command that acts in coarse steps",
+        clauses=(
+            "The command acts in steps of {step}, which its log does not have",
+            "The command acts in coarse steps",
+        ),
+        meaning=(
+            "The command is rounded between the log and the rig. Look for a converter with few bits, a number that is"
+            " sent as an integer, or a valve with notches."
+        ),
+        excited_by="A slow ramp of the command, or many of its levels.",
+        parameters={"step": Reported("step of the command that acts", "u")},
+        confused_with=("input-nonlinearity", "input-dead-zone", "coloured-noise"),
+        shape_of_input=True,
+    )
     position = 8
 
     @property

@@ -17,6 +17,7 @@ from labsid.gap.effects.base import (
     Value,
 )
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description, Reported
 
 MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
@@ -30,6 +31,29 @@ class StepLoad(Effect):
     """A load that begins at an instant."""
 
     name = "load-step"
+    description = Description(
+        path="disturbance",
+        noun="a load step",
+        clauses=(
+            "An unmeasured load starts at {onset} and changes the output by {size_y}",
+            "An unmeasured load starts at {onset} and raises the rate of return to rest by {size_1:%}, as a leak does",
+            "An unmeasured load starts at {onset}",
+            "An unmeasured load starts during the record",
+        ),
+        meaning=(
+            "From this time on a further input acts on the process, such as an opened valve, a leak or an added weight."
+        ),
+        excited_by="A record that goes on for several time constants after the load has started.",
+        parameters={
+            "onset": Reported("start", "s", position=True),
+            "size": Reported(
+                "final change of the output", "y", share=True, labels={"1": "increase of the rate of return to rest"}
+            ),
+        },
+        confused_with=("output-drift", "parameter-drift"),
+        of_one_record=True,
+        varies_in_time=True,
+    )
 
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError

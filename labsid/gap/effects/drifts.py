@@ -10,6 +10,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import chebyshev_course, section
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description, Reported
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 
@@ -18,6 +19,28 @@ class PoleDrift(PlantEffect):
     """A slow drift of a pole, possibly with the gain."""
 
     name = "parameter-drift"
+    description = Description(
+        path="dynamics",
+        noun="a drift of the parameters",
+        clauses=(
+            "The gain of the rig changes by {drift:%} over the record",
+            "The speed of response changes by {pole:%} over the record",
+            "The parameters of the rig change slowly over the record",
+        ),
+        meaning=(
+            "The same command has a different effect at the end of the record than at the beginning. Check "
+            "temperature, supply, wear and filling."
+        ),
+        excited_by="The same inputs at the beginning and at the end of a long record.",
+        parameters={
+            "drift": Reported("change of the gain over the record", "1", share=True),
+            "pole": Reported("change of the speed of response over the record", "1", share=True),
+        },
+        confused_with=("output-drift", "load-step"),
+        of_one_record=True,
+        wanders=True,
+        varies_in_time=True,
+    )
     key_form = "pole-{}"
     variants = ("1", "4")
     planted_variants: ClassVar[tuple[str, ...]] = ("1",)

@@ -10,6 +10,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import damping_ratio, denominator, lag_mean, mode_mean, real_rates, single_pole
 from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, rise
+from labsid.gap.effects.description import Description, Reported
 
 LEAST_DAMPING = 2e-3  # of a mode
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
@@ -50,6 +51,22 @@ class ExtraLag(Placed):
     """An additional real pole; with `variant` "ahead" it precedes a nonlinear state."""
 
     name = "extra-lag"
+    description = Description(
+        path="dynamics",
+        noun="an extra lag",
+        clauses=(
+            "There is an additional lag of {tau} between command and record",
+            "There is an additional lag between command and record",
+        ),
+        meaning=(
+            "Actuator, process, sensor or a filter smooths the signal with this time constant; the record does not "
+            "show which."
+        ),
+        excited_by="An input with energy near the inverse of the time constant.",
+        parameters={"tau": Reported("time constant", "s")},
+        confused_with=("input-delay", "resonance"),
+        adds_poles=True,
+    )
     variants = places = ("", "ahead")
 
     def extend(self, plant: Plant) -> Plant:
@@ -96,6 +113,27 @@ class SlowMode(PlantEffect):
     """A slow real pole in parallel to the other dynamics, such as creep or warming up."""
 
     name = "slow-mode"
+    description = Description(
+        path="dynamics",
+        noun="a slow mode",
+        clauses=(
+            "A share of {share:%} of the response comes with a time constant of {tau}",
+            "A part of the response comes much later than the rest",
+        ),
+        meaning=(
+            "After each step the output goes on creeping when the fast response has ended, or back, if the share is "
+            "negative. Look for parts that warm up, creep of polymers, and a second volume beside the first."
+        ),
+        excited_by=(
+            "Steps after which the input rests for several of the long time constants, and fast changes as well."
+        ),
+        parameters={
+            "tau": Reported("time constant", "s"),
+            "share": Reported("share of the static gain", "1", share=True),
+        },
+        confused_with=("extra-lag", "output-drift", "load-step"),
+        adds_poles=True,
+    )
     planted_variants = ("",)
     whole = "gain"
     before_given = True
@@ -190,6 +228,25 @@ class Resonance(Placed):
     """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" states its position to a nonlinear state."""
 
     name = "resonance"
+    description = Description(
+        path="dynamics",
+        noun="a lightly damped mode",
+        clauses=(
+            "The rig oscillates at {frequency} with a damping ratio of {damping}",
+            "The rig oscillates after each change",
+        ),
+        meaning=(
+            "Each change of the input or load excites a decaying oscillation. Look for flexible shafts, belts, "
+            "supports, or sloshing."
+        ),
+        excited_by="Steps, or an input with energy near the frequency of the mode.",
+        parameters={
+            "frequency": Reported("frequency", "Hz"),
+            "damping": Reported("damping ratio", "1"),
+        },
+        confused_with=("extra-lag", "periodic-disturbance"),
+        adds_poles=True,
+    )
     variants = places = ("", "ahead", "beside")
 
     def extend(self, plant: Plant) -> Plant:
@@ -271,6 +328,26 @@ class CoulombFriction(PlantEffect):
     """
 
     name = "coulomb-friction"
+    description = Description(
+        path="dynamics",
+        noun="dry friction",
+        clauses=(
+            "Motion starts only when the command overcomes dry friction of {friction}",
+            "Dry friction opposes the motion",
+        ),
+        meaning=(
+            "A force of constant magnitude opposes every motion: small commands have no effect, and the motion stops "
+            "early. Check bearings, seals and guides."
+        ),
+        excited_by="Slow motion, stops and changes of direction.",
+        parameters={
+            "friction": Reported("friction, in units of the command", "u"),
+            "break_away": Reported("friction at rest, in units of the command", "u"),
+            "load": Reported("share of the transmitted force that is added to the friction", "1", share=True),
+            "give": Reported("way before the bodies slide", "y"),
+        },
+        confused_with=("input-dead-zone", "input-backlash"),
+    )
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
@@ -352,6 +429,23 @@ class CubicStiffness(PlantEffect):
     """Hardening or softening restoring force; `variant` "sampled" for an input that is not held between samples."""
 
     name = "cubic-stiffness"
+    description = Description(
+        path="dynamics",
+        noun="a nonlinear spring",
+        clauses=(
+            "The stiffness increases by {cubic+} times the square of the displacement",
+            "The stiffness decreases by {cubic-} times the square of the displacement",
+            "The restoring force is not proportional to the displacement",
+        ),
+        meaning=(
+            "Far from rest the rig is stiffer, or softer, than near rest. Check springs near the end of their travel "
+            "and flexible parts."
+        ),
+        excited_by="Small and large displacements to both sides.",
+        parameters={"cubic": Reported("cubic coefficient", "1/y^2")},
+        confused_with=("output-nonlinearity", "input-nonlinearity"),
+        spring=True,
+    )
     sizes = ("cubic",)
     variants = ("", "sampled")
     planted_variants = ("",)

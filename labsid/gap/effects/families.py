@@ -1,7 +1,11 @@
 """The effects that the search combines."""
 
+from collections.abc import Iterable, Iterator
+from itertools import chain
+
 from labsid.gap.effects import (
     command_faults,
+    detected,
     disturbance,
     drifts,
     dynamics,
@@ -18,6 +22,7 @@ from labsid.gap.effects import (
     tanks,
 )
 from labsid.gap.effects.base import Effect
+from labsid.gap.effects.description import PATHS, Description
 
 FAMILIES: tuple[type[Effect], ...] = (
     input.Delay,
@@ -66,3 +71,48 @@ EFFECTS_BY_KEY: dict[str, Effect] = {
     effect.key: effect for effect in (*(e for family in FAMILIES for e in family.forms()), dynamics.DirectFeedthrough())
 }
 """Every effect that an exported simulation may contain."""
+
+
+def descriptions_of(classes: Iterable[type[Effect]]) -> dict[str, Description]:
+    """The description of each name, by the path on which it acts; those beside a given simulation only come last.
+
+    Parameters
+    ----------
+    classes : iterable of type
+        Every class of these names. One of each name has the description.
+
+    Raises
+    ------
+    TypeError
+        If a description is missing, double or incomplete; names the class, and what is missing.
+    """
+    classes = tuple(classes)
+    names = frozenset(one.name for one in classes)
+    found: dict[str, Description] = {}
+    for name in dict.fromkeys(one.name for one in classes):
+        of_name = [one for one in classes if one.name == name]
+        listed = ", ".join(f"{one.__module__}.{one.__name__}" for one in of_name)
+        own = {id(one): one for one in chain.from_iterable(map(_own_descriptions, of_name))}
+        if len(own) != 1:
+            raise TypeError(f"the effect {name!r} ({listed}) needs one class with a `description`; got {len(own)}.")
+        (found[name],) = own.values()
+        if missing := found[name].missing(names):
+            raise TypeError(f"the `description` of the effect {name!r} ({listed}) lacks: {'; '.join(missing)}.")
+    return dict(sorted(found.items(), key=lambda item: (item[1].given_only, PATHS.index(item[1].path))))
+
+
+def _own_descriptions(family: type[Effect]) -> Iterator[Description]:
+    """Descriptions on a class and on those of its bases that are not of another effect."""
+    for base in family.__mro__:
+        description = vars(base).get("description")
+        if description is not None and vars(base).get("name", family.name) == family.name:
+            yield description
+
+
+DESCRIPTIONS: dict[str, Description] = descriptions_of((*FAMILIES, *detected.DETECTED))
+"""Of every effect that a report can name."""
+
+
+def names_where(holds: str) -> frozenset[str]:
+    """Names of the effects with a property of `Description`, such as ``"stops"``."""
+    return frozenset(name for name, one in DESCRIPTIONS.items() if getattr(one, holds))

@@ -9,6 +9,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 
 MIN_LIMITED = 4  # samples
@@ -22,6 +23,21 @@ class ForceLimit(PlantEffect):
     """
 
     name = "force-limit"
+    description = Description(
+        path="dynamics",
+        noun="a limit in the loop of the drive",
+        clauses=(
+            "The drive gives no more force once the error of its loop exceeds {limit}",
+            "The force of the drive is limited",
+        ),
+        meaning=(
+            "The loop inside the drive runs into the largest current or voltage: the command is reached later, not "
+            "cut off. Check the limits of current, voltage and duty cycle in the drive, and the supply."
+        ),
+        excited_by="Large steps of the command beside small ones.",
+        parameters={"limit": Reported("error of the loop at the limit, in units of the command", "u")},
+        confused_with=("input-rate-limit", "input-saturation", "quadratic-drag"),
+    )
     variants: ClassVar[tuple[str, ...]] = ("position", "speed")
     absent: ClassVar[Mapping[str, float]] = {"limit": 50.0}
     planted_variants = ("position",)

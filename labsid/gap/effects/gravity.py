@@ -9,6 +9,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import force_unit
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS
 from labsid.gap.record.data import Data
 
@@ -26,6 +27,27 @@ class Gravity(PlantEffect):
     """
 
     name = "gravity"
+    description = Description(
+        path="dynamics",
+        noun="gravity",
+        clauses=(
+            "A weight turns the joint towards {angle} with a torque of up to {torque}",
+            "A weight turns the joint towards its angle of rest",
+        ),
+        meaning=(
+            "The torque is proportional to the sine of the angle between the joint and its rest. It is given as the "
+            "command that holds it. Look for an arm or a load off the axis that the simulation lacks, or a wrong mass"
+            " or centre of mass."
+        ),
+        excited_by="Slow motion over a large range of angles, in both directions.",
+        parameters={
+            "torque": Reported("largest torque, in units of the command", "u"),
+            "angle": Reported("angle of rest", "y", position=True),
+            "per_radian": Reported("output per radian", "y"),
+        },
+        confused_with=("cubic-stiffness", "output-nonlinearity", "load-step"),
+        spring=True,
+    )
     sizes = ("torque",)
     variants: ClassVar[tuple[str, ...]] = ("", "unsprung")
 

@@ -11,6 +11,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Planted, Value
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
 
 LONGEST_DELAY = 250.0  # samples
@@ -26,6 +27,21 @@ class Delay(InputEffect):
     """
 
     name = "input-delay"
+    description = Description(
+        path="input",
+        noun="a transport delay",
+        clauses=(
+            "The rig responds to each command {delay} late",
+            "The rig responds to each command late",
+        ),
+        meaning=(
+            "The command reaches the process after this delay, in addition to the one sample of every sampled system."
+            " Look for pipes, belts, buses and buffers."
+        ),
+        excited_by="Steps or fast changes of the input, sampled faster than the delay.",
+        parameters={"delay": Reported("delay", "s")},
+        confused_with=("extra-lag",),
+    )
     variants = ("", "no-zero")
     planted_variants = ("",)
     whole = "time"
@@ -72,6 +88,27 @@ class Saturation(Limits, InputEffect):
     """The actuator saturates inside the commanded range; `variant` low, high or both."""
 
     name = "input-saturation"
+    description = Description(
+        path="input",
+        noun="a limit of the actuator",
+        clauses=(
+            "The actuator saturates at {low} and at {high}",
+            "The actuator goes no lower than {low}",
+            "The actuator goes no higher than {high}",
+            "The actuator saturates within the range of the command",
+        ),
+        meaning=(
+            "Commands beyond the limit have the same effect as the limit. Check end stops, supply voltage and limits "
+            "in the amplifier or its software."
+        ),
+        excited_by="An input that goes beyond the limit and back, with several levels inside it.",
+        parameters={
+            "low": Reported("lower limit", "u", position=True),
+            "high": Reported("upper limit", "u", position=True),
+        },
+        confused_with=("input-nonlinearity", "output-saturation", "input-rate-limit"),
+        shape_of_input=True,
+    )
     signal, leap = "u", 0.05
     position = 1
     planted_variants = ("high", "low")
@@ -113,6 +150,30 @@ class DeadZone(InputEffect):
     """
 
     name = "input-dead-zone"
+    description = Description(
+        path="input",
+        noun="a dead zone",
+        clauses=(
+            "The actuator does not move between {low} and {high}",
+            "The actuator does not move until the command exceeds {high}",
+            "The actuator does not move until the command falls below {low}",
+            "The actuator does not move until the command leaves a band",
+        ),
+        meaning=(
+            "Commands inside the band have no effect. Look for valve overlap, friction in the drive, or a threshold "
+            "in the amplifier."
+        ),
+        excited_by="Small inputs on both sides of rest beside large ones.",
+        parameters={
+            "low": Reported("lower edge of the band", "u", position=True),
+            "high": Reported("upper edge of the band", "u", position=True),
+            "jump_low": Reported("step at the lower edge", "u"),
+            "jump_high": Reported("step at the upper edge", "u"),
+            "ratio": Reported("gain below the band over the gain above it", "1"),
+        },
+        confused_with=("coulomb-friction", "input-backlash", "input-nonlinearity"),
+        shape_of_input=True,
+    )
     least_levels = 3
     position = 4
     planted_variants = ("",)
@@ -195,6 +256,21 @@ class Backlash(InputEffect):
     """Backlash of a given width."""
 
     name = "input-backlash"
+    description = Description(
+        path="input",
+        noun="backlash",
+        clauses=(
+            "The actuator crosses a play of {width} at each change of direction",
+            "The actuator crosses a play at each change of direction",
+        ),
+        meaning=(
+            "After each change of direction the command must cross the play before the actuator follows. Check gears,"
+            " couplings and valve stems."
+        ),
+        excited_by="Changes of direction after small and after large changes of the input.",
+        parameters={"width": Reported("play", "u")},
+        confused_with=("input-dead-zone", "coulomb-friction", "input-delay"),
+    )
     least_levels = 3
     position = 5
     planted_variants = ("",)
@@ -231,6 +307,21 @@ class RateLimit(InputEffect):
     """
 
     name = "input-rate-limit"
+    description = Description(
+        path="input",
+        noun="a rate limit of the actuator",
+        clauses=(
+            "The actuator moves no faster than {rate}",
+            "The actuator moves more slowly than the command",
+        ),
+        meaning=(
+            "The actuator follows fast changes of the command at a limited rate. Check motor-driven valves and ramps "
+            "in the drive's software."
+        ),
+        excited_by="Steps of different sizes: the larger ones are slower.",
+        parameters={"rate": Reported("largest rate", "u/s")},
+        confused_with=("extra-lag", "input-saturation"),
+    )
     position = 2
     variant_positions: ClassVar[dict[str, int]] = {"behind": 6}
     further: ClassVar[dict[str, tuple[str, ...]]] = {"": ("switched", "timed")}
@@ -276,6 +367,24 @@ class Nonlinearity(curves.Curve, InputEffect):
     """
 
     name = "input-nonlinearity"
+    description = Description(
+        path="input",
+        noun="a curved characteristic of the actuator",
+        clauses=("The gain of the actuator changes with the size of the command",),
+        meaning=(
+            "The same step of the command has more effect in one part of its range than in another. Check the "
+            "characteristic of the pump, the valve or the amplifier. With d the command minus the centre of the "
+            "curve, the actuator gives d + (quadratic coefficient) d² + (cubic coefficient) d³."
+        ),
+        excited_by="Many levels of the input over its range.",
+        parameters={
+            "c2": Reported("quadratic coefficient", "1/u"),
+            "c3": Reported("cubic coefficient", "1/u^2"),
+            "centre": Reported("centre of the curve", "u", position=True),
+        },
+        confused_with=("output-nonlinearity", "sqrt-outflow", "input-saturation"),
+        shape_of_input=True,
+    )
     least_levels = 3
     position = 7
     variant_positions: ClassVar[dict[str, int]] = {"first": 0}

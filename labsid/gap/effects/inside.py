@@ -11,6 +11,7 @@ from labsid.gap.dynamics.inside import PARTS, InsidePort
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description
 from labsid.gap.effects.disturbance import StepLoad, load_starts
 from labsid.gap.effects.motion import MIN_STOPPED
 from labsid.gap.effects.periodic import residual_cycles
@@ -313,6 +314,15 @@ class Mismatch(Inside):
     """A number of the joint or its actuator that is wrong; `variant` is "joint-" and what is wrong."""
 
     name = MISMATCH
+    description = Description(
+        path="parameters",
+        noun="a parameter mismatch",
+        clauses=("The structure of the simulation is right, but its parameters are wrong",),
+        meaning="With refitted coefficients the simulation reproduces the record; no effect has to be added.",
+        excited_by="An input that excites the rig as a linear model needs it; only with --sim.",
+        confused_with=("extra-lag",),
+        given_only=True,
+    )
     variants: ClassVar[tuple[str, ...]] = tuple(
         f"joint-{what}" for what in ("damping", "armature", "stiffness", "gain", "mass")
     )

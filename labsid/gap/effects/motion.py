@@ -10,6 +10,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import force_unit, real_rates
 from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 
 MIN_STOPPED = 4  # samples at a stop
@@ -20,6 +21,27 @@ class EndStop(PlantEffect):
     """A mechanical stop; `variant` low, high or both, and "-unsprung" for a mass without a spring."""
 
     name = "end-stop"
+    description = Description(
+        path="dynamics",
+        noun="an end stop",
+        clauses=(
+            "The motion runs against stops at {low} and at {high}",
+            "The motion runs against a stop at {low}",
+            "The motion runs against a stop at {high}",
+            "The motion runs against a stop",
+        ),
+        meaning=(
+            "A moving part hits a mechanical stop, loses its speed there, and moves back as soon as the force turns. "
+            "Look for the ends of slides, cylinders and valve stems, and for cables that are too short."
+        ),
+        excited_by="Motion against the stop, with time for the force to turn and lead away from it.",
+        parameters={
+            "low": Reported("lower stop", "y", position=True),
+            "high": Reported("upper stop", "y", position=True),
+        },
+        confused_with=("output-saturation", "overflow", "cubic-stiffness"),
+        stops=True,
+    )
     grows = True
     planted_variants = ("high", "low")
     whole = "y"
@@ -104,6 +126,21 @@ class QuadraticDrag(PlantEffect):
     """Resistance that grows with the square of the speed; `variant` position, speed, or speed-lag."""
 
     name = "quadratic-drag"
+    description = Description(
+        path="dynamics",
+        noun="a quadratic drag",
+        clauses=(
+            "A resistance of {drag} times the square of the speed opposes the motion",
+            "A resistance that grows with the square of the speed opposes the motion",
+        ),
+        meaning=(
+            "The faster the motion, the more the rig is damped: twice the speed meets four times the resistance. Look"
+            " for fans, propellers, fluid pushed through a narrow passage, and parts that move in air or water."
+        ),
+        excited_by="Slow and fast motion: small and large steps, without reaching a limit.",
+        parameters={"drag": Reported("drag: command that holds it, over the square of the speed", "u s^2/y^2")},
+        confused_with=("sqrt-outflow", "input-nonlinearity", "coulomb-friction"),
+    )
     sizes = ("drag",)
     variants = ("position", "speed", "speed-lag")
     places = ("speed", "speed-lag")

@@ -20,6 +20,7 @@ from labsid.gap.effects.base import (
     Value,
 )
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
 
 NEARLY_ZERO = 1e-3  # of the spread of y: what is less may be the floor of `fits.floor`
@@ -31,6 +32,28 @@ class Saturation(Limits, OutputEffect):
     """The sensor saturates; `variant` low, high or both."""
 
     name = "output-saturation"
+    description = Description(
+        path="output",
+        noun="a clipping sensor",
+        clauses=(
+            "The sensor clips below {low} and above {high}",
+            "The sensor clips below {low}",
+            "The sensor clips above {high}",
+            "The sensor clips at the end of its range",
+        ),
+        meaning=(
+            "The process continues beyond the limit of the reading. Check the ranges of the sensor and of the "
+            "converter."
+        ),
+        excited_by="Outputs beyond the range of the sensor, and back.",
+        parameters={
+            "low": Reported("lower limit", "y", position=True),
+            "high": Reported("upper limit", "y", position=True),
+        },
+        confused_with=("input-saturation", "overflow", "output-nonlinearity"),
+        stops=True,
+        bends_reading=True,
+    )
     signal, leap = "y", 0.03
     further: ClassVar[dict[str, tuple[str, ...]]] = {"low": ("both",), "high": ("both",)}
     position = 2
@@ -80,6 +103,29 @@ class Nonlinearity(curves.Curve, OutputEffect):
     """
 
     name = "output-nonlinearity"
+    description = Description(
+        path="output",
+        noun="a curved characteristic of the sensor",
+        clauses=(
+            "The sensor reads how far the output is from {fold}, but not on which side",
+            "The gain of the sensor changes over its range",
+        ),
+        meaning=(
+            "The same change of the process gives a larger reading in one part of the range than in another. Check "
+            "the calibration. A pulse counter, for example, reads the absolute value of a speed. With d the true "
+            "output minus the centre of the curve, the sensor reads d + (quadratic coefficient) d² + (cubic "
+            "coefficient) d³."
+        ),
+        excited_by="Outputs over the whole range, reached slowly and fast.",
+        parameters={
+            "c2": Reported("quadratic coefficient", "1/y"),
+            "c3": Reported("cubic coefficient", "1/y^2"),
+            "centre": Reported("centre of the curve", "y", position=True),
+            "fold": Reported("lowest reading, at which the sign is lost", "y", position=True),
+        },
+        confused_with=("input-nonlinearity", "sqrt-outflow", "cubic-stiffness"),
+        bends_reading=True,
+    )
     position = 1
     signal = whole = "y"
 
@@ -101,6 +147,23 @@ class Drift(AdditiveEffect):
     """A slow drift of the sensor zero: a polynomial of the degree in `variant`, or an exponential decay, "settle"."""
 
     name = "output-drift"
+    description = Description(
+        path="output",
+        noun="a drift of the sensor",
+        clauses=(
+            "The zero of the sensor drifts by ±{amplitude}",
+            "The zero of the sensor drifts",
+        ),
+        meaning=(
+            "The reading changes slowly, independent of the command. Check warm-up, temperature and the sensor's "
+            "supply."
+        ),
+        excited_by="A long record with stretches at the same input.",
+        parameters={"amplitude": Reported("amplitude", "y")},
+        confused_with=("parameter-drift", "load-step"),
+        of_one_record=True,
+        wanders=True,
+    )
     variants = ("1", "3", "6", "10", "16", "settle")
     planted_variants = ("3",)
     whole = "y"

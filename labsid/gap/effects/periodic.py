@@ -9,6 +9,7 @@ from labsid.gap.dynamics.plant_form import CYCLES, Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, Structure
+from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import peaks
 from labsid.gap.record.data import Data
 
@@ -22,6 +23,24 @@ class _Sinusoid(Effect):
     """A sinusoid anywhere behind the actuator."""
 
     name = "periodic-disturbance"
+    description = Description(
+        path="disturbance",
+        noun="a periodic disturbance",
+        clauses=(
+            "The output oscillates at {frequency} with amplitude {amplitude}, independent of the command",
+            "The output oscillates, independent of the command",
+        ),
+        meaning=(
+            "A steady oscillation that the command does not cause. Check pumps, fans, mains hum and nearby machines."
+        ),
+        excited_by="Several periods, with stretches of constant input.",
+        parameters={
+            "frequency": Reported("frequency", "Hz"),
+            "amplitude": Reported("amplitude", "y"),
+        },
+        confused_with=("resonance", "coloured-noise"),
+        of_one_record=True,
+    )
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """The other positions, where they differ."""

@@ -7,6 +7,7 @@ from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Fitted, OutputEffect, Planted, Value
 from labsid.gap.effects.context import Context
+from labsid.gap.effects.description import Description, Reported
 
 MIN_MOVED = 0.02  # share of the record in which the sensor moves each way
 MAX_SHARE = 0.7  # width over the range of the output
@@ -16,6 +17,21 @@ class Play(OutputEffect):
     """The sensor follows the process once the play is taken up."""
 
     name = "output-backlash"
+    description = Description(
+        path="output",
+        noun="a play of the sensor",
+        clauses=(
+            "The sensor crosses a play of {width} at each change of direction",
+            "The sensor crosses a play at each change of direction",
+        ),
+        meaning=(
+            "After each change of direction the process moves through the play before the reading follows. Check the "
+            "coupling of the sensor: gears, levers, cords and floats."
+        ),
+        excited_by="Slow motion with changes of direction at several levels.",
+        parameters={"width": Reported("play", "y")},
+        confused_with=("input-backlash", "coulomb-friction", "output-nonlinearity"),
+    )
     position = 2
     planted_variants = ("",)
     whole = "y"

@@ -11,6 +11,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import RARE, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
+from labsid.gap.effects.description import Description, Reported
 
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
@@ -39,6 +40,22 @@ class SqrtOutflow(_OfTanks):
     """Torricelli outflow, proportional to the root of the level; `variant` both, upper or lower, and "-flipped"."""
 
     name = "sqrt-outflow"
+    description = Description(
+        path="dynamics",
+        noun="a square-root outflow",
+        clauses=("The outflow is proportional to the square root of the level, not to the level",),
+        meaning=(
+            "Torricelli's law: per unit of level, the outflow of a full tank changes less than that of a nearly empty"
+            " one, so gain and time constant increase with the level. The parameters are the command without inflow "
+            "and the sensor reading of the empty tank. Both may lie far outside the record."
+        ),
+        excited_by="Levels over the whole height of the tank, nearly empty ones included.",
+        parameters={
+            "zero": Reported("command without inflow", "u", position=True),
+            "empty": Reported("reading of the empty tank", "y", position=True),
+        },
+        confused_with=("input-nonlinearity", "output-nonlinearity", "overflow"),
+    )
     planted_variants = ("both", "lower")
     absent: ClassVar[Mapping[str, float]] = {"zero": NO_CURVATURE}
     variants = tuple(which + side for which in ("both", "upper", "lower") for side in SIDES)
@@ -113,6 +130,27 @@ class Overflow(_OfTanks):
     """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
 
     name = "overflow"
+    description = Description(
+        path="dynamics",
+        noun="an overflow",
+        clauses=(
+            "A tank overflows at {level}",
+            "A tank overflows",
+        ),
+        meaning=(
+            "Inflow beyond the brim is lost or runs into the next tank. The brim is given as the reading at which the"
+            " sensor would settle if the tank stayed just full. The next tank receives all of the overflow (100 %), "
+            "none (0 %) or a part."
+        ),
+        excited_by="Inputs that fill the tank to the brim, long enough to see the level rest there.",
+        parameters={
+            "level": Reported("reading at the brim", "y", position=True),
+            "upper": Reported("reading at the brim of the upper tank", "y", position=True),
+            "caught": Reported("share received by the next tank", "1", share=True),
+        },
+        confused_with=("output-saturation", "input-saturation", "sqrt-outflow"),
+        stops=True,
+    )
     planted_variants = ("lower", "upper")
     whole = "y"
     absent: ClassVar[Mapping[str, float]] = {"brim": NO_BRIM}

@@ -5,8 +5,9 @@ from typing import Any
 
 from labsid._files import write_file
 from labsid._texts import joined
+from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED
+from labsid.gap.reports.effect_texts import REMAINING_ERRORS
 from labsid.gap.reports.limit_rows import (
     COLUMNS,
     hidden_sentences,

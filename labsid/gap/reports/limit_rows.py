@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from labsid._texts import joined
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.limits.smallest_sizes import Limits
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.effect_texts import noun
 from labsid.gap.reports.quantities import in_units, number
 from labsid.gap.reports.sentences import capitalised, noun_without_article, uncapitalised
@@ -32,7 +32,7 @@ def as_rows(limits: Sequence[Limits]) -> list[dict[str, Any]]:
     return [
         {
             "name": one.name,
-            "signal": SIGNALS.get(EFFECT_GUIDE[one.name].path),
+            "signal": SIGNALS.get(DESCRIPTIONS[one.name].path),
             "parameter": one.parameter or None,
             "unit": one.unit or None,
             "detect": one.detect,
@@ -51,7 +51,7 @@ def as_rows(limits: Sequence[Limits]) -> list[dict[str, Any]]:
 
 def _why(one: Limits) -> str | None:
     """Why an effect cannot be shown or not be named; None if it can."""
-    needed = EFFECT_GUIDE[one.name].excited_by
+    needed = DESCRIPTIONS[one.name].excited_by
     if one.reason == "levels":
         return f"The input has too few levels. Needed: {needed}"
     if one.reason == "closed":

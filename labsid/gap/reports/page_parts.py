@@ -11,8 +11,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labsid.gap.effects.detected import UNSIMULATED
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
+from labsid.gap.reports.effect_texts import parameter_label, parameter_value
 from labsid.gap.reports.quantities import closed_percent, number
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ def has_probabilities(report: dict[str, Any]) -> bool:
 
 def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its explanation and its parameters as text."""
-    text = EFFECT_TEXTS.get(effect["name"])
+    text = DESCRIPTIONS.get(effect["name"])
     closed = effect["closed"]
     parameters = []
     for name, entry in effect["parameters"].items():

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from labsid._texts import joined
-from labsid.gap.effects.families import EFFECTS_BY_KEY
+from labsid.gap.effects.detected import UNSIMULATED
+from labsid.gap.effects.families import DESCRIPTIONS, EFFECTS_BY_KEY
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import EFFECT_TEXTS, UNSIMULATED, parameter_label, parameter_value
+from labsid.gap.reports.effect_texts import parameter_label, parameter_value
 from labsid.gap.reports.javascript.models import script, structure
 from labsid.gap.reports.quantities import closed_percent, in_units
 from labsid.gap.reports.traces import packed
@@ -109,7 +110,7 @@ def _closed(report: dict[str, Any], names: list[str], accepted: bool) -> str:
 def _still(one: dict[str, Any], names: list[str]) -> str:
     """Why an effect has no slider."""
     missing = [name for name in names if name not in {slider["effect"] for slider in one["sliders"]}]
-    missing = [name for name in missing if name not in UNSIMULATED and name in EFFECT_TEXTS]
+    missing = [name for name in missing if name not in UNSIMULATED and name in DESCRIPTIONS]
     if not missing:
         return ""
     nouns = joined([sentences.noun_without_article(name) for name in missing])

@@ -9,6 +9,7 @@ from scipy.special import chdtrc
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
@@ -17,7 +18,6 @@ from labsid.gap.fits.switching import only_switches
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
 from labsid.gap.record.data import Data
 from labsid.gap.reports import location
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.experiment import Experiment, next_experiment
 from labsid.gap.reports.layout import SCHEMA
 from labsid.gap.reports.limit_rows import as_rows
@@ -172,7 +172,7 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
             place_inside(explanation.best, effect)
             | {
                 "name": name,
-                "path": EFFECT_GUIDE[name].path,
+                "path": DESCRIPTIONS[name].path,
                 "parameters": with_nominal(
                     explanation.best, estimate_parameters(explanation.data, explanation.best, effect)
                 )

@@ -4,7 +4,9 @@ import re
 from typing import Any
 
 from labsid._texts import joined
-from labsid.gap.reports.effect_texts import REMAINING_ERRORS, UNSIMULATED, clause, noun
+from labsid.gap.effects.detected import UNSIMULATED
+from labsid.gap.effects.families import names_where
+from labsid.gap.reports.effect_texts import REMAINING_ERRORS, clause, noun
 from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
 
 PLACES = {
@@ -28,7 +30,6 @@ SIGNIFICANT = 0.01  # p-value below which a residual test is reported as signifi
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
 NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
-TIME_VARYING = {"load-step", "parameter-drift"}
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
@@ -507,7 +508,8 @@ def place_sentence(report: dict[str, Any]) -> str | None:
 
 def fitted_baseline_sentence(report: dict[str, Any]) -> str:
     """Why the gap of a fitted baseline precedes a change within the record; empty for other gaps."""
-    if report["simulation"]["given"] or not {effect["name"] for effect in report["effects"]} & TIME_VARYING:
+    names = {effect["name"] for effect in report["effects"]}
+    if report["simulation"]["given"] or not names & names_where("varies_in_time"):
         return ""
     return (
         "The linear model was fitted to the record before and after the change, so it has errors on both sides of it."

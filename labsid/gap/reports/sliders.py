@@ -7,12 +7,12 @@ from scipy.interpolate import PchipInterpolator
 
 from labsid._arrays import FloatArray
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted
+from labsid.gap.effects.families import names_where
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.parameter_estimates import value_slopes
 from labsid.gap.model_file import STATES
 from labsid.gap.record.data import Data
-from labsid.gap.verdict.held_out_search import OF_ONE_RECORD
 
 STEPS = 20  # positions of a slider on either side of the fitted value
 EVALUATED = 5  # of them, at which the value is computed; between them it is interpolated
@@ -77,7 +77,7 @@ def parameter_sliders(data: Data, fit: Fit, effect: Effect) -> list[Slider]:
         moves = np.unique(np.clip(moves, few[0], few[-1]))
         values = PchipInterpolator(few, computed)(moves)
         theta, gains = np.split(direction, [fit.theta.size])
-        lasting = not (isinstance(effect, AdditiveEffect) or effect.name in OF_ONE_RECORD)
+        lasting = not (isinstance(effect, AdditiveEffect) or effect.name in names_where("of_one_record"))
         found.append(Slider(effect.name, name, value.unit, values, moves, theta, gains, not lasting))
     return found
 
@@ -163,7 +163,7 @@ def _reach(data: Data, effect: Effect, name: str, unit: str, value: float) -> fl
         return SIGNAL_SHARE * float(np.ptp(signal)) * scale.unit
     if name in ("onset", "end"):
         return RECORD_SHARE * data.samples * data.Ts
-    if name == "frequency" and effect.name in OF_ONE_RECORD:
+    if name == "frequency" and effect.name in names_where("of_one_record"):
         return CYCLES / (data.samples * data.Ts)
     return abs(value)
 

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import decay_rates
 from labsid.gap.effects.base import AdditiveEffect
+from labsid.gap.effects.families import names_where
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
 from labsid.gap.fits.floor import digit_steps, is_printed, with_floor
@@ -293,7 +294,7 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
             found.remove("output-dropout")
     else:
         rounding = 0.0
-    wanders = {"output-drift", "parameter-drift"} & set(best.hypothesis.names)
+    wanders = names_where("wanders") & set(best.hypothesis.names)
     coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
     if len(path) > 1:  # what a law that is not quite right leaves of an effect is slow, too
         coloured &= floor - white > MIN_SHARE_OF_GAP**2 * mean_square(clean, path[0])

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.layout import SCHEMA, listed_findings
 from labsid.gap.reports.traces import extreme_samples
 from labsid.gap.signals.preparation import Prepared
@@ -251,7 +251,7 @@ def _ambiguous(parts: Sequence[Part], effects: Sequence[dict[str, Any]]) -> list
     found: dict[tuple[str, str | None], None] = {}
     for part in sorted(parts, key=lambda part: -part.gap_size):
         for name in part.report["ambiguous"]:
-            one = (name, _signal(EFFECT_GUIDE[name].path, part))
+            one = (name, _signal(DESCRIPTIONS[name].path, part))
             if one not in named:
                 found.setdefault(one)
     return [{"name": name, "signal": signal} for name, signal in list(found)[:MOST_RIVALS]]

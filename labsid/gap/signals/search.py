@@ -9,6 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.estimation.subspace import fit_subspace
 from labsid.gap.effects.base import InputEffect
+from labsid.gap.effects.families import names_where
 from labsid.gap.fits.fitting import Fit, fit_from, mean_square
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.residual_tests import explained_share
@@ -25,7 +26,6 @@ from labsid.gap.simulations.structure_choice import explain_record
 from labsid.model_structures.state_space import simulate_states
 
 _OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
-_POLES = {"extra-lag", "slow-mode", "resonance"}  # effects that add poles
 SAME = 1.2  # rms error of a state-space model over that with the poles found, up to which it is the same
 FAINT = 1.5  # rms error without a pole over that with it, below which it may be one of the rig's own
 DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
@@ -253,7 +253,7 @@ def _own_poles(signals: Signals, found: list[ExplainedOutput]) -> list[Explained
     without them is hardly larger.
     """
     names = {name for one in found for through in one.through for name in through.explanation.best.hypothesis.names}
-    if len(found) < 2 or not names or not names <= _POLES:
+    if len(found) < 2 or not names or not names <= names_where("adds_poles"):
         return found
     ends = [(one.through[-1].explanation.data, one.through[-1].explanation) for one in found]
     larger = max(mean_square(data, how.path[0]) / mean_square(data, how.best) for data, how in ends)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from labsid.gap.effects.families import names_where
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
@@ -23,11 +24,8 @@ MAX_RIVALS = 3  # alternatives that are reported
 MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
 RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
-STOP_EFFECTS = ("output-saturation", "overflow", "end-stop")  # the output rests at its extreme
-SEEN_STOP = 0.8  # probability of one of them, if it pays and the record shows the limit
-SHAPES_OF_SWITCH = {"input-saturation", "input-dead-zone", "input-nonlinearity", "input-quantization"}
-SWITCH_PROBABILITY = 0.4  # of one of them, where the fitted actuator only switches
-SPRINGS, CURVES_OF_READING = {"cubic-stiffness", "gravity"}, ("output-nonlinearity", "output-saturation")
+SEEN_STOP = 0.8  # probability of an effect that stops the output, if it pays and the record shows the limit
+SWITCH_PROBABILITY = 0.4  # of a shape of the input, where the fitted actuator only switches
 MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
 MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
 
@@ -162,7 +160,7 @@ def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decisio
 
     Its two values fit a limit, a dead zone, a coarse step and a curve alike. Its hysteresis is that of a play.
     """
-    named = set(decision.names) & SHAPES_OF_SWITCH
+    named = set(decision.names) & names_where("shape_of_input")
     if not named or not only_switches(data, fit):
         return decision
     capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
@@ -175,11 +173,12 @@ def without_stand_ins(decision: Decision, fit: Fit) -> Decision:
     The feedback of an unstable rig takes the reading for the position. Beside it, a curve of the reading acts like one
     of the restoring force, and is fitted worse.
     """
-    named = set(decision.names) & SPRINGS
+    named = set(decision.names) & names_where("spring")
     if decision.verdict != "partial" or not named or fit.hypothesis.feedback is None:
         return decision
     capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
-    rivals = [name for name in (*CURVES_OF_READING, *decision.ambiguous) if name not in decision.names]
+    curves = sorted(names_where("bends_reading"))
+    rivals = [name for name in (*curves, *decision.ambiguous) if name not in decision.names]
     return replace(decision, probability=capped, ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS])
 
 
@@ -198,7 +197,7 @@ def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = Fal
     if not probability:
         return unknown
     if at_stop:
-        probability |= {name: max(p, SEEN_STOP) for name, p in probability.items() if name in STOP_EFFECTS}
+        probability |= {name: max(p, SEEN_STOP) for name, p in probability.items() if name in names_where("stops")}
     rivals = [name for step in search.steps for name, ratio in step.rivals if ratio < RIVAL_FACTOR]
     return replace(
         unknown,

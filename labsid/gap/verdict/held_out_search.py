@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.effects.families import names_where
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, fit_from, mean_square
 from labsid.gap.fits.linear_fits import fit_highpass
@@ -25,13 +26,6 @@ MOST_EFFECTS = 3  # of a partial explanation
 COMPARED = 8  # combinations of two and of three effects that are refitted: those of least error on all samples
 NOT_WORSE = 1.02  # error on another record with an effect over that without it, up to which the effect may act there
 MOST_ROUNDS = 4  # of additions and exchanges
-OF_ONE_RECORD = {
-    "input-off",
-    "load-step",
-    "output-drift",
-    "parameter-drift",
-    "periodic-disturbance",
-}  # their time course
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,7 +167,7 @@ class _Pool:
         for fit in fits:
             if meter is not None and meter.exhausted:
                 break
-            if self.held_out.elsewhere and OF_ONE_RECORD & set(fit.hypothesis.names):
+            if self.held_out.elsewhere and names_where("of_one_record") & set(fit.hypothesis.names):
                 continue  # not in the other record
             candidate = self._scored(fit)
             known = self.best.get(candidate.names)
@@ -277,8 +271,8 @@ def search_held_out(
         best = other
     tried = {tuple(sorted(names)): float(np.mean(one.errors)) for names, one in pool.best.items() if names}
     elsewhere = None
-    if best.names & OF_ONE_RECORD:
-        lasting = (one for names, one in pool.best.items() if not names & OF_ONE_RECORD)
+    if best.names & names_where("of_one_record"):
+        lasting = (one for names, one in pool.best.items() if not names & names_where("of_one_record"))
         elsewhere = _paying(pool, min(lasting, key=lambda one: one.total)).fit
     every = {tuple(sorted(names)): one.fit for names, one in pool.best.items()}
     steps = _steps(pool, best, explanation.best.hypothesis.names)

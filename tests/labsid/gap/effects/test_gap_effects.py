@@ -14,13 +14,12 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output, periodic, tanks
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.context import Context
-from labsid.gap.effects.families import CANDIDATES
+from labsid.gap.effects.families import CANDIDATES, DESCRIPTIONS
 from labsid.gap.effects.inside import Inside
 from labsid.gap.fits.fitting import finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline
 from labsid.gap.record.data import Data, Scale, scaled
-from labsid.gap.reports.effect_guide import EFFECT_GUIDE
 from labsid.gap.reports.quantities import UNITS
 
 TABLE = {
@@ -118,7 +117,7 @@ def values(fit: Fitted) -> dict[str, tuple[float, str]]:
 
 
 def test_names_and_paths_are_those_of_the_table() -> None:
-    assert {name: guide.path for name, guide in EFFECT_GUIDE.items()} == TABLE
+    assert {name: guide.path for name, guide in DESCRIPTIONS.items()} == TABLE
     assert {effect.name for effect in ALL} <= TABLE.keys()
     around = [group[0].name for group in CANDIDATES if not all(isinstance(effect, Inside) for effect in group)]
     assert around == list(dict.fromkeys(effect.name for effect in ALL))

@@ -5,8 +5,8 @@ import re
 import pytest
 from gap_reports import PARAMETERS, effect
 
-from labsid.gap.effects.families import CANDIDATES
-from labsid.gap.reports.effect_texts import EFFECT_TEXTS, clause, noun, parameter_label, parameter_value
+from labsid.gap.effects.families import CANDIDATES, DESCRIPTIONS
+from labsid.gap.reports.effect_texts import clause, noun, parameter_label, parameter_value
 
 CLAUSES = {
     "input-delay": "The rig responds to each command 0.4339 s late",
@@ -45,8 +45,8 @@ CLAUSES = {
 
 
 def test_the_words_are_those_of_the_table_and_of_every_candidate():
-    assert set(EFFECT_TEXTS) == set(CLAUSES) == set(PARAMETERS)
-    assert {variant.name for group in CANDIDATES for variant in group} <= set(EFFECT_TEXTS)
+    assert set(DESCRIPTIONS) == set(CLAUSES) == set(PARAMETERS)
+    assert {variant.name for group in CANDIDATES for variant in group} <= set(DESCRIPTIONS)
 
 
 @pytest.mark.parametrize("name", CLAUSES)

@@ -12,8 +12,8 @@ import pytest
 from gap_reports import PARAMETERS, report, undrawn_figures, with_experiment, with_holdout, with_plateaus, with_rest
 from page_reader import Page
 
+from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import EFFECT_TEXTS
 from labsid.gap.reports.html_report import page_content, render_html, write_html_report
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import command
@@ -109,7 +109,7 @@ def test_the_verdict_is_first_and_the_sections_are_in_order(kind, pages):
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_every_effect_is_explained_with_its_parameters(name):
     (shown,) = page_content(report(name))["effects"]
-    assert shown["meaning"] == EFFECT_TEXTS[name].meaning
+    assert shown["meaning"] == DESCRIPTIONS[name].meaning
     assert len(shown["parameters"]) == len(PARAMETERS[name])
     assert all(row["label"] and row["value"] for row in shown["parameters"])
 

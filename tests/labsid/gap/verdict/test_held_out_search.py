@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from labsid._arrays import FloatArray
+from labsid.gap.effects.families import names_where
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.verdict.held_out_errors import HeldOut, compare_errors, hold_out
-from labsid.gap.verdict.held_out_search import OF_ONE_RECORD, HeldOutSearch, search_held_out
+from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
 
 
 def searched(explained: Explanation) -> tuple[HeldOutSearch, HeldOut, FloatArray]:
@@ -84,7 +85,13 @@ def test_an_effect_that_a_fit_uses_on_its_own_record_only_is_not_kept(banded: Ex
 
 
 def test_the_effects_of_one_record_are_those_with_a_time_course() -> None:
-    assert set(OF_ONE_RECORD) == {"input-off", "load-step", "output-drift", "parameter-drift", "periodic-disturbance"}
+    assert names_where("of_one_record") == {
+        "input-off",
+        "load-step",
+        "output-drift",
+        "parameter-drift",
+        "periodic-disturbance",
+    }
 
 
 def test_an_effect_must_pay_beside_fitted_parameters_of_a_given_simulation(banded: Explanation) -> None:
