@@ -85,6 +85,33 @@ def test_every_constant_of_the_diagnosis_says_what_it_means(pages):
     assert set(used) <= {name for name, _, _ in rows}, "the page of the formulas names constants that do not exist"
 
 
+def test_the_words_of_the_glossary_name_what_exists():
+    """Every word that a reader may look up is there, and the place in the code that it names is there, too."""
+    rows = re.findall(r"^\| ([\w ,]+) \| (.+) \| (.+) \|$", (SITE / "glossary.md").read_text(encoding="utf-8"), re.M)
+    words = [word for row in rows for word in row[0].split(", ")]
+    assert len(words) == len(set(words))
+    assert set(
+        [
+            "family",
+            "variant",
+            "candidate",
+            "trial",
+            "hypothesis",
+            "answer",
+            "verdict",
+            "start",
+            "baseline",
+            "confidence",
+        ]
+    ) < set(words)
+    assert set(["probability", "closed", "held", "path", "rows", "rest", "sealed", "bar", "seed", "gate"]) < set(words)
+    for place in re.findall(r"`(\w+/\w+)(?:\.(\w+))?`", " ".join(places for _, _, places in rows)):
+        if place[0].startswith("tests/"):
+            continue
+        module = import_module(f"labsid.gap.{place[0].replace('/', '.')}")
+        assert not place[1] or hasattr(module, place[1]), place
+
+
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_the_page_of_a_notebook_holds_no_solution(pages, name):
     source = (ROOT / "notebooks" / name / f"{name}.md").read_text(encoding="utf-8")

@@ -12,6 +12,7 @@ import time
 import zipfile
 from collections.abc import Callable
 from datetime import datetime, tzinfo
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -318,7 +319,7 @@ def test_a_term_is_as_the_readme_prints_it(
     shutil.copyfile(ROOT / "pyproject.toml", own.root / "pyproject.toml")
     monkeypatch.setattr("autograder.course.layout.find_course", lambda: own)
     guide = (ROOT / "autograder" / "README.md").read_text(encoding="utf-8")
-    guide = guide.partition("## A term, step by step")[2].partition("## The path of a submission")[0]
+    guide = guide.partition("## A term, step by step")[2].partition("## What happens to a submission")[0]
     (settings,) = re.findall(r"```toml\n(.*?)```", guide, re.DOTALL)
     (own.root / "course.toml").write_text(settings, encoding="utf-8")
     (tmp_path / "course-secret.txt").write_bytes(SECRET)
@@ -574,7 +575,14 @@ def test_the_demonstration(
     for student in samples:
         assert f"   {student}: " in captured.out
         assert Path("demo", "graded", "feedback", student, f"{LAB}.html").is_file()
-    assert "The question" in Path("demo", "graded", "feedback", "ben", f"{LAB}.html").read_text(encoding="utf-8")
+    feedback = unescape(Path("demo", "graded", "feedback", "ben", f"{LAB}.html").read_text(encoding="utf-8"))
+    assert "The question" in feedback
+    _, shown = (ROOT / "README.md").read_text(encoding="utf-8").split("## One graded notebook\n")
+    rows = re.findall(r"^\| `(lab-\S+)` \| 0 / (\S+) \| (.*) \|$", shown.partition("\n## ")[0], re.M)
+    assert len(rows) == 3
+    words = re.sub(r"<[^>]+>", "", feedback)
+    assert all(question in words and f"0 / {marks}" in words and said in words for question, marks, said in rows)
+    assert re.search(r"1\.45\s*of 2 marks", words)
     grades = Path("demo", "graded", "grades.csv").read_text(encoding="utf-8")
     for status in ("graded", "manual", "crashed", "quarantined"):
         assert f",{status}," in grades
