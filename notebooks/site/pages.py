@@ -133,11 +133,14 @@ def constants_page() -> str:
     for folder in DECIDING:
         parts += [f"## {folder}"]
         for path in sorted((ROOT / "labsid" / "gap" / folder).glob("*.py")):
-            rows = [f"| `{name}` | {value} | {meaning} |" for name, value, meaning in constants_of(path)]
+            rows = [
+                f"| `{name}` | {value} | {' | '.join(split_origin(meaning))} |"
+                for name, value, meaning in constants_of(path)
+            ]
             if rows:
                 parts += [
                     f"### {folder}/{path.stem}",
-                    "\n".join(["| name | value | meaning |", "|---|---|---|", *rows]),
+                    "\n".join(["| name | value | meaning | fitted by, on what |", "|---|---|---|---|", *rows]),
                 ]
     return "\n\n".join(parts) + "\n"
 
@@ -146,11 +149,12 @@ _LIMITS = (
     "`labsid gap limits RECORD` prints the smallest size that your record can show, and the smallest that it can tell "
     "from every other effect; with `--input NEXT.csv` those of an experiment that is not made yet."
 )
+_ORIGIN = re.compile(r"(?:^|[;:] |of the )((?:fitted (?:by|to|with)|measured on|lowered by hand|`dev` records) .*)$")
 _ORIGINS = (
-    "A constant that was fitted or measured says on what; see also "
+    "The last column says on what a constant was fitted, where the code says it; see also "
     "[What the probabilities mean]"
     "(../../labsid/gap/README.md#what-the-probabilities-mean-and-on-what-they-were-measured). "
-    "The others are set by hand. The kept answers and the sealed check hold all of them "
+    "A dash means that it does not. The kept answers and the sealed check hold all of them "
     "([Change the diagnosis](../../labsid/gap/README.md#change-the-diagnosis))."
 )
 
@@ -170,6 +174,14 @@ def constants_of(path: Path) -> Iterator[tuple[str, str, str]]:
             said = following.value if isinstance(following, ast.Expr) else None
             docstring = said.value if isinstance(said, ast.Constant) and isinstance(said.value, str) else ""
             yield target.id, value, " ".join([*comments, *docstring.split()]).replace("|", "\\|")
+
+
+def split_origin(text: str) -> tuple[str, str]:
+    """What a constant means, and on what it was fitted; a dash where its comment does not say that."""
+    found = _ORIGIN.search(text)
+    if found is None:
+        return text, "–"
+    return text[: found.start()].strip() or text, found.group(1)
 
 
 def _shown(value: object) -> str:
