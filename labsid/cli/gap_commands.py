@@ -93,6 +93,7 @@ def diagnose(
         bool, typer.Option("--why", help="Also print each gate of the verdict, and what was not taken.")
     ] = False,
     seed: Seed = 0,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one for each core.")] = None,
     holdout_columns: Annotated[
         str | None, typer.Option(metavar="NAMES", help="Columns of RECORD2, if different.")
     ] = None,
@@ -101,6 +102,7 @@ def diagnose(
 
     With --sim FILE.xml, --inputs and --outputs name its actuator and its joint or sensor.
     """
+    from labsid._cores import available_cores
     from labsid._files import check_writable, write_json
     from labsid.gap import diagnosis
     from labsid.gap.reports.quantities import with_units
@@ -141,6 +143,7 @@ def diagnose(
             seed=seed,
             evaluations=evaluations,
             why=why,
+            jobs=jobs or available_cores(),
             progress=progress,
         )
     report = found.report | {"command": _command_line(context)}

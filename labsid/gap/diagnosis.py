@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from labsid._arrays import FloatArray, stretches_of
+from labsid._cores import on_cores
 from labsid.gap.dynamics.record_start import LEAST_START, MOST_SHARE
 from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -87,6 +88,7 @@ def diagnose(
     seed: int = 0,
     evaluations: int | None = None,
     why: bool = False,
+    jobs: int = 1,
     progress: Progress | None = None,
 ) -> Diagnosis | SignalsDiagnosis:
     """Find where a simulation and a rig disagree, which effects cause it, and the share of the gap that they close.
@@ -120,6 +122,9 @@ def diagnose(
     why : bool
         Whether `Diagnosis.why` explains the verdict: each of its gates, and why the best other combinations of effects
         were not taken.
+    jobs : int
+        Largest number of processes, at most one for each core; the result is the same for any number. With a simulation
+        that is run, and on systems other than Linux, one.
     progress : callable, optional
         Called with a description of the current step and the completed share. By default a notebook shows a bar.
 
@@ -140,7 +145,7 @@ def diagnose(
     records = [record] if isinstance(record, Record) else record
     if any(one.several for one in records):
         _check_several_signals(records, simulation is not None, evaluations, why)
-        with _on_one_thread(progress) as said:
+        with _on_one_thread(progress) as said, on_cores(jobs if simulation is None else 1):
             return diagnose_signals(
                 records[0],
                 simulation,
@@ -164,12 +169,13 @@ def diagnose(
         _begin(prepared.base, evaluations)
         if progress is not None and prepared.base.is_run:
             progress = _with_runs(progress, prepared.base.meter)
-        with prepared.base.meter.searching(SEARCH_SHARE):
-            start = _start(prepared.data, prepared.base, progress)
-            explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
-        if undecided:
-            prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
-        return _in_units(_report(prepared, explanation, seed, progress, why), records[0].units)
+        with on_cores(1 if prepared.base.is_run else jobs):
+            with prepared.base.meter.searching(SEARCH_SHARE):
+                start = _start(prepared.data, prepared.base, progress)
+                explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
+            if undecided:
+                prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
+            return _in_units(_report(prepared, explanation, seed, progress, why), records[0].units)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from typing import Self
 
 import numpy as np
 
+from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 
 Named = dict[str, float]
@@ -136,7 +137,13 @@ STATES = {
     "speed": (Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)),
 }
 """Initial states of nonlinear dynamics, about the equilibrium at the first input."""
-NOT_GIVEN = GivenSimulation(lambda w, numbers: np.full(w.size, np.nan))
+
+
+def _nothing(w: FloatArray, numbers: dict[str, float]) -> FloatArray:
+    return np.full(w.size, np.nan)
+
+
+NOT_GIVEN = GivenSimulation(_nothing)
 CYCLES = Parameter("cycles", 2.2, 1e7, 1e-3)  # in the record; a slower sinusoid is a drift
 
 

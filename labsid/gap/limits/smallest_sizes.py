@@ -2,10 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid._cores import mapped
 from labsid.gap.effects.base import InputEffect, Planted
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed, SlowMode
@@ -93,7 +95,8 @@ def find_smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = Tru
     refit = Refit.about(data, fit, noise)
     if refit is None:
         return ()
-    sown = [one for plantation in plantations(data, fit) for one in _traced(plantation, refit)]
+    traced = mapped(lambda plantation: _traced(plantation, refit), plantations(data, fit), (data, fit))
+    sown = list(chain.from_iterable(traced))
     rows: dict[tuple[str, str], list[_Sown]] = {}
     for one in sown:
         if one.parameter == next(other.parameter for other in sown if other.plantation is one.plantation):

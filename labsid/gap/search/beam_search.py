@@ -7,6 +7,7 @@ from operator import attrgetter
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid._cores import mapped
 from labsid.gap.effects.base import Effect, InputEffect
 from labsid.gap.effects.disturbance import Leak, LoadStep
 from labsid.gap.effects.families import CANDIDATES
@@ -112,8 +113,7 @@ def _search_from(
     for step in range(most):
         level: Level = {}
         for number, parent in enumerate(beam):
-            tried = _extensions(data, parent, highpass, step, progress, (number, len(beam)))
-            fits = [best_fit(data, few, kept=3) for few in tried]
+            fits = _extensions(data, parent, highpass, step, 3, progress, (number, len(beam)))
             keep_best(level, (fit for fit in fits if fit is not None and not disguised(fit)))
         keep_best(level, _of_size(together, step + 1))
         if step == 0:
@@ -210,20 +210,33 @@ def keep_best(level: Level, fits: Iterable[Fit | None]) -> None:
 
 
 def _extensions(
-    data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None, place: tuple[int, int]
-) -> list[list[Trial]]:
-    """Sketches of the fits with one more effect, grouped by effect; from the second effect on, only the best groups."""
-    tried = []
+    data: Data, parent: Fit, highpass: Fit, step: int, tries: int, progress: Progress | None, place: tuple[int, int]
+) -> list[Fit | None]:
+    """The best fit with each further effect; from the second effect on, only of the effects with the best trials.
+
+    `tries` are the trials of an effect that are fitted; `place` is that of the parent among all.
+    """
     plain = with_constant_load(data, parent)
-    groups = _candidates(data)
-    for number, group in enumerate(groups):
+    shared = _shared(data, parent, plain)
+
+    def begun(number: int, count: int) -> None:
         if progress is not None:
-            done = (place[0] + number / len(groups)) / place[1]
-            progress("one effect" if step == 0 else f"{step + 1} effects", done)
-        if group[0].name not in parent.hypothesis.names:
-            host = parent if any(is_compatible(parent, effect) for effect in group) else plain
-            tried.append(trial_fits(data, host, group, highpass, brief=step > 0))
-    return tried if step == 0 else _refined_groups(tried, FITTED_EFFECTS)
+            progress("one effect" if step == 0 else f"{step + 1} effects", (place[0] + number / count) / place[1])
+
+    def tried(group: tuple[Effect, ...]) -> list[Trial]:
+        host = parent if any(is_compatible(parent, effect) for effect in group) else plain
+        return trial_fits(data, host, group, highpass, brief=step > 0)
+
+    groups = [group for group in _candidates(data) if group[0].name not in parent.hypothesis.names]
+    if step == 0:
+        return mapped(lambda group: best_fit(data, tried(group), tries), groups, shared, begun)
+    few = _refined_groups(mapped(tried, groups, shared, begun), FITTED_EFFECTS)
+    return mapped(lambda trials: best_fit(data, trials, tries), few, shared)
+
+
+def _shared(data: Data, *fits: Fit) -> tuple[object, ...]:
+    """What fits of a record refer to: it, and their simulation."""
+    return data, *fits, *(fit.hypothesis.plant.simulation for fit in fits[:1])
 
 
 def _candidates(data: Data) -> tuple[tuple[Effect, ...], ...]:
@@ -238,9 +251,8 @@ def _candidates(data: Data) -> tuple[tuple[Effect, ...], ...]:
 
 def extended_fits(data: Data, parent: Fit, highpass: Fit, step: int, progress: Progress | None) -> list[Fit]:
     """The best fit with each further effect; from the second effect on, only of the effects with the best trials."""
-    tried = _extensions(data, parent, highpass, step, progress, (0, 1))
-    fits = [best_fit(data, few, kept=2) for few in tried]
-    return [converge(data, fit) for fit in fits if fit is not None]
+    found = [fit for fit in _extensions(data, parent, highpass, step, 2, progress, (0, 1)) if fit is not None]
+    return mapped(lambda fit: converge(data, fit), found, _shared(data, parent))
 
 
 def with_constant_load(data: Data, parent: Fit) -> Fit:
@@ -266,17 +278,18 @@ def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
 
 def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
     """Fits with one of the effects replaced by another, started from the parameters of the remaining effects."""
+    groups = [group for group in _candidates(data) if group[0].name not in fit.hypothesis.names]
+    shared = _shared(data, fit)
     for i in range(fit.hypothesis.n_given, len(fit.hypothesis.effects)):
         parent = remove_effect(data, fit, i)
         if parent is not None:
-            names = fit.hypothesis.names
-            tried = [
-                trial_fits(data, parent, group, highpass, brief=True)
-                for group in _candidates(data)
-                if group[0].name not in names
-            ]
-            for few in _refined_groups(tried, FITTED_REPLACEMENTS):
-                yield best_fit(data, few, kept=1)
+            tried = mapped(_brief_trials(data, parent, highpass), groups, (parent, *shared))
+            few = _refined_groups(tried, FITTED_REPLACEMENTS)
+            yield from mapped(lambda trials: best_fit(data, trials, kept=1), few, shared)
+
+
+def _brief_trials(data: Data, parent: Fit, highpass: Fit) -> Callable[[tuple[Effect, ...]], list[Trial]]:
+    return lambda group: trial_fits(data, parent, group, highpass, brief=True)
 
 
 def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]:
@@ -298,10 +311,10 @@ def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]
 
 def _polish_best(data: Data, level: Level, done: Collection[Fit] = ()) -> None:
     """Polish the best fits of a level in their best form, except those in `done`."""
-    for names, fit in sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED_FITS]:
-        if fit in done:
-            continue
-        level[names] = _in_best_form(data, fit)
+    best = sorted(level.items(), key=lambda item: item[1].bic)[:POLISHED_FITS]
+    rough = {names: fit for names, fit in best if fit not in done}
+    polished = mapped(lambda fit: _in_best_form(data, fit), rough.values(), _shared(data, *rough.values()))
+    level.update(zip(rough, polished, strict=True))
 
 
 def _in_best_form(data: Data, fit: Fit) -> Fit:

@@ -6,6 +6,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from labsid._cores import mapped
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.fits.fitting import Fit, Point, Problem, evaluate, finish
@@ -114,11 +115,12 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
     if base.hypothesis.plant.kind != "linear":
         return []  # the dynamics of a given simulation are not replaced
     forms = {group[0].name: group for group in groups}
+    sets = [one for one in SETS if set(one.names) <= forms.keys() - set(base.hypothesis.names)]
+    kept = data, base, base.hypothesis.plant.simulation
+    joints = mapped(lambda one: joint_trials(data, base, highpass, one.names)[:JOINT_TRIALS], sets, kept)
     starts: dict[tuple[str, ...], list[Trial]] = {(): [_unchanged(data, base)]}
     found: dict[frozenset[str], Fit] = {}
-    for one in SETS:
-        if not set(one.names) <= forms.keys() - set(base.hypothesis.names):
-            continue
+    for one, of_joint in zip(sets, joints, strict=True):
         for size, name in enumerate(one.names, 1):
             if one.names[:size] not in starts:
                 before = starts[one.names[: size - 1]]
@@ -128,8 +130,7 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
             if names < set(one.names) and len(names) == len(one.names) - 1:
                 (missing,) = set(one.names) - names
                 trials = [*trials, *_with_one_more(data, [_unchanged(data, fit)], base, forms[missing], highpass)[:1]]
-        trials = [*trials, *joint_trials(data, base, highpass, one.names)[:JOINT_TRIALS]]
-        best = _best(data, trials, len(one.names))
+        best = _best(data, [*trials, *of_joint], len(one.names))
         if best is not None and (one.holds is None or one.holds(data, best)):
             found[frozenset(one.names)] = best
     return list(found.values())

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid._cores import mapped
 from labsid.gap.effects.families import names_where
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, fit_from, mean_square
@@ -257,7 +258,8 @@ def search_held_out(
         pool.judged[MISMATCH,] = Judgement(MISMATCH, mismatch, mismatch.pays)
     for number, level in enumerate(explanation.levels[1:]):
         fits = sorted(level.values(), key=lambda fit: mean_square(explanation.data, fit))
-        pool.add(held_out.refit(fit) for fit in (fits if number == 0 else fits[:COMPARED]))
+        kept = fits if number == 0 else fits[:COMPARED]
+        pool.add(_refitted(held_out, kept))
         pool.add(_plain_fits(held_out.data, level.values()))
     best = _best_paying(pool)
     for _ in range(MOST_ROUNDS):
@@ -285,6 +287,14 @@ def search_held_out(
         {tuple(sorted(names)): one.total for names, one in pool.best.items() if names},
         pool.judged,
     )
+
+
+def _refitted(held_out: HeldOut, fits: list[Fit]) -> Iterable[Fit]:
+    """The fits to the rows that are not held out; one after the other where each takes from a budget of runs."""
+    simulations = [fit.hypothesis.plant.simulation for fit in fits[:1]]
+    if any(one.meter.budget is not None for one in simulations):
+        return map(held_out.refit, fits)
+    return mapped(held_out.refit, fits, (held_out.data, *simulations))
 
 
 def _plain_fits(data: Data, fits: Iterable[Fit]) -> Iterator[Fit]:
