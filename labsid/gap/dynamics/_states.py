@@ -12,7 +12,7 @@ from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
 NO_STOPS = (-np.inf, np.inf)
-NO_JOINT = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0, 0.0)  # no limits, no gravity, friction that neither grows nor bends
+NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # no limit, no gravity, friction that neither grows nor bends
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
@@ -232,23 +232,23 @@ def simulate_mass(
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
     stops: tuple[float, float] = NO_STOPS,
-    joint: tuple[float, float, float, float, float, float, float] = NO_JOINT,
+    joint: tuple[float, float, float, float, float, float, float, float] = NO_JOINT,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
     The force `opposing` and a spring of stiffness `leak` times k oppose the input; `pace` multiplies k. These three
     have one value per sample. `law` holds the speed over which friction is smooth about rest (zero for none), and the
     `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed. `joint` holds the limit
-    of the error w - k z of a position loop and that of the error w - c z' of a speed loop, the torque of gravity, its
-    `turn` and `angle` in torque sin(turn z - angle), the share of the transmitted force that is added to friction, and
-    the stiffness of Dahl's bristles, which bend before they slide; zero for rigid ones.
+    of the force of a drive, w - of_position k z - of_speed c z', with the shares of both that the drive gives; the
+    torque of gravity, its `turn` and `angle` in torque sin(turn z - angle), the share of the transmitted force that is
+    added to friction, and the stiffness of Dahl's bristles, which bend before they slide; zero for rigid ones.
     """
     smooth, peak, decay = law
-    limit, speed_limit, torque, turn, angle, share, stiff = joint
+    limit, of_position, of_speed, torque, turn, angle, share, stiff = joint
     out = np.empty((2, w.size))
     h = 1.0 / substeps
     free = transition(c, k, h)
-    limited = transition(c, 0.0, h) if limit < np.inf else transition(0.0, k, h) if speed_limit < np.inf else free
+    limited = transition((1.0 - of_speed) * c, (1.0 - of_position) * k, h) if limit < np.inf else free
     bends = (cubic != 0.0 or torque != 0.0) and friction == 0.0
     far = DIVERGED / max(k, 1e-6)
     constant = k
@@ -260,7 +260,7 @@ def simulate_mass(
         if pace is not None:
             k = constant * pace[n]
             free = transition(c, k, h)
-            limited = transition(0.0, k, h) if speed_limit < np.inf else limited
+            limited = transition((1.0 - of_speed) * c, (1.0 - of_position) * k, h) if limit < np.inf else free
         out[0, n], out[1, n] = z, v
         load = 0.0 if opposing is None else opposing[n]
         spring = 0.0 if leak is None else leak[n] * k
@@ -269,13 +269,10 @@ def simulate_mass(
             middle = z + 0.5 * h * v
             damping, stiffness = c, k
             f11, f12, f21, f22, g1, g2 = free
-            if abs(drive - k * middle) > limit:
-                drive = math.copysign(limit, drive - k * middle)
-                stiffness = 0.0
-                f11, f12, f21, f22, g1, g2 = limited
-            elif abs(drive - c * v) > speed_limit:
-                drive = math.copysign(speed_limit, drive - c * v)
-                damping = 0.0
+            of_drive = drive - of_position * k * middle - of_speed * c * v
+            if abs(of_drive) > limit:
+                drive = math.copysign(limit, of_drive)
+                damping, stiffness = (1.0 - of_speed) * c, (1.0 - of_position) * k
                 f11, f12, f21, f22, g1, g2 = limited
             net_drive = drive - load
             if bends:

@@ -12,6 +12,7 @@ from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.plant_form import Named, PlantForm
 from labsid.gap.dynamics.responses import (
+    damped_share,
     decay_rates,
     force_unit,
     free_responses,
@@ -153,9 +154,8 @@ class Plant(PlantForm):
         (c, k), motion = self.linear_rates(theta), self.motion(theta, w)
         unit = force_unit(c, k)
         drive = w - own.get("centre", float(w[0]))
-        if self.limit == "speed":
-            return np.asarray(drive - c / unit * motion[:, 1])
-        return np.asarray(drive - k / unit * motion[:, 0])
+        error = drive if self.limit == "speed" else drive - k / unit * motion[:, 0]
+        return np.asarray(error - damped_share(self, own) * c / unit * motion[:, 1])
 
     def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:
         """Columns of the linearized response to an unmeasured load `signal`, shape (N, 2)."""

@@ -249,15 +249,19 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     drag = own.get("drag", 0.0) * unit
     stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit
     z0 = min(max(z0, stops[0]), stops[1])
-    limit = own.get("limit", np.inf)
-    limits = (np.inf, limit) if plant.limit == "speed" else (limit, np.inf)
-    joint = (*limits, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0), bristles)
+    limit = own.get("limit", np.inf), float(plant.limit != "speed"), damped_share(plant, own)
+    joint = (*limit, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0), bristles)
     return (
         _states.simulate_mass(
             drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops, joint
         )
         * unit
     )
+
+
+def damped_share(plant: PlantForm, own: Named) -> float:
+    """Share of the damping that the loop of the drive gives, so that it ends at the limit."""
+    return own["damped_share"] if plant.limit == "damped" else float(plant.limit == "speed")
 
 
 def _bristles(own: Named) -> float:

@@ -13,6 +13,7 @@ from labsid.gap.effects.context import Context, rise
 from labsid.gap.effects.description import Description, Reported
 
 LEAST_DAMPING = 2e-3  # of a mode
+MOST_DAMPING = 0.3  # of a mode that is lightly damped; the slower pair of a Butterworth filter of fourth order has 0.38
 MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
 SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig
 PLANTED_DAMPING = 0.05  # of a mode whose visibility is asked for
@@ -267,9 +268,9 @@ class Resonance(Placed):
         return [*beside, {"log_c": log_c, "log_k": log_k} | _mode(w, damped)]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a few cycles per record (a drift) and no damping (a periodic disturbance)."""
+        """Reject a few cycles per record (a drift), no damping (a periodic disturbance), and that of further lags."""
         swings = float(np.exp(fit.value("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
-        return swings > MIN_CYCLES and float(np.exp(fit.value("log_damping"))) > LEAST_DAMPING
+        return swings > MIN_CYCLES and LEAST_DAMPING < float(np.exp(fit.value("log_damping"))) < MOST_DAMPING
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` in hertz, and `damping`."""

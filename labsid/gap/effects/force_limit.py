@@ -19,7 +19,8 @@ ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limi
 class ForceLimit(PlantEffect):
     """The error of a loop is bounded before it becomes a force.
 
-    `variant` "position" of a position loop, "speed" of a speed loop whose output is the position.
+    `variant` "position" of a position loop, "damped" of one whose damping is of the same loop, "speed" of a speed loop
+    whose output is the position.
     """
 
     name = "force-limit"
@@ -38,13 +39,13 @@ class ForceLimit(PlantEffect):
         parameters={"limit": Reported("error of the loop at the limit, in units of the command", "u")},
         confused_with=("input-rate-limit", "input-saturation", "quadratic-drag"),
     )
-    variants: ClassVar[tuple[str, ...]] = ("position", "speed")
+    variants: ClassVar[tuple[str, ...]] = ("position", "damped", "speed")
     absent: ClassVar[Mapping[str, float]] = {"limit": 50.0}
     planted_variants = ("position",)
 
     def applies(self, context: Context) -> bool:
         """Require a position loop, whose output follows the command, or a speed loop, whose output integrates it."""
-        if self.variant == "position":
+        if self.variant != "speed":
             return context.follows
         return real_rates(*context.rates)[0] * context.data.samples < MAX_UNSPRUNG_RATE
 
@@ -60,7 +61,7 @@ class ForceLimit(PlantEffect):
         for share, faster in zip(ERROR_QUANTILES, (0.0, 0.5, 1.0), strict=True):
             limit = float(np.clip(np.quantile(error, share), 0.01, 20.0))
             starts.append({"limit": limit, "log_c+": faster} | slack)
-            if faster and self.variant == "position":
+            if faster and self.variant != "speed":
                 starts.append({"limit": limit, "log_c+": faster, "log_k+": 2.0 * faster})
         return starts
 

@@ -1,7 +1,8 @@
-"""Whether a fitted actuator only switches, as a relay does."""
+"""Whether a command or a fitted actuator only switches, as a relay does."""
 
 import numpy as np
 
+from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 
@@ -12,10 +13,17 @@ SWITCH_RATIO = 3.0  # share of the command between its ends over `MOST_BETWEEN`,
 
 def only_switches(data: Data, fit: Fit) -> bool:
     """Whether the fitted actuator only switches between two values, as a relay does, where the command takes others."""
-    signals = (fit.hypothesis.actuator(fit.theta, data.u), data.u)
-    between = []
-    for signal in signals:
-        low, span = float(signal.min()), float(np.ptp(signal))
-        inside = np.abs(signal - low - 0.5 * span) < (0.5 - SWITCH_EDGE) * span
-        between.append(float(np.mean(inside[data.rows])))
-    return between[0] < MOST_BETWEEN < between[1] / SWITCH_RATIO
+    actuator = _share_between(data, fit.hypothesis.actuator(fit.theta, data.u))
+    return actuator < MOST_BETWEEN < _share_between(data, data.u) / SWITCH_RATIO
+
+
+def has_equal_steps(data: Data) -> bool:
+    """Whether the command switches between two values: each of its steps has the size of all others."""
+    return _share_between(data, data.u) < MOST_BETWEEN
+
+
+def _share_between(data: Data, signal: FloatArray) -> float:
+    """Share of the samples at which a signal is not at one of its ends."""
+    low, span = float(signal.min()), float(np.ptp(signal))
+    inside = np.abs(signal - low - 0.5 * span) < (0.5 - SWITCH_EDGE) * span
+    return float(np.mean(inside[data.rows]))

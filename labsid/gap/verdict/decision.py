@@ -7,11 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from labsid.gap.effects.dynamics import ExtraLag
 from labsid.gap.effects.families import names_where
+from labsid.gap.effects.input import RateLimit
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
-from labsid.gap.fits.switching import only_switches
+from labsid.gap.fits.switching import has_equal_steps, only_switches
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import is_improvement
 from labsid.gap.search.explanation import Explanation
@@ -165,6 +167,22 @@ def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decisio
         return decision
     capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
     return replace(decision, probability=capped)
+
+
+def without_rate_of_equal_steps(decision: Decision, data: Data) -> Decision:
+    """The decision with no rate limit more likely than not, if the steps of the command have one size.
+
+    An actuator that is given a constant time for each of them, as a moving average or several lags do, moves alike.
+    """
+    if RateLimit.name not in decision.names or not has_equal_steps(data):
+        return decision
+    p = min(decision.probability[RateLimit.name], SWITCH_PROBABILITY)
+    rivals = [name for name in (ExtraLag.name, *decision.ambiguous) if name not in decision.names]
+    return replace(
+        decision,
+        probability=decision.probability | {RateLimit.name: p},
+        ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS],
+    )
 
 
 def without_stand_ins(decision: Decision, fit: Fit) -> Decision:
