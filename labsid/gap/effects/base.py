@@ -13,6 +13,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description
+from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
 
 MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
@@ -289,6 +290,16 @@ class Fitted:
         """Range of the scaled output over the rows that count."""
         return float(np.ptp(self.data.y[self.data.rows]))
 
+    def could_show(self, size: float, added: FloatArray) -> bool:
+        """Whether a signal of this size that is added to the output is not larger than what the record shows.
+
+        Against a controller, the output shows less of it than the input does, whose response compensates it.
+        """
+        if size < MAX_RANGES * self.range:
+            return True
+        rest = (self.output - added)[self.data.rows]
+        return size < MAX_RANGES * float(np.ptp(rest)) and has_controller(self.data.u, self.data.y)
+
     @property
     def input_range(self) -> float:
         """Range of the scaled input."""
@@ -441,4 +452,5 @@ class AdditiveEffect(Effect):
 
     def is_plausible(self, fit: "Fitted") -> bool:
         """Reject a signal that is larger than the record could show."""
-        return bool(0.5 * np.ptp(self.added(fit)[fit.data.rows]) < MAX_RANGES * fit.range) and super().is_plausible(fit)
+        added = self.added(fit)
+        return fit.could_show(0.5 * float(np.ptp(added[fit.data.rows])), added) and super().is_plausible(fit)

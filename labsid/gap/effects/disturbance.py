@@ -7,7 +7,6 @@ from labsid.gap.dynamics.plant_form import ONSET, Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import denominator, real_rates, step_signal
 from labsid.gap.effects.base import (
-    MAX_RANGES,
     RICHER_FORM_BIC,
     AdditiveEffect,
     Effect,
@@ -208,8 +207,8 @@ class InnerLoad(StepLoad, PlantEffect):
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Also reject impossible sizes."""
-        possible = float(np.abs(fit.change_by("load", "leak")).max()) < MAX_RANGES * fit.range
-        return possible and super().is_plausible(fit)
+        change = fit.change_by("load", "leak")
+        return fit.could_show(float(np.abs(change).max()), change) and super().is_plausible(fit)
 
     def _size(self, fit: Fitted) -> Value:
         """Change of the output at the end of the record."""

@@ -6,8 +6,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
+from labsid.gap.record.controllers import FEEDBACK_F
 from labsid.gap.record.data import Data, complete_rows, lagged_columns
-from labsid.gap.record.record_findings import FEEDBACK_F
 from labsid.records.direction import gain_from_past
 
 LAGS = 12  # of both signals

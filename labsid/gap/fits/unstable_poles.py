@@ -8,8 +8,8 @@ from scipy.linalg import lstsq, pinvh
 from labsid.gap.dynamics.responses import denominator, section
 from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.fits.fitting import Fit
+from labsid.gap.record.controllers import FEEDBACK_F, is_relay
 from labsid.gap.record.data import Data
-from labsid.gap.record.record_findings import FEEDBACK_F
 from labsid.records.direction import gain_from_past
 
 START_RATES = 0.01, 0.03, 0.1, 0.3  # per sample: of the filters with which the search begins
@@ -70,8 +70,8 @@ def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None
     gain : float
         Of the actuator, to the output at rest with the feedback; both are scaled.
     """
-    if gain_from_past(data.y, data.u) < FEEDBACK_F:  # no controller: an unstable rig would have run away
-        return None
+    if gain_from_past(data.y, data.u) < FEEDBACK_F or is_relay(data.u, data.y):
+        return None  # without a controller an unstable rig would have run away, and a relay hardly holds one
     fits = [fit for rate in START_RATES if (fit := _fitted(data, rate)) is not None]
     if not fits:
         return None

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.record.controllers import FEEDBACK_F, find_control_law, is_relay
 from labsid.lab.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
 from labsid.lab.offset import find_offsets
 from labsid.lab.plateaus import repeated_plateaus
@@ -13,14 +14,10 @@ from labsid.records.formats import RawRecord
 from labsid.records.record import Record
 from labsid.records.signal_quality import moving_mean_length
 
-FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
 CLOCK_PARTS = 8  # parts of a record for which the delay is estimated
 MIN_SLIP = 1.0  # samples
 MIN_LINEARITY = 0.95  # share of the delay variance due to a constant rate: 0.996 with two clocks, < 0.8 otherwise
 UNRELATED_OUTPUT = 0.9  # rms error over standard deviation of the output, from which they are reported as unrelated
-SWITCHES = 6  # in a row, over which the set point of a relay may be constant
-JUMP = 3.0  # times the size of other steps of the output: those at switches, from which the output jumps with the input
-MIN_SEPARATED = 0.4  # of such stretches: over 0.65 of relays whose set point moves at times, none of others
 MIN_PLATEAU_SHARE = 0.3  # of the scatter of the plateaus and of the gap, from which unrepeated plateaus matter
 
 
@@ -118,7 +115,7 @@ def findings_from_record(record: Record, plateau: PlateauGap | None) -> list[Fin
             "simulation, so the filter is not part of the gap."
         )
         found += [_with_advice(finding, added) for finding in about_filter(raw, record.Ts)]
-    found += about_relay(record.u, record.y)
+    found += about_controller(record.u, record.y)
     if offsets.status == "settled" and offsets.settled[0] > 0:
         added = "The diagnosis estimates the initial state of the simulation, so the start is not part of the gap."
         found.append(_with_advice(about_rest(record.u, record.y, offsets, record.Ts), added))
@@ -194,34 +191,6 @@ def about_correction(corrected: float | None, limit: float) -> list[Finding]:
     return [Finding("warning", "stability", text + more)]
 
 
-def switches_on_output(u: FloatArray, y: FloatArray) -> bool:
-    """Whether an input of two levels is a function of the output of the same sample, as from a relay controller.
-
-    Between changes of its set point all outputs at one level of a relay lie beyond all outputs at the other one, with
-    no jump between them. The output of a rig that only follows its input is still on the other side when it switches;
-    that of one with a direct term jumps.
-
-    Parameters
-    ----------
-    u, y : ndarray, shape (N,)
-    """
-    levels = np.unique(u)
-    if levels.size != 2:
-        return False
-    high = u == levels[1]
-    ends = np.flatnonzero(np.diff(u)) + 1
-    if ends.size <= SWITCHES:
-        return False
-    separated = 0
-    for start, stop in zip(ends[:-SWITCHES] - 1, ends[SWITCHES:], strict=True):
-        ups, downs = y[start:stop][high[start:stop]], y[start:stop][~high[start:stop]]
-        apart = max(ups.min() - downs.max(), downs.min() - ups.max())
-        moves, stays = np.abs(np.diff(y[start:stop])), np.diff(u[start:stop]) == 0.0
-        jumps = not stays.any() or np.median(moves[~stays]) > JUMP * np.median(moves[stays])
-        separated += bool(apart >= 0.0 and not jumps)
-    return bool(separated > MIN_SEPARATED * (ends.size - SWITCHES))
-
-
 def clock_slip(y: FloatArray, simulated: FloatArray, included: np.ndarray) -> float | None:
     """Estimate the delay that y gains on its simulation over the record, if it grows at a constant rate.
 
@@ -248,13 +217,22 @@ def clock_slip(y: FloatArray, simulated: FloatArray, included: np.ndarray) -> fl
     return slip if abs(slip) > MIN_SLIP and nonlinear < (1.0 - MIN_LINEARITY) * float(deviation @ deviation) else None
 
 
-def about_relay(u: FloatArray, y: FloatArray) -> list[Finding]:
-    """That a direct term cannot be judged, if the input switches on the output of the same sample."""
+def about_controller(u: FloatArray, y: FloatArray) -> list[Finding]:
+    """That a direct term cannot be judged, if the input follows from the output of the same sample."""
+    if is_relay(u, y):
+        how = "the input switches on the output, as from a relay controller"
+    elif (law := find_control_law(u, y)) is not None:
+        how = (
+            "the input follows from the output of the same sample, as from a controller with a gain of "
+            f"{abs(law.gain):.3g}"
+        )
+    else:
+        return []
     text = (
-        "the input switches on the output of the same sample, as from a relay controller. Whether the output also "
-        "responds within the sample cannot be judged from such a record; the simulation has no direct feedthrough."
+        f"{how}. Whether the output also responds within the sample cannot be judged from such a record; the "
+        "simulation has no direct feedthrough."
     )
-    return [Finding("note", "feedback", text)] if switches_on_output(u, y) else []
+    return [Finding("note", "feedback", text)]
 
 
 def filtered_input(record: Record) -> FloatArray:

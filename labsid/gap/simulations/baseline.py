@@ -25,8 +25,8 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.fits.unstable_poles import find_stabilising_feedback
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
+from labsid.gap.record.controllers import find_control_law, is_relay
 from labsid.gap.record.data import Data
-from labsid.gap.record.record_findings import switches_on_output
 from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
 from labsid.gap.simulations.opened import fit_as_it_is, opened_structure, simulate_other
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
@@ -129,7 +129,8 @@ def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
         start = {"log_c": np.log(feedback.closed[0]), "log_k": np.log(feedback.closed[1]), GAIN: gain}
         theta = np.array([start.get(parameter.name, parameter.start) for parameter in structure.parameters])
         return Baseline(None, structure, start=theta)
-    if switches_on_output(data.u[data.rows], data.y[data.rows]) and not direct:
+    u, y = data.u[data.rows], data.y[data.rows]
+    if not direct and (is_relay(u, y) or find_control_law(u, y) is not None):
         return Baseline(None, structure)
     term = estimate_direct_term(data)
     if direct or term.present:

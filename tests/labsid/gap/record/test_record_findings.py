@@ -13,7 +13,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.record.record_findings import (
     PlateauGap,
-    about_relay,
+    about_controller,
     clock_slip,
     filter_length,
     findings_from_errors,
@@ -177,7 +177,7 @@ def _relay(noise: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def test_a_relay_is_seen_and_no_direct_term_is_claimed(noise: float) -> None:
     u, y = _relay(noise, 4)
     assert switches_on_output(u, y)
-    (finding,) = about_relay(u, y)
+    (finding,) = about_controller(u, y)
     assert "relay" in finding.text
     report = diagnose(Record(0.1 * np.arange(900), u, y, 0.1)).report
     assert not any("direct feedthrough" in text for text in report["screen"])
