@@ -16,7 +16,7 @@ OUTLIER = 6.0  # robust standard deviations
 EXACT = 0.998  # share of the changes of the input that the law explains, of a controller: 0.999 and more
 MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
 MOST_STILL = 0.5  # of the samples, at which the input keeps its value: one that is held is designed
-STATIC = 0.02  # of its largest coefficient: a law with less of the past is a gain
+STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
 SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed
 PAST = 8  # samples
 RELAY_SWITCHES = 8
@@ -108,9 +108,9 @@ def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
     moved = np.diff(u)[1:]
     columns = np.column_stack([y[2:], y[1:-1], y[:-2], np.ones(moved.size)])
     rows = np.ones(moved.size, bool)
-    law: FloatArray = np.zeros(4)
+    law = np.zeros(4)
     for _ in range(PASSES):
-        law = np.linalg.lstsq(columns[rows], moved[rows])[0]
+        law = np.asarray(np.linalg.lstsq(columns[rows], moved[rows])[0], np.float64)
         error = np.abs(moved - columns @ law)
         rows = error <= max(OUTLIER * float(np.median(error)), 1e-9 * float(np.ptp(u)))
     left, power = moved[rows] - columns[rows] @ law, moved[rows] - np.mean(moved[rows])

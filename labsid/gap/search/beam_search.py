@@ -91,7 +91,7 @@ def search_effects(
             if len(other_path) > 1 and other_path[-1].bic < base.bic + BIC_MARGIN:
                 return other_levels, other_path
     elif len(path) <= most:
-        steps = replace_undriven_pole(data, path[-1])
+        steps = replace_undriven_pole(data, path[-1], path[-1].bic + BIC_MARGIN)
         if steps is not None and steps[-1].bic < path[-1].bic + BIC_MARGIN:
             found = ({tuple(sorted(fit.hypothesis.names)): fit} for fit in steps)
             return (*levels[: len(path) - 1], *found), (*path[:-1], *steps)
