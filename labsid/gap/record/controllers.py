@@ -15,6 +15,7 @@ PASSES = 4  # of the regression without what the law does not explain
 OUTLIER = 6.0  # robust standard deviations
 EXACT = 0.998  # share of the changes of the input that the law explains, of a controller: 0.999 and more
 MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
+LEAST_JUMPS = 0.003  # of the samples, below which the reference rests
 MOST_STILL = 0.5  # of the samples, at which the input keeps its value: one that is held is designed
 STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
 SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed
@@ -62,6 +63,11 @@ class ControlLaw:
     gain: float
     exact: float
     jumps: float
+
+    @property
+    def has_constant_reference(self) -> bool:
+        """Whether nothing but disturbances and noise moves the input."""
+        return self.jumps < LEAST_JUMPS
 
 
 def switches_on_output(u: FloatArray, y: FloatArray) -> bool:

@@ -158,7 +158,7 @@ def findings_from_errors(
         )
         return [*found, Finding("warning", "clocks", text)]
     gain = gain_from_past(e[1:], u[:-1])  # one sample ahead: a controller responds to the output of the same sample
-    if gain > FEEDBACK_F:
+    if gain > FEEDBACK_F and not about_controller(u, y):
         text = (
             f"the error of the best simulation helps to predict the input (F = {gain:.3g}). Either the input depends "
             "on the output, as in a closed loop, and the noise then biases the fitted dynamics; or the output responds "
@@ -219,6 +219,7 @@ def clock_slip(y: FloatArray, simulated: FloatArray, included: np.ndarray) -> fl
 
 def about_controller(u: FloatArray, y: FloatArray) -> list[Finding]:
     """That a direct term cannot be judged, if the input follows from the output of the same sample."""
+    law = None
     if is_relay(u, y):
         how = "the input switches on the output, as from a relay controller"
     elif (law := find_control_law(u, y)) is not None:
@@ -228,6 +229,13 @@ def about_controller(u: FloatArray, y: FloatArray) -> list[Finding]:
         )
     else:
         return []
+    if law is not None and law.has_constant_reference:
+        text = (
+            f"{how} whose reference does not move. Nothing but disturbances and noise moves such a record, and their "
+            "response through the controller cannot be told from that of the rig. Move the reference, or the input "
+            "beside the controller, and log that."
+        )
+        return [Finding("warning", "feedback", text)]
     text = (
         f"{how}. Whether the output also responds within the sample cannot be judged from such a record; the "
         "simulation has no direct feedthrough."

@@ -20,6 +20,7 @@ UNITS = {
     "1": "",
 }
 LIKELY, POSSIBLE = 0.5, 0.2  # probabilities from which an effect is called so in words
+LEAST_SHOWN = 5e-5  # of a value: standard errors below it are those of the fit alone, not of the model
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
 
@@ -85,9 +86,14 @@ def significant_digits(value: float, stderr: float) -> int:
 
 
 def with_error(value: float, stderr: float | None) -> str:
-    """Format ``value ± stderr`` with two significant digits of the error; a value without one stands alone."""
+    """Format ``value ± stderr`` with two significant digits of the error.
+
+    A value without an error, or with one below its fifth digit, stands alone.
+    """
     if stderr is None or not math.isfinite(stderr) or stderr <= 0.0:
         return number(value, 4)
+    if stderr < LEAST_SHOWN * abs(value):
+        return number(value, 5)
     size = max(abs(value), stderr)
     power = 0 if MIN_PLAIN <= size < MAX_PLAIN else math.floor(math.log10(size))
     value, stderr = value / 10.0**power, stderr / 10.0**power

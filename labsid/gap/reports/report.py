@@ -34,6 +34,7 @@ from labsid.records.signal_quality import lattice_step
 
 LAGS = 20
 MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
+NOISELESS = 0.9  # rms of the added noise over the error that is left, from which it is nearly all of it
 MIN_FLOOR = 0.5  # rms of the added noise over the error that is left, from which it is said
 
 
@@ -364,9 +365,10 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         )
     if explanation.floor > MIN_FLOOR * rms(explanation.data, explanation.best):
         added = number(explanation.floor * explanation.data.y_scale.unit)
+        own = explanation.floor < NOISELESS * rms(explanation.data, explanation.best)
         texts.append(
-            f"The record has hardly any noise of its own. Noise of {added} rms, which is what printed digits and "
-            "simulators leave, was added to the output, and is part of all errors."
+            f"{'' if own else 'The record has hardly any noise of its own. '}Noise of {added} rms, which is what "
+            "printed digits and simulators leave, was added to the output, and is part of all errors."
         )
     if only_switches(explanation.data, explanation.best):
         texts.append(

@@ -376,11 +376,11 @@ def baseline_sentence(report: dict[str, Any]) -> str | None:
 
 def _unobserved_sentence(method: str) -> str:
     """Which linear model is used where the slowest pole of the one that was asked for cannot be identified."""
-    slow = "The slowest pole of the linear model of the order asked for is too slow for this record to show"
+    slow = "The record does not determine the slowest pole of a linear model of the order asked for"
     if method == OUTPUT_ERROR:
-        return f"{slow}: the rig integrates its input, or nearly so."
+        return f"{slow}: the rig may be of lower order, or may integrate its input."
     used = "one of first order" if method == FIRST_ORDER else f"one fitted by {method}, one step ahead,"
-    return f"{slow}: {used} is used. Use a longer record."
+    return f"{slow}: {used} is used."
 
 
 def _given_sentence(report: dict[str, Any]) -> str | None:

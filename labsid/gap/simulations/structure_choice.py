@@ -9,8 +9,8 @@ from labsid.gap.search.explanation import MOST_EFFECTS, Explanation, explain
 from labsid.gap.simulations.baseline import Baseline
 
 UNDECIDED_TERM = (
-    "The input is too smooth to tell a response within the sample from faster dynamics: both fit this record. A step "
-    "of the input would."
+    "This record does not tell a response within the sample from dynamics as fast as the sampling: both fit it. Larger "
+    "steps of the input or a shorter sampling time would."
 )
 
 

@@ -32,6 +32,7 @@ from labsid.gap.verdict.decision import (
     evidence_in,
     without_curve_of_switch,
     without_rate_of_equal_steps,
+    without_regulation,
     without_stand_ins,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
@@ -345,7 +346,7 @@ def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Ans
     novelty = measure_novelty(explanation.data, explanation.path[0])
     decision = without_curve_of_switch(steps.named, explanation.data, explanation.best)
     decision = without_rate_of_equal_steps(decision, explanation.data)
-    decision = without_stand_ins(decision, explanation.best)
+    decision = without_stand_ins(without_regulation(decision, explanation.data), explanation.best)
     corrected = corrected_share(explanation.data, explanation.best)
     if decision.verdict == "effect" and corrected is not None and corrected > MOST_CORRECTED:
         decision = replace(decision, verdict="partial")

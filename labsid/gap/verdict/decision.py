@@ -14,6 +14,7 @@ from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 from labsid.gap.fits.switching import has_equal_steps, only_switches
+from labsid.gap.record.controllers import find_control_law
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import is_improvement
 from labsid.gap.search.explanation import Explanation
@@ -183,6 +184,19 @@ def without_rate_of_equal_steps(decision: Decision, data: Data) -> Decision:
         probability=decision.probability | {RateLimit.name: p},
         ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS],
     )
+
+
+def without_regulation(decision: Decision, data: Data) -> Decision:
+    """The decision `unknown`, but for disturbances, if a controller with a constant reference gives the input.
+
+    Nothing moves such a record on purpose, and the law of the controller explains it as well as the rig does.
+    """
+    law = find_control_law(data.u[data.rows], data.y[data.rows])
+    if law is None or not law.has_constant_reference:
+        return decision
+    if decision.names and set(decision.names) <= names_where("of_one_record"):
+        return decision
+    return replace(decision, verdict="unknown", names=(), probability={}, ambiguous=())
 
 
 def without_stand_ins(decision: Decision, fit: Fit) -> Decision:

@@ -237,12 +237,14 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
             )
     at_switch = decision.without_curve_of_switch(named, data, best)
     at_rate = decision.without_rate_of_equal_steps(at_switch, data)
-    at_spring = decision.without_stand_ins(at_rate, best)
+    at_rest = decision.without_regulation(at_rate, data)
+    at_spring = decision.without_stand_ins(at_rest, best)
     switch = threshold_of(decision, "SWITCH_PROBABILITY")
     rules = (
         (named, at_switch, switch, "The fitted actuator only switches, which does not show the shape of a limit."),
         (at_switch, at_rate, switch, "The steps of the command have one size: several lags move alike."),
-        (at_rate, at_spring, switch, "The rig is unstable: the spring may stand for a curve of the sensor."),
+        (at_rate, at_rest, switch, "A controller with a constant reference gives the input."),
+        (at_rest, at_spring, switch, "The rig is unstable: the spring may stand for a curve of the sensor."),
         (
             at_spring,
             last,
