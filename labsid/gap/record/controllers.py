@@ -15,7 +15,6 @@ PASSES = 4  # of the regression without what the law does not explain
 OUTLIER = 6.0  # robust standard deviations
 EXACT = 0.998  # share of the changes of the input that the law explains, of a controller: 0.999 and more
 MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
-LEAST_JUMPS = 0.003  # of the samples, below which the reference rests
 MOST_STILL = 0.5  # of the samples, at which the input keeps its value: one that is held is designed
 STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
 SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed
@@ -67,7 +66,7 @@ class ControlLaw:
     @property
     def has_constant_reference(self) -> bool:
         """Whether nothing but disturbances and noise moves the input."""
-        return self.jumps < LEAST_JUMPS
+        return self.jumps == 0.0
 
 
 def switches_on_output(u: FloatArray, y: FloatArray) -> bool:
@@ -101,7 +100,8 @@ def switches_on_output(u: FloatArray, y: FloatArray) -> bool:
 def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
     """The law of a linear controller with a constant reference for most of the record; None without one.
 
-    The change of the input is regressed on the output of the same sample and two before. A rig that responds within the
+    What a step of the reference does not change, the second difference of the input, is regressed on the differences of
+    the output of the same sample and two before. A rig that responds within the
     sample, and its inverse, obey such a law only if they are static or have no static gain; one with negative feedback
     is then told from them by the jumps of its reference, or by an input that nobody has designed.
 
@@ -111,20 +111,22 @@ def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
     """
     if y.size < 4 * PAST:
         return None
-    moved = np.diff(u)[1:]
-    columns = np.column_stack([y[2:], y[1:-1], y[:-2], np.ones(moved.size)])
+    moved, changes = np.diff(u, 2)[1:], np.diff(y)
+    columns = np.column_stack([changes[2:], changes[1:-1], changes[:-2]])
     rows = np.ones(moved.size, bool)
-    law = np.zeros(4)
+    law = np.zeros(3)
     for _ in range(PASSES):
         law = np.asarray(np.linalg.lstsq(columns[rows], moved[rows])[0], np.float64)
         error = np.abs(moved - columns @ law)
         rows = error <= max(OUTLIER * float(np.median(error)), 1e-9 * float(np.ptp(u)))
-    left, power = moved[rows] - columns[rows] @ law, moved[rows] - np.mean(moved[rows])
-    exact = 1.0 - float(left @ left) / max(float(power @ power), np.finfo(float).tiny)
-    jumps = 1.0 - float(np.mean(rows))
-    if law[0] >= 0.0 or exact < EXACT or jumps > MOST_JUMPS or np.mean(moved == 0.0) > MOST_STILL:
+    if np.mean(moved[rows] == 0.0) > MOST_STILL:
         return None
-    is_gain = max(abs(law[:3].sum()), abs(law[2])) < STATIC * abs(law[0])
+    left = moved[rows] - columns[rows] @ law
+    exact = 1.0 - float(left @ left) / float(moved[rows] @ moved[rows])
+    jumps = float(np.mean(~rows))
+    if law[0] >= 0.0 or exact < EXACT or jumps > MOST_JUMPS:
+        return None
+    is_gain = max(abs(law.sum()), abs(law[2])) < STATIC * abs(law[0])
     if is_gain and jumps == 0.0 and _foretold(moved) > SMOOTH:
         return None
     return ControlLaw(float(law[0]), exact, jumps)

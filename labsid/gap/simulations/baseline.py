@@ -69,6 +69,8 @@ class Baseline:
         The simulated output, if that was given.
     model : OutputModel, optional
         The linear model that reproduces it, if there is one.
+    regulated : bool
+        Whether a controller with a constant reference gives the input.
     """
 
     before: Callable[[Data], Fit] | None
@@ -78,6 +80,7 @@ class Baseline:
     alternative: Hypothesis | None = None
     output: SimulatedOutput | None = None
     model: OutputModel | None = None
+    regulated: bool = False
 
     @property
     def given(self) -> bool:
@@ -122,16 +125,18 @@ def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
     structure = linear_structure(order)
     proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)
+    u, y = data.u[data.rows], data.y[data.rows]
+    law = find_control_law(u, y)
+    regulated = law is not None and law.has_constant_reference
     stabilised = None if data.pieces or order != 2 else find_stabilising_feedback(data)
     if stabilised is not None:
         feedback, gain = stabilised
         structure = Hypothesis((feedback, *structure.effects), structure.n_given + 1)
         start = {"log_c": np.log(feedback.closed[0]), "log_k": np.log(feedback.closed[1]), GAIN: gain}
         theta = np.array([start.get(parameter.name, parameter.start) for parameter in structure.parameters])
-        return Baseline(None, structure, start=theta)
-    u, y = data.u[data.rows], data.y[data.rows]
-    if not direct and (is_relay(u, y) or find_control_law(u, y) is not None):
-        return Baseline(None, structure)
+        return Baseline(None, structure, start=theta, regulated=regulated)
+    if not direct and (law is not None or is_relay(u, y)):
+        return Baseline(None, structure, regulated=regulated)
     term = estimate_direct_term(data)
     if direct or term.present:
         return Baseline(None, proper)

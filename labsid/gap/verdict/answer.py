@@ -30,9 +30,9 @@ from labsid.gap.verdict.decision import (
     decide_partial,
     evidence_by_name,
     evidence_in,
+    of_regulated_record,
     without_curve_of_switch,
     without_rate_of_equal_steps,
-    without_regulation,
     without_stand_ins,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
@@ -84,6 +84,8 @@ class DecisionSteps:
         The effects that pay on held-out samples, if the explanation as a whole was not accepted.
     named : Decision
         Before the limits of what may be claimed.
+    regulated : bool
+        Whether a controller with a constant reference gives the input.
     """
 
     searched: Explanation
@@ -92,6 +94,7 @@ class DecisionSteps:
     elsewhere: ErrorElsewhere | None
     search: HeldOutSearch | None
     named: Decision
+    regulated: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -262,10 +265,10 @@ def answer_from(
     if decision.verdict == "unknown":
         part, search = _partial(setting, explanation, progress, elsewhere)
         decision = decide_partial(search, decision, bool(about_clipping(record.y)))
-        steps = DecisionSteps(explanation, whole.discarded, whole.score, outside, search, decision)
+        steps = DecisionSteps(explanation, whole.discarded, whole.score, outside, search, decision, base.regulated)
         found = _answer(part, complete, steps)
         return _on_other(found, part) if elsewhere else found
-    steps = DecisionSteps(explanation, whole.discarded, whole.score, outside, None, decision)
+    steps = DecisionSteps(explanation, whole.discarded, whole.score, outside, None, decision, base.regulated)
     if len(whole.explanation.path) == 1:  # no simulated effect was added
         whole = replace(whole, score=replace(whole.score, closed=None, ci95=None))
     return _answer(whole, complete, steps)
@@ -346,7 +349,8 @@ def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Ans
     novelty = measure_novelty(explanation.data, explanation.path[0])
     decision = without_curve_of_switch(steps.named, explanation.data, explanation.best)
     decision = without_rate_of_equal_steps(decision, explanation.data)
-    decision = without_stand_ins(without_regulation(decision, explanation.data), explanation.best)
+    decision = of_regulated_record(decision) if steps.regulated else decision
+    decision = without_stand_ins(decision, explanation.best)
     corrected = corrected_share(explanation.data, explanation.best)
     if decision.verdict == "effect" and corrected is not None and corrected > MOST_CORRECTED:
         decision = replace(decision, verdict="partial")

@@ -14,7 +14,6 @@ from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 from labsid.gap.fits.switching import has_equal_steps, only_switches
-from labsid.gap.record.controllers import find_control_law
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import is_improvement
 from labsid.gap.search.explanation import Explanation
@@ -186,14 +185,11 @@ def without_rate_of_equal_steps(decision: Decision, data: Data) -> Decision:
     )
 
 
-def without_regulation(decision: Decision, data: Data) -> Decision:
-    """The decision `unknown`, but for disturbances, if a controller with a constant reference gives the input.
+def of_regulated_record(decision: Decision) -> Decision:
+    """The decision `unknown`, but for disturbances: where a controller with a constant reference gives the input.
 
     Nothing moves such a record on purpose, and the law of the controller explains it as well as the rig does.
     """
-    law = find_control_law(data.u[data.rows], data.y[data.rows])
-    if law is None or not law.has_constant_reference:
-        return decision
     if decision.names and set(decision.names) <= names_where("of_one_record"):
         return decision
     return replace(decision, verdict="unknown", names=(), probability={}, ambiguous=())

@@ -237,7 +237,7 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
             )
     at_switch = decision.without_curve_of_switch(named, data, best)
     at_rate = decision.without_rate_of_equal_steps(at_switch, data)
-    at_rest = decision.without_regulation(at_rate, data)
+    at_rest = decision.of_regulated_record(at_rate) if answer.steps.regulated else at_rate
     at_spring = decision.without_stand_ins(at_rest, best)
     switch = threshold_of(decision, "SWITCH_PROBABILITY")
     rules = (
@@ -255,7 +255,7 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
     )
     for before, after, limit, meaning in rules:
         for name, p in before.probability.items():
-            if after.probability[name] < p and name in last.names:
+            if after.probability.get(name, p) < p and name in last.names:
                 gates.append(
                     Gate(f"probability of {name}", p, "<=", limit, f"{meaning} It is lowered to the threshold.")
                 )

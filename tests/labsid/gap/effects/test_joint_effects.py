@@ -46,12 +46,17 @@ def servo(
     share: float = 0.0,
     rest: float = 0.0,
     speed: bool = False,
+    damped: float = 0.0,
 ) -> FloatArray:
-    """Angle of a pendulum in a position loop, or of one in a speed loop, by scipy; friction turns over 1 mrad/s."""
+    """Angle of a pendulum in a position loop, or of one in a speed loop, by scipy; friction turns over 1 mrad/s.
+
+    `damped` is the share of the damping that the position loop gives, so that it is limited, too.
+    """
 
     def flow(t: float, x: FloatArray, value: float) -> list[float]:
         q, v = x
-        drive = min(max(d * (value - v), -limit), limit) if speed else min(max(k * (value - q), -limit), limit) - d * v
+        asked = d * (value - v) if speed else k * (value - q) - damped * d * v
+        drive = min(max(asked, -limit), limit) - (0.0 if speed else (1.0 - damped) * d * v)
         weight = gravity * np.sin(q - rest)
         transmitted = drive - weight + (0.0 if speed else d * v)
         return [v, drive - weight - (friction + share * abs(transmitted)) * np.tanh(v / 1e-3)]
@@ -79,6 +84,8 @@ def servo(
         {"gravity": 40.0},
         {"gravity": 90.0, "rest": 0.7},
         {"limit": 25.0},
+        {"limit": 25.0, "damped": 1.0},
+        {"limit": 25.0, "damped": 0.8, "gravity": 10.0},
         {"gravity": 40.0, "friction": 6.0},
         {"gravity": 40.0, "friction": 6.0, "limit": 45.0},
         {"gravity": 40.0, "friction": 3.0, "limit": 45.0, "share": 0.2},
@@ -90,7 +97,8 @@ def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float])
     k, c = 60.0 * TS**2, 9.0 * TS
     joint = (
         load.get("limit", np.inf) * TS**2,
-        np.inf,
+        1.0,
+        load.get("damped", 0.0),
         load.get("gravity", 0.0) * TS**2,
         1.0,
         load.get("rest", 0.0),
@@ -106,7 +114,7 @@ def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float])
 def test_a_speed_loop_at_its_limit(goal: FloatArray, limit: float) -> None:
     expected = servo(goal, limit=limit, speed=True)
     c = 9.0 * TS
-    joint = (np.inf, limit * TS**2, 0.0, 1.0, 0.0, 0.0, 0.0)
+    joint = (limit * TS**2, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     found = _states.simulate_mass(c * TS * goal, c, 0.0, 0.0, 0.0, 0.0, 0.0, 8, joint=joint)
     np.testing.assert_allclose(found[:, 0], expected, atol=5e-3 * np.ptp(expected))
 
@@ -136,8 +144,10 @@ def test_gravity_is_named_with_its_torque_and_angle_and_its_export_plays(goal: F
     assert np.std((played - y)[50:]) < 0.02 * np.std(y)
 
 
-def test_a_limit_in_the_loop_is_named(goal: FloatArray) -> None:
-    y = servo(goal, limit=25.0)
+@pytest.mark.parametrize("damped", [0.0, 1.0, 0.85])
+def test_a_limit_in_the_loop_is_named(goal: FloatArray, damped: float) -> None:
+    """Of the position error alone, of the whole force of a PD controller, or with damping outside of it besides."""
+    y = servo(goal, limit=25.0, damped=damped)
     report = diagnose(record_of(goal, y)).report
     (effect,) = report["effects"]
     assert (report["verdict"], effect["name"]) == ("effect", "force-limit")
@@ -258,7 +268,7 @@ def test_a_mass_with_friction_that_gives(goal: FloatArray, law: str, share: floa
     k, c = joint.gain * TS**2, joint.damping * TS
 
     def error(stiff: float) -> float:
-        own = (np.inf, np.inf, 0.0, 0.0, 0.0, share, stiff)
+        own = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, share, stiff)
         drive, friction = k * (goal - goal[0]), joint.friction * TS**2
         found = _states.simulate_mass(drive, c, k, friction, 0.0, 0.0, 0.0, 10, joint=own)[:, 0]
         return float(np.sqrt(np.mean((found - expected) ** 2)))
@@ -278,7 +288,7 @@ def test_a_mass_whose_friction_gives_and_is_larger_at_rest() -> None:
 
     def error(peak: float, stiff: float) -> float:
         law = (0.0, peak * friction, joint.stribeck * TS)
-        own = (np.inf, np.inf, 0.0, 0.0, 0.0, 0.0, stiff)
+        own = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, stiff)
         drive = k * (goal - goal[0])
         found = _states.simulate_mass(drive, c, k, friction, 0.0, 0.0, 0.0, 4, law=law, joint=own)[:, 0]
         return float(np.sqrt(np.mean((found - expected) ** 2)))

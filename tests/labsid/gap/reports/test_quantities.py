@@ -40,6 +40,8 @@ def test_three_digits_and_whole_numbers_in_full(value, written):
         (6.018e-5, 3.77e-6, "(6.02 ± 0.38)e-05"),
         (5.2e7, 3.0e5, "(5.200 ± 0.030)e+07"),
         (0.01295, 0.0, "0.01295"),
+        (6.400273312, 4e-11, "6.4003"),
+        (1.0, 1e-12, "1.0000"),
     ],
 )
 def test_the_error_sets_the_digits(value, stderr, written):
