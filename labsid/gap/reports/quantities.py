@@ -86,14 +86,33 @@ def significant_digits(value: float, stderr: float) -> int:
 
 def with_error(value: float, stderr: float | None) -> str:
     """Format ``value ± stderr`` with two significant digits of the error; a value without one stands alone."""
-    if stderr is None or not math.isfinite(stderr) or stderr <= 0.0:
+    if stderr is None or not _is_error(stderr):
         return number(value, 4)
+    value_text, error_text, exponent = _in_common_digits(value, stderr)
+    text = f"{value_text} ± {error_text}"
+    return f"({text}){exponent}" if exponent else text
+
+
+def rounded(value: float, stderr: float | None) -> str:
+    """Format the value as `with_error` does, without the error."""
+    if stderr is None or not _is_error(stderr) or value == 0.0:
+        return number(value, 4)
+    value_text, _, exponent = _in_common_digits(value, stderr)
+    return value_text + exponent
+
+
+def _is_error(stderr: float) -> bool:
+    return math.isfinite(stderr) and stderr > 0.0
+
+
+def _in_common_digits(value: float, stderr: float) -> tuple[str, str, str]:
+    """A value and its error, with two significant digits of the error, and the exponent of both."""
     size = max(abs(value), stderr)
     power = 0 if MIN_PLAIN <= size < MAX_PLAIN else math.floor(math.log10(size))
     value, stderr = value / 10.0**power, stderr / 10.0**power
     decimals = min(max(1 - math.floor(math.log10(stderr)), 0), 9)
-    text = f"{value:.{decimals}f} ± {stderr:.{decimals}f}"
-    return text if power == 0 else f"({text})e{power:+03d}"
+    text = f"{value:.{decimals}f}"
+    return text if float(text) else text.lstrip("-"), f"{stderr:.{decimals}f}", f"e{power:+03d}" if power else ""
 
 
 def percent(share: float) -> str:
