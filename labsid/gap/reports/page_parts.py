@@ -5,6 +5,7 @@ import csv
 import hashlib
 import html
 import io
+import math
 import re
 import shlex
 from collections.abc import Mapping, Sequence
@@ -14,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import parameter_label, parameter_value
+from labsid.gap.reports.effect_curves import effect_curve
+from labsid.gap.reports.effect_texts import parameter_rows
 from labsid.gap.reports.quantities import closed_percent, number
 
 if TYPE_CHECKING:
@@ -49,9 +51,11 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
     """Rms errors as bars, with lengths in per cent of the longest."""
     gap = report["gap"]
     if sentences.is_unchanged(report):
-        rows = [("Simulation", gap["before"], "after")]
+        rows = [("Simulation", gap["before"], "before")]
     else:
-        rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
+        steps = [(f"With {sentences.noun_without_article(name)}", size, "step") for name, size in _steps(report)]
+        after = (f"After {sentences.correction(report)}", gap["after"], "after")
+        rows = [("Before", gap["before"], "before"), *steps, after]
     rows.append(
         (
             "Noise alone" if has_probabilities(report) else "Noise and what no model predicts",
@@ -66,6 +70,17 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
+def _steps(report: dict[str, Any]) -> list[tuple[str, float]]:
+    """The error with each effect but the last one, from the shares of the gap that are closed so far."""
+    gap = report["gap"]
+    if any(effect["closed"] is None or effect["name"] in UNSIMULATED for effect in report["effects"]):
+        return []
+    floor, before = gap["noise_floor"] ** 2, max(gap["before"] ** 2 - gap["noise_floor"] ** 2, 0.0)
+    return [
+        (effect["name"], math.sqrt(floor + before * (1.0 - effect["closed"]) ** 2)) for effect in report["effects"][:-1]
+    ]
+
+
 def has_probabilities(report: dict[str, Any]) -> bool:
     """Whether the candidates are compared by their probabilities, not by their errors on held-out samples."""
     return report["verdict"] in ("none", "effect")
@@ -75,16 +90,6 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its explanation and its parameters as text."""
     text = DESCRIPTIONS.get(effect["name"])
     closed = effect["closed"]
-    parameters = []
-    for name, entry in effect["parameters"].items():
-        value, unit = parameter_value(effect["name"], name, entry)
-        parameters.append(
-            {
-                "label": parameter_label(effect["name"], name, entry),
-                "value": value,
-                "unit": unit,
-            }
-        )
     return {
         "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
@@ -92,8 +97,18 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
         "chance": sentences.chance_of(effect),
         "place": "",
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
-        "parameters": parameters,
+        "parameters": parameter_rows(effect),
     }
+
+
+def effect_pictures(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
+    """The curve of each effect that has one as PNG, by the place of the effect; the same on both screens."""
+    from labsid.plots.gap_details import figure_effect
+    from labsid.plots.page_figures import palette_png
+
+    curves = {f"effect {i}": effect_curve(report, effect) for i, effect in enumerate(report["effects"], 1)}
+    drawn = {name: palette_png(figure_effect(curve)) for name, curve in curves.items() if curve is not None}
+    return {name: {"wide": png} for name, png in drawn.items()}
 
 
 def has_holdout(report: dict[str, Any]) -> bool:

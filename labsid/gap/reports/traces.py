@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 
 MAX_POINTS = 2400  # samples of a figure
+STRETCH, FEWEST, MOST = 0.1, 40, 400  # share of the record in the worst stretch, and its samples
 
 
 def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.ndarray:
@@ -68,3 +69,38 @@ def figure_traces(
 def packed(signal: FloatArray, kind: str = "<f4") -> str:
     """A signal in base64, as numbers of 32 bits (``"<f4"``) or 64 (``"<f8"``)."""
     return base64.b64encode(np.asarray(signal, kind).tobytes()).decode("ascii")
+
+
+def unpacked(part: dict[str, Any]) -> dict[str, FloatArray]:
+    """Signals of a part of the report that is replayed, scaled, with ``counts``: 1 where it is fitted or scored."""
+    kinds = {"u": "<f8", "y": "<f4", "before": "<f4", "after": "<f4"}
+    trace = {name: np.frombuffer(base64.b64decode(part[name]), kind).astype(float) for name, kind in kinds.items()}
+    stretches = [*part["fitted"], *part["scored"]]
+    at = np.arange(trace["u"].size)
+    counts = [(at >= start) & (at < stop) for start, stop in stretches] or [np.ones(at.size, bool)]
+    return trace | {"t": part["start"] + part["Ts"] * at, "counts": np.any(counts, axis=0).astype(float)}
+
+
+def worst_stretch(report: dict[str, Any], name: str) -> dict[str, FloatArray] | None:
+    """All samples of the stretch in which the simulation before has the largest error, in the units of the record.
+
+    Parameters
+    ----------
+    report : dict
+    name : str
+        "record" or "holdout".
+
+    Returns
+    -------
+    dict of ndarray or None
+        None if the report does not hold all samples.
+    """
+    if report.get("replay") is None:
+        return None
+    trace, scale = unpacked(report["replay"][name]), report["replay"]["y_scale"]
+    power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace["counts"]
+    length = min(max(int(STRETCH * power.size), FEWEST), MOST, power.size)
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    first = int(np.argmax(total[length:] - total[:-length]))
+    part = {key: signal[first : first + length] for key, signal in trace.items()}
+    return part | {key: scale["centre"] + scale["unit"] * part[key] for key in ("y", "before", "after")}
