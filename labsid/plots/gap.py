@@ -11,6 +11,7 @@ from labsid.plots.gap_curves import (
     draw_errors,
     draw_outputs,
     largest_error,
+    noise_band,
     shade_scored,
     simulation_curves,
     trace_of,
@@ -18,10 +19,11 @@ from labsid.plots.gap_curves import (
 )
 from labsid.plots.gap_details import figure_residual
 from labsid.plots.page_figures import in_both_widths, page_figure
-from labsid.plots.signal_names import one_line, units_of
+from labsid.plots.signal_names import as_text_lines, one_line, units_of
 from labsid.plots.style import (
     BLACK,
     BLUE,
+    GREEN,
     GREY,
     SMALL_TEXT_SIZE,
     TIME,
@@ -71,7 +73,8 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
         title = f"Where the gap{of} is largest"
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.7, 1.0])
     draw_outputs(upper, trace, curves, slice(None))
-    finish(upper, f"{title} ({unit_of(report)})", "", "Output $y$", legend_columns=0)
+    title = as_text_lines(fill(f"{title} ({unit_of(report)})", 36 if narrow else 60).splitlines())
+    finish(upper, title, "", "Output $y$", legend_columns=0)
     draw_errors(lower, report, trace, curves)
     finish(lower, "", TIME, "Error", legend_columns=0)
     figure.align_ylabels([upper, lower])
@@ -221,12 +224,12 @@ def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom"
 
 
 def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
-    """Draw the proposed input.
+    """Draw the proposed input, and the difference of the responses of the two explanations to it.
 
     Parameters
     ----------
     report : dict
-        Its ``next_experiment`` must not be None.
+        Its ``next_experiment`` must not be None. `rivals` holds the responses by their titles.
     narrow : bool
         Whether to fit the width of a telephone.
 
@@ -235,11 +238,23 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     matplotlib.figure.Figure
     """
     planned = report["next_experiment"]
-    figure = page_figure(narrow, 2.8, 2.8)
-    ax = figure.subplots()
-    ax.step(planned["t"], planned["u"], where="post", color=BLUE, linewidth=1.2)
-    ax.margins(x=0)
-    finish(ax, "Proposed input", TIME, _signals(report)["u"], legend_columns=0)
+    rivals = report.get("rivals") or {}
+    rows = 1 + bool(rivals)
+    figure = page_figure(narrow, 2.4 + 2.6 * bool(rivals), 2.4 + 2.9 * bool(rivals))
+    panels = list(figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0])
+    panels[0].step(planned["t"], planned["u"], where="post", color=BLACK, linewidth=1.2)
+    panels[0].margins(x=0)
+    finish(panels[0], "Proposed input", "" if rivals else TIME, _signals(report)["u"], legend_columns=0)
+    if rivals:
+        panels[1].margins(x=0)
+        ours, other = rivals.values()
+        noise, name = noise_band(report)
+        panels[1].plot(planned["t"], ours - other, color=BLUE, linewidth=1.4, label="Difference")
+        for side, text in ((-noise, f"{name}, ±2 s.d."), (noise, "")):
+            panels[1].axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
+        label = fill("Response with {} less that with {}, as fitted".format(*rivals), 44 if narrow else 90)
+        finish(panels[1], as_text_lines(label.splitlines()), TIME, f"Difference ({unit_of(report)})", legend_columns=0)
+        figure.legend(loc="outside lower center", ncols=2, fontsize=SMALL_TEXT_SIZE)
     return figure
 
 

@@ -194,6 +194,16 @@ def test_the_panels_follow_the_colours_of_the_page(page: "Page") -> None:
     assert colours[0] == colours[2] != colours[1]
 
 
+@pytest.mark.parametrize("width", [320, 390])
+def test_nothing_is_wider_than_a_telephone_with_everything_unfolded(page: "Page", width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 800})
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.wait_for_timeout(300)  # milliseconds, until the page has been drawn
+    beyond = """(width) => [...document.querySelectorAll("main *")]
+        .filter((one) => one.getBoundingClientRect().right > width).length"""
+    assert page.evaluate(beyond, width) == 0
+
+
 def test_without_a_script_it_is_the_page_with_a_figure(browser: Any, path: Path) -> None:
     window = browser.new_context(java_script_enabled=False)
     page = window.new_page()

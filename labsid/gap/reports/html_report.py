@@ -31,6 +31,7 @@ from labsid.gap.reports.page_parts import (
 )
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
+from labsid.gap.reports.rivals import rival_responses
 from labsid.gap.reports.signals_page import render_signals
 from labsid.gap.reports.traces import worst_stretch
 from labsid.gap.verdict.black_boxes import PATHS
@@ -81,7 +82,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "remaining": sentences.remaining_sentence(report),
         "simulation": _simulation(report),
         "unit": report.get("units", {}).get("y", "units of y"),
-        "at_most": "noise" if has_probabilities(report) else "noise, with what no model predicts,",
         "stabilised": report["gap"].get("mode") == "stabilised",
         "gap": sentences.gap_sentence(report),
         "start": sentences.start_sentence(report),
@@ -213,7 +213,7 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
     stretch = worst_stretch(report, "record" if report["holdout_traces"] is None else "holdout")
     more = {"limits": titled, "residual": find_residual_curves(report), "stretch": stretch}
-    figures = figures_as_png(report | more)
+    figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
     return in_base64(figures | effect_pictures(report))
 
 

@@ -42,6 +42,7 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
         "duration": f"{record['samples'] * record['Ts']:.4g}",
         "closed": None if unchanged else closed_percent(gap["closed"], gap["ci95"]),
         "bars": error_bars(report),
+        "at_most": "noise" if has_probabilities(report) else "noise, with what no model predicts,",
         "command": command(report),
         "exact": "command" in report,
     }

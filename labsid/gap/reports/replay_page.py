@@ -130,12 +130,12 @@ def _still(one: dict[str, Any], names: list[str]) -> list[str]:
     texts = [f"Without a slider: {nouns}."] if missing else []
     if missing and not one["simulated"]:
         texts = [f"Your simulation cannot run in this page. What acts on its input stays as fitted: {nouns}."]
-    ends = [slider for slider in one["sliders"] if 0.0 in (slider["moves"][0], slider["moves"][-1])]
-    return texts + [
-        f"{_title(slider['effect'])}: {slider['parameter']} is at the limit of its search."
-        for slider in ends
-        if slider["values"][int(np.argmin(np.abs(slider["moves"])))] != 0.0
-    ]
+    for slider in one["sliders"]:
+        fitted = slider["values"][int(np.argmin(np.abs(slider["moves"])))]
+        if fitted != 0.0 and 0.0 in (slider["moves"][0], slider["moves"][-1]):
+            label = parameter_label(slider["effect"], slider["parameter"], slider)
+            texts.append(f"{_title(slider['effect'])}: {label} is at the limit of its search.")
+    return texts
 
 
 def _fitted_apart(report: dict[str, Any]) -> list[str]:

@@ -13,7 +13,7 @@ from labsid.gap.reports.page_parts import error_bars
 
 WIDTH = 96  # characters of a line, or those of the terminal if it is narrower
 LEAST_WIDTH = 60
-BAR = 24  # characters of the longest bar
+BAR, LEAST_BAR = 24, 6  # characters of the longest bar
 INDENT = 11  # characters of the column of titles
 RECORD_COLUMNS = ("rms error on", "before", "after", "noise", "closed")
 
@@ -100,10 +100,11 @@ def effect_lines(effect: dict[str, Any]) -> list[str]:
 def _bars(report: dict[str, Any]) -> list[str]:
     """The errors before and after beside the noise, as bars."""
     rows = error_bars(report)
-    wide = max(len(row["label"]) for row in rows)
-    lengths = [max(round(0.01 * BAR * float(row["width"])), 1) for row in rows]
+    label, value = (max(len(row[key]) for row in rows) for key in ("label", "value"))
+    longest = max(min(BAR, _width() - INDENT - label - value - 4), LEAST_BAR)
+    lengths = [max(round(0.01 * longest * float(row["width"])), 1) for row in rows]
     return [
-        f"{' ' * INDENT}{printable(row['label']):<{wide}}  {'█' * length:<{BAR}}  {row['value']}"
+        f"{' ' * INDENT}{printable(row['label']):<{label}}  {'#' * length:<{longest}}  {row['value']}"
         for row, length in zip(rows, lengths, strict=True)
     ]
 
@@ -134,9 +135,13 @@ def titled_lines(title: str, text: str, indent: int = INDENT) -> list[str]:
         return []
     for unit in "%±":  # no line break between a number and its unit
         text = text.replace(f" {unit}", f"\u00a0{unit}")
-    width = max(min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH), LEAST_WIDTH)
-    lines = textwrap.wrap(text, width, initial_indent=f"{title:<{indent}}", subsequent_indent=" " * indent)
+    lines = textwrap.wrap(text, _width(), initial_indent=f"{title:<{indent}}", subsequent_indent=" " * indent)
     return [line.replace("\u00a0", " ") for line in lines]
+
+
+def _width() -> int:
+    """Characters of a line: those of the terminal, within limits."""
+    return max(min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH), LEAST_WIDTH)
 
 
 def printable(text: str) -> str:

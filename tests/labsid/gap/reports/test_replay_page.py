@@ -132,3 +132,31 @@ def test_the_script_has_the_functions_of_its_combinations_only() -> None:
     assert '"input.Saturation": input_Saturation_apply' in text
     assert "simulate_tanks" not in text
     assert "</" not in text
+
+
+def test_a_long_record_opens_at_its_worst_stretch_below_a_strip(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = replayed(combination(f"{EFFECT}/high"))
+    read = content(shown)
+    assert read["long"] == []
+    start, end = read["worst"]["record"]
+    assert 20.0 <= start < end <= 50.0
+    monkeypatch.setattr("labsid.gap.reports.replay_page.LONG", 200)
+    longer = content(shown)
+    assert longer["long"] == ["record"]
+    assert '"name":"strip"' in json.dumps(longer["panels"], separators=(",", ":"))
+    assert '"name":"strip"' not in json.dumps(read["panels"], separators=(",", ":"))
+    shown["verdict"] = "none"
+    assert content(shown)["worst"] == {"record": None}
+
+
+def test_a_number_at_the_limit_of_its_search_is_said_to_be() -> None:
+    ending = slider([1.0, 1.25, 2.5]) | {"moves": [-1.0, -0.5, 0.0]}
+    (shown,) = content(replayed(combination(f"{EFFECT}/high", sliders=[ending])))["combinations"]
+    assert "Limit of the actuator: upper limit is at the limit of its search." in shown["still"]
+
+
+def test_a_slider_has_the_digits_of_the_table() -> None:
+    base = replayed(combination(f"{EFFECT}/high", sliders=[slider([0.0, 0.0897321, 0.2])]))
+    base["effects"][0]["parameters"]["high"]["stderr"] = 0.013
+    (own,) = content(base)["combinations"][0]["sliders"]
+    assert own["texts"][1] == "0.090 units of u"

@@ -366,6 +366,20 @@ def test_a_parameter_that_may_be_zero_is_marked():
     assert "-0.0" not in line
 
 
+def test_lines_are_as_wide_as_the_terminal_with_bars_of_the_errors(monkeypatch):
+    shown = report("output-nonlinearity", "resonance", verdict="partial")
+    for columns, widest in ((80, 80), (200, 96)):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        lines = format_report(shown).splitlines()
+        assert widest - 15 < max(map(len, lines)) <= widest
+        before, after = (
+            next(line for line in lines if line.strip().startswith(f"{word} ")) for word in ("Before", "After")
+        )
+        assert before.count("#") > 5.0 * after.count("#") > 0
+        assert before.endswith("  0.0644")
+        assert after.endswith("  0.0102")
+
+
 def test_lines_are_short_and_keep_numbers_with_their_percent_sign():
     for base in (report("input-dead-zone", "load-step"), report("input-delay", verdict="unknown")):
         for line in format_report(with_experiment(base)).splitlines():
