@@ -54,7 +54,8 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
     Parameters
     ----------
     report : dict
-        Its `stretch` holds all samples of the worst stretch; without them, those of the traces are drawn.
+        Its `stretch` holds all samples of the worst stretch, and `stretch_of` the name of its record, if there are
+        several; without them, the samples of the traces are drawn.
     narrow : bool
         Whether to fit the width of a telephone.
 
@@ -65,7 +66,8 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
     other, curves = report["holdout_traces"], simulation_curves(report)
     figure = new_figure(*((4.4, 3.9) if narrow else (6.2, 4.1)))
     trace = trace_of(report, other is not None)
-    of = " of the holdout" if other is not None else ""
+    name = report.get("stretch_of")
+    of = " of the holdout" if other is not None else f" of {name}" if name else ""
     title = f"The whole record{of}"
     if report["verdict"] != "none":
         part = largest_error(trace)

@@ -33,7 +33,7 @@ from labsid.gap.reports.quantities import closed_percent, number, percent, proba
 from labsid.gap.reports.residual_curves import find_residual_curves
 from labsid.gap.reports.rivals import rival_responses
 from labsid.gap.reports.signals_page import render_signals
-from labsid.gap.reports.traces import worst_stretch
+from labsid.gap.reports.traces import record_at, worst_stretch
 from labsid.gap.verdict.black_boxes import PATHS
 
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
@@ -212,7 +212,11 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
 
     titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
     stretch = worst_stretch(report, "record" if report["holdout_traces"] is None else "holdout")
-    more = {"limits": titled, "residual": find_residual_curves(report), "stretch": stretch}
+    if stretch is not None:
+        name, start = record_at(report, float(stretch["t"][0]))
+        stretch = stretch | {"t": stretch["t"] - start}
+        report = report | {"stretch": stretch, "stretch_of": name}
+    more = {"limits": titled, "residual": find_residual_curves(report)}
     figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
     return in_base64(figures | effect_pictures(report))
 

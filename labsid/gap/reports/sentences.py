@@ -269,7 +269,9 @@ def record_sentences(report: dict[str, Any]) -> list[str]:
     """Findings from the record itself, one string a finding."""
     texts = []
     for finding in report["record_findings"]:
-        text = re.sub(r"(?<=\d)%", " %", capitalised(re.sub("^y ", "the output ", finding["text"])))
+        of_one = any(finding["text"].startswith(f"{row['name']}: ") for row in report.get("records", ()))
+        text = finding["text"] if of_one else capitalised(re.sub("^y ", "the output ", finding["text"]))
+        text = re.sub(r"(?<=\d)%", " %", text)
         texts.append(f"{text} {_plateaus(report)}" if finding["topic"] == "plateaus" else text)
     return texts
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, stretches_of
 
 MAX_POINTS = 2400  # samples of a figure
 STRETCH, FEWEST, MOST = 0.1, 40, 400  # share of the record in the worst stretch, and its samples
@@ -99,8 +99,26 @@ def worst_stretch(report: dict[str, Any], name: str) -> dict[str, FloatArray] | 
         return None
     trace, scale = unpacked(report["replay"][name]), report["replay"]["y_scale"]
     power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace["counts"]
+    between = np.cumsum(np.isnan(trace["before"]))  # a stretch lies within one of several records
     length = min(max(int(STRETCH * power.size), FEWEST), MOST, power.size)
     total = np.concatenate([[0.0], np.cumsum(power)])
-    first = int(np.argmax(total[length:] - total[:-length]))
+    whole = between[length - 1 :] == between[: power.size - length + 1]
+    first = int(np.argmax(np.where(whole, total[length:] - total[:-length], -1.0)))
     part = {key: signal[first : first + length] for key, signal in trace.items()}
     return part | {key: scale["centre"] + scale["unit"] * part[key] for key in ("y", "before", "after")}
+
+
+def record_at(report: dict[str, Any], t: float) -> tuple[str, float]:
+    """Name of the one of several records that holds a time of the report, and its first time there.
+
+    With one record the name is empty and the time zero. Between the records there is no simulation.
+    """
+    names = [row["name"] for row in report.get("records", ())]
+    if not names or report.get("replay") is None:
+        return "", 0.0
+    trace = unpacked(report["replay"]["record"])
+    starts = [trace["t"][start] for start, _ in stretches_of(np.isfinite(trace["before"]))]
+    if len(starts) != len(names):
+        return "", 0.0
+    at = max(int(np.searchsorted(starts, t, side="right")) - 1, 0)
+    return str(names[at]), float(starts[at])

@@ -380,6 +380,13 @@ def test_lines_are_as_wide_as_the_terminal_with_bars_of_the_errors(monkeypatch):
         assert after.endswith("  0.0102")
 
 
+def test_the_name_of_a_record_keeps_its_letters_in_a_finding():
+    base = report("output-saturation")
+    base["records"] = [{"name": "run-1"}]
+    base["record_findings"] = [{"topic": "clip", "level": "warning", "text": "run-1: y is stuck at 5%"}]
+    assert sentences.record_sentences(base) == ["run-1: y is stuck at 5 %"]
+
+
 def test_lines_are_short_and_keep_numbers_with_their_percent_sign():
     for base in (report("input-dead-zone", "load-step"), report("input-delay", verdict="unknown")):
         for line in format_report(with_experiment(base)).splitlines():
