@@ -57,18 +57,23 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
         steps = [(f"With {sentences.noun_without_article(name)}", size, "step") for name, size in _steps(report)]
         after = (f"After {sentences.correction(report)}", gap["after"], "after")
         rows = [("Before", gap["before"], "before"), *steps, after]
-    rows.append(
-        (
-            "Noise alone" if has_probabilities(report) else "Noise and what no model predicts",
-            gap["noise_floor"],
-            "floor",
-        )
-    )
+    rows += _noise_rows(report)
     longest = max(value for _, value, _ in rows) or 1.0
     return [
         {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
         for text, value, colour in rows
     ]
+
+
+def _noise_rows(report: dict[str, Any]) -> list[tuple[str, float, str]]:
+    """The noise; where something else remains, what no model predicts, and the white noise in it apart."""
+    from labsid.plots.gap_curves import noise_band
+
+    floor = report["gap"]["noise_floor"]
+    if has_probabilities(report):
+        return [("Noise alone", floor, "floor")]
+    white = [] if "signals" in report else [("White noise", 0.5 * noise_band(report)[0], "floor")]
+    return [("Noise and what no model predicts", floor, "rest"), *white]
 
 
 def _steps(report: dict[str, Any]) -> list[tuple[str, float]]:

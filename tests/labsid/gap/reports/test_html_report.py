@@ -17,6 +17,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.html_report import page_content, render_html, write_html_report
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import command
+from labsid.plots.gap_curves import noise_band
 
 HOSTILE = "<script>alert('&\"')</script>"
 
@@ -209,7 +210,9 @@ def test_the_noise_includes_disturbances_where_something_else_remains(pages):
     assert "indistinguishable from noise" in pages["effect"][1].words
     for kind in ("partial", "unknown"):
         assert "indistinguishable from noise" not in pages[kind][1].words
-        assert page_content(KINDS[kind])["bars"][-1]["label"] == "Noise and what no model predicts"
+        rest, white = page_content(KINDS[kind])["bars"][-2:]
+        assert (rest["label"], white["label"]) == ("Noise and what no model predicts", "White noise")
+        assert float(white["value"]) == pytest.approx(0.5 * noise_band(KINDS[kind])[0], rel=0.01)
 
 
 def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
@@ -281,8 +284,13 @@ def test_bars_compare_errors_before_and_after_with_the_noise():
     assert [bar["label"] for bar in page_content(KINDS["unknown"])["bars"]] == [
         "Simulation",
         "Noise and what no model predicts",
+        "White noise",
     ]
-    after = {kind: page_content(KINDS[kind])["bars"][-2]["label"] for kind in ("effect", "partial", "mismatch")}
+    noise = {"partial": 2}
+    after = {
+        kind: page_content(KINDS[kind])["bars"][-1 - noise.get(kind, 1)]["label"]
+        for kind in ("effect", "partial", "mismatch")
+    }
     assert after == {
         "effect": "After adding the cause",
         "partial": "After adding the effects",
@@ -293,7 +301,7 @@ def test_bars_compare_errors_before_and_after_with_the_noise():
 def test_a_bar_for_each_effect_has_the_error_that_its_share_leaves():
     shown = report("coulomb-friction", "resonance", verdict="partial")
     shown["effects"][0]["closed"] = 0.5
-    (_, step, after, floor) = page_content(shown)["bars"]
+    (_, step, after, floor, _) = page_content(shown)["bars"]
     gap = shown["gap"]
     left = (float(step["value"]) ** 2 - gap["noise_floor"] ** 2) / (gap["before"] ** 2 - gap["noise_floor"] ** 2)
     assert 1.0 - left**0.5 == pytest.approx(0.5, abs=0.01)
