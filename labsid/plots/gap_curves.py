@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, lies_within, window_sums
 from labsid.plots.style import BLACK, BLUE, GREEN, GREY, VERMILION
 
 if TYPE_CHECKING:
@@ -39,16 +39,14 @@ def trace_of(report: dict[str, Any], holdout: bool = False) -> dict[str, FloatAr
     part = None if replay is None else replay["holdout" if holdout else "record"]
     stretches = [] if part is None else [*part["fitted"], *part["scored"]]
     at = np.arange(trace["t"].size) if part is None else np.round((trace["t"] - part["start"]) / part["Ts"])
-    counts = [(at >= start) & (at < stop) for start, stop in stretches]
-    return trace | {"counts": np.any(counts, axis=0).astype(float) if counts else np.ones(at.size)}
+    return trace | {"counts": lies_within(stretches, at).astype(float)}
 
 
 def largest_error(trace: dict[str, FloatArray]) -> slice:
     """The tenth of the record in which the simulation before has the largest error, where that counts."""
     power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace.get("counts", 1.0)
     length = min(max(int(ZOOM * power.size), MIN_ZOOM_SAMPLES), power.size)
-    total = np.concatenate([[0.0], np.cumsum(power)])
-    first = int(np.argmax(total[length:] - total[:-length]))
+    first = int(np.argmax(window_sums(power, length)))
     return slice(first, first + length)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray, stretches_of
+from labsid._arrays import FloatArray, lies_within, stretches_of, window_sums
 
 MAX_POINTS = 2400  # samples of a figure
 STRETCH, FEWEST, MOST = 0.1, 40, 400  # share of the record in the worst stretch, and its samples
@@ -75,10 +75,9 @@ def unpacked(part: dict[str, Any]) -> dict[str, FloatArray]:
     """Signals of a part of the report that is replayed, scaled, with ``counts``: 1 where it is fitted or scored."""
     kinds = {"u": "<f8", "y": "<f4", "before": "<f4", "after": "<f4"}
     trace = {name: np.frombuffer(base64.b64decode(part[name]), kind).astype(float) for name, kind in kinds.items()}
-    stretches = [*part["fitted"], *part["scored"]]
     at = np.arange(trace["u"].size)
-    counts = [(at >= start) & (at < stop) for start, stop in stretches] or [np.ones(at.size, bool)]
-    return trace | {"t": part["start"] + part["Ts"] * at, "counts": np.any(counts, axis=0).astype(float)}
+    counts = lies_within([*part["fitted"], *part["scored"]], at).astype(float)
+    return trace | {"t": part["start"] + part["Ts"] * at, "counts": counts}
 
 
 def worst_stretch(report: dict[str, Any], name: str) -> dict[str, FloatArray] | None:
@@ -101,9 +100,8 @@ def worst_stretch(report: dict[str, Any], name: str) -> dict[str, FloatArray] | 
     power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace["counts"]
     between = np.cumsum(np.isnan(trace["before"]))  # a stretch lies within one of several records
     length = min(max(int(STRETCH * power.size), FEWEST), MOST, power.size)
-    total = np.concatenate([[0.0], np.cumsum(power)])
     whole = between[length - 1 :] == between[: power.size - length + 1]
-    first = int(np.argmax(np.where(whole, total[length:] - total[:-length], -1.0)))
+    first = int(np.argmax(np.where(whole, window_sums(power, length), -1.0)))
     part = {key: signal[first : first + length] for key, signal in trace.items()}
     return part | {key: scale["centre"] + scale["unit"] * part[key] for key in ("y", "before", "after")}
 
