@@ -105,16 +105,16 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     said = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
     if not others:
         return f"{said}. Together they {several}."
-    listed = joined(_named_or_counted(others))
+    listed = joined(_named_or_counted(others, after=True))
     subject = f"this {one}" if len(causes) == 1 else f"they {several}"
     return f"{said}. Together with {listed}, less certain, {subject}."
 
 
-def _named_or_counted(effects: list[dict[str, Any]]) -> list[str]:
-    """The effects with their probabilities; those that are hardly probable without their names."""
+def _named_or_counted(effects: list[dict[str, Any]], after: bool = False) -> list[str]:
+    """The effects with their probabilities; those that are hardly probable without their names, `after` others."""
     named = [_with_chance(effect) for effect in effects if effect["probability"] >= NAMED]
-    count = len(effects) - len(named)
-    return [*named, *(["one further effect" if count == 1 else f"{count} further effects"] if count else [])]
+    count, further = len(effects) - len(named), " further" if named or after else " improbable"
+    return [*named, *([f"one{further} effect" if count == 1 else f"{count}{further} effects"] if count else [])]
 
 
 def is_probable(effect: dict[str, Any]) -> bool:

@@ -351,6 +351,13 @@ def test_a_headline_names_no_effect_under_ten_per_cent():
     assert "Together with 2 further effects, less certain, this explains" in sentences.headline(base)
 
 
+def test_improbable_effects_that_imitate_a_gap_are_counted():
+    base = with_rest(report("resonance", "output-drift", verdict="partial", probability=0.03), "time")
+    assert sentences.remaining_sentence(base).endswith("The gap is imitated by 2 improbable effects.")
+    base["effects"][0]["probability"] = 0.3
+    assert sentences.remaining_sentence(base).endswith("by a lightly damped mode (30 %) and one further effect.")
+
+
 def test_what_remains_of_a_closed_gap_is_no_part_of_it():
     base = with_rest(report("load-step", verdict="partial"), "disturbance")
     assert sentences.remaining_sentence(base).startswith("Something else remains: ")
