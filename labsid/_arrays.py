@@ -1,6 +1,6 @@
 """Validation of array arguments, and read-only arrays for frozen results."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,18 @@ def stretches_of(mask: NDArray[np.bool_]) -> list[list[int]]:
     """First index of each stretch of True, and the one after its last."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     return edges.reshape(-1, 2).tolist()
+
+
+def lies_within(stretches: Iterable[Sequence[int]], at: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether each index of `at` lies in a stretch, a first index and the one after the last; all do without any."""
+    marks = [(at >= start) & (at < stop) for start, stop in stretches]
+    return np.any(marks, axis=0) if marks else np.ones(at.size, bool)
+
+
+def window_sums(x: FloatArray, length: int) -> FloatArray:
+    """Sums of `x` over each window of so many samples, by its first one."""
+    total = np.concatenate([[0.0], np.cumsum(x)])
+    return np.asarray(total[length:] - total[: total.size - length])
 
 
 def as_signal(name: str, values: ArrayLike, at_least: int = 1) -> FloatArray:

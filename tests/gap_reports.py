@@ -99,6 +99,19 @@ def effect(name: str, probability: float = 0.999, closed: float | None = 0.97) -
     }
 
 
+SEEN = {"overflow": {"level": 4.5}, "output-saturation": {"high": 4.5}, "load-step": {"onset": 60.0}}
+"""Values of parameters that lie within the record of `report`."""
+
+
+def seen_effect(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A report of one effect that acts within its record, and the effect."""
+    shown = report(name)
+    (found,) = shown["effects"]
+    for parameter, value in SEEN.get(name, {}).items():
+        found["parameters"][parameter]["value"] = value
+    return shown, found
+
+
 def report(*names: str, verdict: str = "effect", probability: float = 0.999) -> dict[str, Any]:
     """A report of these effects, or of none, in the layout ``labsid.gap/4``."""
     n, Ts = 240, 0.5
@@ -251,4 +264,4 @@ def with_experiment(base: dict[str, Any]) -> dict[str, Any]:
 
 def undrawn_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """In place of the encoded figures, which take most of the time of a page."""
-    return {name: {"wide": "", "narrow": ""} for name in ("simulations", "where", "experiment", "limits")}
+    return {name: {"wide": "", "narrow": ""} for name in ("first", "simulations", "where", "experiment", "limits")}

@@ -7,18 +7,30 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from labsid.plots.gap_curves import draw_errors, draw_outputs, largest_error, shade_scored, simulation_curves
+from labsid.plots.gap_curves import (
+    draw_errors,
+    draw_outputs,
+    largest_error,
+    noise_band,
+    shade_scored,
+    simulation_curves,
+    trace_of,
+    unit_of,
+)
+from labsid.plots.gap_details import figure_residual
 from labsid.plots.page_figures import in_both_widths, page_figure
-from labsid.plots.signal_names import one_line, units_of
+from labsid.plots.signal_names import as_text_lines, one_line, units_of
 from labsid.plots.style import (
     BLACK,
     BLUE,
+    GREEN,
     GREY,
     SMALL_TEXT_SIZE,
     TIME,
     VERMILION,
     finish,
     make_headroom,
+    new_figure,
 )
 
 if TYPE_CHECKING:
@@ -36,6 +48,43 @@ LIMIT_MARKS = (
 LIMIT_TEXT_SIZE, NARROW_TEXT_SIZE = 9.5, 8.0
 
 
+def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the worst stretch, measured, before and after, with the errors; without a gap the whole record.
+
+    Parameters
+    ----------
+    report : dict
+        Its `stretch` holds all samples of the worst stretch, and `stretch_of` the name of its record, if there are
+        several; without them, the samples of the traces are drawn.
+    narrow : bool
+        Whether to fit the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    other, curves = report["holdout_traces"], simulation_curves(report)
+    figure = new_figure(*((4.4, 3.9) if narrow else (6.2, 4.1)))
+    trace = trace_of(report, other is not None)
+    name = report.get("stretch_of")
+    of = " of the holdout" if other is not None else f" of {name}" if name else ""
+    title = f"The whole record{of}"
+    if report["verdict"] != "none":
+        part = largest_error(trace)
+        trace = report.get("stretch") or {name: signal[part] for name, signal in trace.items()}
+        title = f"Where the gap{of} is largest"
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.7, 1.0])
+    draw_outputs(upper, trace, curves, slice(None))
+    title = as_text_lines(fill(f"{title} ({unit_of(report)})", 36 if narrow else 60).splitlines())
+    finish(upper, title, "", "Output $y$", legend_columns=0)
+    draw_errors(lower, report, trace, curves)
+    finish(lower, "", TIME, "Error", legend_columns=0)
+    figure.align_ylabels([upper, lower])
+    handles = [*upper.lines, next(line for line in lower.lines if str(line.get_label()).endswith("s.d."))]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2 if narrow else 4, fontsize=SMALL_TEXT_SIZE)
+    return figure
+
+
 def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     """Draw the measured and simulated outputs, a zoom, and the errors before and after.
 
@@ -51,7 +100,7 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
         (a) The whole record; (b) a zoom on the largest error, if there is a gap; (c) the errors, with the scored
         samples shaded; (d) the errors on the holdout record, if there is one.
     """
-    trace = {name: np.asarray(values, float) for name, values in report["traces"].items()}
+    trace = trace_of(report)
     curves = simulation_curves(report)
     zoom = report["verdict"] != "none"
     other = report["holdout_traces"]
@@ -71,17 +120,12 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     draw_errors(own, report, trace, curves)
     if other is not None:
         finish(own, "Simulation error", TIME, error, legend_columns=0)
-        draw_errors(panels[-1], report, {name: np.asarray(values, float) for name, values in other.items()}, curves)
+        draw_errors(panels[-1], report, trace_of(report, holdout=True), curves)
     shade_scored(panels[-1], report["gap"]["holdout"])
     title = "Simulation error" if other is None else "Simulation error on the holdout record"
     finish(panels[-1], title, TIME, error, legend_columns=2 if narrow else 4)
     make_headroom(panels[-1], 0.27 if narrow else 0.18)
     return figure
-
-
-def unit_of(report: dict[str, Any], signal: str = "y") -> str:
-    """Unit of "u" or "y" as the report states it."""
-    return str(report.get("units", {}).get(signal, f"units of {signal}"))
 
 
 def _signals(report: dict[str, Any]) -> dict[str, str]:
@@ -182,12 +226,12 @@ def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom"
 
 
 def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
-    """Draw the proposed input.
+    """Draw the proposed input, and the difference of the responses of the two explanations to it.
 
     Parameters
     ----------
     report : dict
-        Its ``next_experiment`` must not be None.
+        Its ``next_experiment`` must not be None. `rivals` holds the responses by their titles.
     narrow : bool
         Whether to fit the width of a telephone.
 
@@ -196,11 +240,23 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     matplotlib.figure.Figure
     """
     planned = report["next_experiment"]
-    figure = page_figure(narrow, 2.8, 2.8)
-    ax = figure.subplots()
-    ax.step(planned["t"], planned["u"], where="post", color=BLUE, linewidth=1.2)
-    ax.margins(x=0)
-    finish(ax, "Proposed input", TIME, _signals(report)["u"], legend_columns=0)
+    rivals = report.get("rivals") or {}
+    rows = 1 + bool(rivals)
+    figure = page_figure(narrow, 2.4 + 2.6 * bool(rivals), 2.4 + 2.9 * bool(rivals))
+    panels = list(figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0])
+    panels[0].step(planned["t"], planned["u"], where="post", color=BLACK, linewidth=1.2)
+    panels[0].margins(x=0)
+    finish(panels[0], "Proposed input", "" if rivals else TIME, _signals(report)["u"], legend_columns=0)
+    if rivals:
+        panels[1].margins(x=0)
+        ours, other = rivals.values()
+        noise, name = noise_band(report)
+        panels[1].plot(planned["t"], ours - other, color=BLUE, linewidth=1.4, label="Difference")
+        for side, text in ((-noise, f"{name}, ±2 s.d."), (noise, "")):
+            panels[1].axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
+        label = fill("Response with {} less that with {}, as fitted".format(*rivals), 44 if narrow else 90)
+        finish(panels[1], as_text_lines(label.splitlines()), TIME, f"Difference ({unit_of(report)})", legend_columns=0)
+        figure.legend(loc="outside lower center", ncols=2, fontsize=SMALL_TEXT_SIZE)
     return figure
 
 
@@ -248,9 +304,13 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
 
 def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """All figures of a report as PNG, for a wide and for a narrow screen."""
-    figures: dict[str, PageFigure] = {"simulations": figure_simulations, "where": figure_location}
+    figures: dict[str, PageFigure] = {"first": figure_first, "simulations": figure_simulations}
+    if report["verdict"] != "none":
+        figures["where"] = figure_location
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_experiment
+    if report.get("residual") is not None:
+        figures["residual"] = figure_residual
     if any(row["detect"] is not None for row in report["limits"]):
         figures["limits"] = figure_limits
     return in_both_widths(figures, report)

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from labsid.plots.gap import unit_of
-from labsid.plots.gap_curves import noise_band
+from labsid.plots.gap_curves import noise_band, unit_of
 from labsid.plots.style import TIME
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from bokeh.plotting import figure
 
 COLUMNS = ("t", "u", "y", "before", "after", "e_before", "e_after")
-HEIGHTS = {"output": 270, "error": 220, "input": 170}  # pixels
+HEIGHTS = {"output": 270, "error": 220, "input": 170, "strip": 90}  # pixels
 LEFT, RIGHT = 74, 12  # pixels: the panels share one axis of time
 FONT = "system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"
 _TEXT_COLOURS = {"axis_label_text_color": "--ink", "major_label_text_color": "--ink", "axis_line_color": "--soft"}
@@ -29,7 +28,7 @@ def curves_of(report: dict[str, Any]) -> tuple[str, ...]:
     return ("before",) if unchanged else ("before", "after")
 
 
-def panels(report: dict[str, Any], name: str) -> dict[str, Any]:
+def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, Any]:
     """Panels of output, error and input with one axis of time.
 
     Parameters
@@ -37,6 +36,8 @@ def panels(report: dict[str, Any], name: str) -> dict[str, Any]:
     report : dict
     name : str
         "record" or "holdout".
+    strip : bool
+        Whether a strip above the panels shows all of it.
 
     Returns
     -------
@@ -45,7 +46,7 @@ def panels(report: dict[str, Any], name: str) -> dict[str, Any]:
         model are pairs of a property and a colour of the page.
     """
     from bokeh.embed import json_item
-    from bokeh.layouts import gridplot
+    from bokeh.layouts import column, gridplot
     from bokeh.models import ColumnDataSource, Range1d
 
     other = name == "holdout"
@@ -64,29 +65,55 @@ def panels(report: dict[str, Any], name: str) -> dict[str, Any]:
     if other or report["holdout_traces"] is None:
         _shade(error, report["gap"]["holdout"])
     _noise(error, noise_band(report)[0])
+    _cursor([output, error, command])
     _hover(output, {"Measured": "@y", "Before": "@before", "After": "@after"})
     _hover(error, {"Error before": "@e_before", "Error after": "@e_after"})
     _hover(command, {"Input": "@u"})
     command.xaxis.axis_label = TIME
     grid = gridplot([[output], [error], [command]], sizing_mode="stretch_width", toolbar_location="above")
     grid.toolbar.logo = None
-    return dict(json_item(grid))
+    return dict(json_item(column([_strip(source, times, t), grid], sizing_mode="stretch_width") if strip else grid))
+
+
+def _strip(source: ColumnDataSource, times: Range1d, t: list[float]) -> figure:
+    """The whole record, on which the part that the panels show can be moved."""
+    from bokeh.models import Range1d, RangeTool
+
+    strip = _panel("strip", "", "", Range1d(start=t[0], end=t[-1]))
+    strip.update(tools=[RangeTool(x_range=times)], toolbar_location=None, sizing_mode="stretch_width")
+    strip.yaxis.visible = False
+    _line(strip, source, "y", "--ink", line_width=1.0)
+    return strip
+
+
+def _cursor(drawn: list[figure]) -> None:
+    """One line in all panels, at the time of the pointer."""
+    from bokeh.models import CrosshairTool
+    from bokeh.models.annotations import Span
+
+    line = Span(dimension="height", line_width=1, tags=[["line_color", "--soft"]])
+    for panel in drawn:
+        panel.add_tools(CrosshairTool(overlay=line, visible=False))
 
 
 def _panel(name: str, title: str, label: str, times: Range1d) -> figure:
-    """An empty panel: drag zooms, and the wheel scrolls the page."""
+    """An empty panel: drag zooms in time, and the wheel scrolls the page. The script of the page sets its heights."""
+    from bokeh.models import BoxZoomTool, Range1d
     from bokeh.plotting import figure
+
+    zoom = BoxZoomTool(dimensions="width")
 
     panel = figure(
         name=name,
         title=title,
         y_axis_label=label,
         x_range=times,
+        y_range=Range1d(start=0.0, end=1.0),
         height=HEIGHTS[name],
         min_border_left=LEFT,
         min_border_right=RIGHT,
-        tools="box_zoom,pan,zoom_in,zoom_out,reset",
-        active_drag="box_zoom",
+        tools=[zoom, "xpan,xzoom_in,xzoom_out,reset"],
+        active_drag=zoom,
         active_scroll=None,
         background_fill_color=None,
         border_fill_color=None,

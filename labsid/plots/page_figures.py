@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop and for a telephone
 DPI = 144  # one and a half times the width of the page
-COLOURS = 256  # of a picture
+COLOURS = 96  # of a picture
 
 
 def page_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:

@@ -105,6 +105,30 @@ def test_a_drag_zooms_all_panels_in_time_and_a_double_click_resets(page: "Page")
     assert page.evaluate(RANGES) == pytest.approx({name: pytest.approx(ends) for name, ends in whole.items()})
 
 
+def test_the_worst_stretch_is_shown_with_the_heights_of_its_samples(page: "Page", found: Diagnosis) -> None:
+    whole, signals = page.evaluate(RANGES), page.evaluate(SIGNALS)
+    page.get_by_role("button", name="Worst stretch").click()
+    shown = page.evaluate(RANGES)
+    start, end = shown["output"][:2]
+    t, error = np.array(signals["t"]), np.abs(signals["e_before"])
+    inside = (t >= start) & (t <= end)
+    assert np.mean(error[inside] ** 2) > 2.0 * np.mean(error**2)
+    curves = np.array([signals[name] for name in ("y", "before", "after")])[:, inside]
+    low, high = shown["output"][2:]
+    assert low < curves.min() < low + 0.1 * (high - low)
+    assert high - 0.1 * (high - low) < curves.max() < high
+    assert shown["output"][2:] != whole["output"][2:]
+
+
+def test_on_paper_there_is_the_figure_and_no_controls(page: "Page") -> None:
+    page.emulate_media(media="print")
+    assert page.locator(".still img").first.is_visible()
+    assert not page.locator(".live").first.is_visible()
+    assert page.locator(".glance img").is_visible()
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("details:not([open])").count() == 0
+
+
 def test_the_pointer_gets_the_values(page: "Page") -> None:
     panels = page.locator("#panels-record")
     panels.scroll_into_view_if_needed()
@@ -168,6 +192,16 @@ def test_the_panels_follow_the_colours_of_the_page(page: "Page") -> None:
         page.wait_for_timeout(300)  # milliseconds, until the page has been drawn
         colours.append(page.evaluate(f"{COLOUR}.value"))
     assert colours[0] == colours[2] != colours[1]
+
+
+@pytest.mark.parametrize("width", [320, 390])
+def test_nothing_is_wider_than_a_telephone_with_everything_unfolded(page: "Page", width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 800})
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.wait_for_timeout(300)  # milliseconds, until the page has been drawn
+    beyond = """(width) => [...document.querySelectorAll("main *")]
+        .filter((one) => one.getBoundingClientRect().right > width).length"""
+    assert page.evaluate(beyond, width) == 0
 
 
 def test_without_a_script_it_is_the_page_with_a_figure(browser: Any, path: Path) -> None:

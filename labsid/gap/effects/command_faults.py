@@ -1,6 +1,6 @@
 """Faults of the command that its log does not show: it is switched off, or acts in coarse steps."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import Fitted, InputEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Seen, Sketch, same, stepped
 
 INSTANTS = 48  # of the record, at which the command may be switched off and on again
 SHORTEST = 8  # samples that it is off
@@ -26,6 +27,12 @@ FINER = 21  # steps between two of these neighbours, about the best ones
 MAX_TRIED = 4000  # samples in which steps are compared
 PARTS = 12  # in which they are compared, for the memory that their responses take
 MIN_ACTING = 3  # levels that act
+
+
+def _switched_off(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    """The command, and the level that acts instead while it is not applied."""
+    off = (x >= p.get("onset", -np.inf)) & (x < p.get("end", np.inf))
+    return np.where(off, p["level"], np.interp(x, seen.t, seen.u))
 
 
 class Off(InputEffect):
@@ -55,6 +62,16 @@ class Off(InputEffect):
         },
         confused_with=("load-step", "output-dropout", "parameter-drift"),
         of_one_record=True,
+        sketch=Sketch(
+            "Time",
+            "t",
+            "Command",
+            "u",
+            _switched_off,
+            lambda x, p, seen: np.interp(x, seen.t, seen.u),
+            ("level",),
+            ("onset", "end"),
+        ),
     )
     least_levels = 2
     position = -1
@@ -160,6 +177,15 @@ class Quantization(InputEffect):
         parameters={"step": Reported("step of the command that acts", "u")},
         confused_with=("input-nonlinearity", "input-dead-zone", "coloured-noise"),
         shape_of_input=True,
+        sketch=Sketch(
+            "Command",
+            "u",
+            "Command that acts",
+            "u",
+            stepped,
+            same,
+            ("step",),
+        ),
     )
     position = 8
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from string import Formatter
 
+from labsid.gap.effects.sketch import Sketch
+
 PATHS = ("input", "dynamics", "output", "disturbance", "parameters")
 """Where an effect acts."""
 
@@ -72,6 +74,8 @@ class Description:
         Whether it is a force that depends on the position.
     bends_reading : bool
         Whether it bends or cuts the sensor's reading, as a spring of an unstable rig seems to.
+    sketch : Sketch, optional
+        A curve of what it does, made from its parameters.
     """
 
     path: str = ""
@@ -90,6 +94,7 @@ class Description:
     shape_of_input: bool = False
     spring: bool = False
     bends_reading: bool = False
+    sketch: Sketch | None = None
 
     def missing(self, names: frozenset[str]) -> list[str]:
         """What is missing or wrong, in words.

@@ -2,6 +2,7 @@
 
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Sketch, same, some_steps, stepped
 
 
 class Converter(Effect):
@@ -21,6 +22,16 @@ class Converter(Effect):
         ),
         excited_by="Any record: it shows in the samples themselves.",
         parameters={"step": Reported("converter step", "y")},
+        sketch=Sketch(
+            "Output of the process",
+            "y",
+            "Reading",
+            "y",
+            stepped,
+            same,
+            ("step",),
+            reach=some_steps,
+        ),
     )
 
 

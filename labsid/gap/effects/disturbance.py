@@ -17,6 +17,7 @@ from labsid.gap.effects.base import (
 )
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Sketch, nothing, step
 
 MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
@@ -52,6 +53,16 @@ class StepLoad(Effect):
         confused_with=("output-drift", "parameter-drift"),
         of_one_record=True,
         varies_in_time=True,
+        sketch=Sketch(
+            "Time",
+            "t",
+            "Change by the load",
+            "size",
+            lambda x, p, seen: p["size"] * step(x - p["onset"], p, seen),
+            nothing,
+            ("size",),
+            ("onset",),
+        ),
     )
 
     def _size(self, fit: Fitted) -> Value:

@@ -11,6 +11,7 @@ from labsid.gap.dynamics.responses import chebyshev_course, section
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Sketch, nothing
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 
@@ -40,6 +41,15 @@ class PoleDrift(PlantEffect):
         of_one_record=True,
         wanders=True,
         varies_in_time=True,
+        sketch=Sketch(
+            "Time",
+            "t",
+            "Change by the end, drawn straight, as a share",
+            "",
+            lambda x, p, seen: p.get("drift", p.get("pole", 0.0)) * (x - x[0]) / (x[-1] - x[0]),
+            nothing,
+            ("drift", "pole"),
+        ),
     )
     key_form = "pole-{}"
     variants = ("1", "4")

@@ -11,6 +11,7 @@ from labsid.gap.dynamics.responses import damping_ratio, denominator, lag_mean, 
 from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, rise
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, nothing, same, step
 
 LEAST_DAMPING = 2e-3  # of a mode
 MOST_DAMPING = 0.3  # of a mode that is lightly damped; the slower pair of a Butterworth filter of fourth order has 0.38
@@ -28,6 +29,8 @@ MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one 
 MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record
 MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other poles
 MIN_DRIVEN = 0.25  # standard deviation of a slow mode's response to the input over that of its free response
+CYCLES_SHOWN = 5.0  # of a mode, in its sketch
+PEAK_SHOWN = 0.1  # of the range of the speed, over which the friction of a sketch falls from that at rest
 STATIC_SAMPLES = 20000  # of a step, for the static gain
 
 
@@ -67,6 +70,16 @@ class ExtraLag(Placed):
         parameters={"tau": Reported("time constant", "s")},
         confused_with=("input-delay", "resonance"),
         adds_poles=True,
+        sketch=Sketch(
+            "Time after a step (s)",
+            "s",
+            "Step behind the lag, as a share",
+            "",
+            lambda x, p, seen: -np.expm1(-np.maximum(x, 0.0) / p["tau"]),
+            step,
+            ("tau",),
+            reach=after_a_step("tau", 0.5, 5.0),
+        ),
     )
     variants = places = ("", "ahead")
 
@@ -134,6 +147,16 @@ class SlowMode(PlantEffect):
         },
         confused_with=("extra-lag", "output-drift", "load-step"),
         adds_poles=True,
+        sketch=Sketch(
+            "Time after a step (s)",
+            "s",
+            "Response, as a share of the final one",
+            "",
+            lambda x, p, seen: step(x, p, seen) - p["share"] * np.exp(-np.maximum(x, 0.0) / p["tau"]) * (x >= 0.0),
+            step,
+            ("tau",),
+            reach=after_a_step("tau", 0.3, 4.0),
+        ),
     )
     planted_variants = ("",)
     whole = "gain"
@@ -225,6 +248,13 @@ class DirectFeedthrough(PlantEffect):
         return plant.modified(feedthrough=True)
 
 
+def _swing(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    """A unit step behind a mode of second order."""
+    damping, t = min(p["damping"], 0.999), 2.0 * np.pi * p["frequency"] * np.maximum(x, 0.0)
+    damped = np.sqrt(1.0 - damping**2)
+    return np.asarray(1.0 - np.exp(-damping * t) * (np.cos(damped * t) + damping / damped * np.sin(damped * t)))
+
+
 class Resonance(Placed):
     """An unmodelled, lightly damped mode; `variant` "ahead" or "beside" states its position to a nonlinear state."""
 
@@ -247,6 +277,16 @@ class Resonance(Placed):
         },
         confused_with=("extra-lag", "periodic-disturbance"),
         adds_poles=True,
+        sketch=Sketch(
+            "Time after a step (s)",
+            "s",
+            "Step behind the mode, as a share",
+            "",
+            _swing,
+            step,
+            ("frequency",),
+            reach=lambda p, seen: (-0.5 / p["frequency"], CYCLES_SHOWN / p["frequency"]),
+        ),
     )
     variants = places = ("", "ahead", "beside")
 
@@ -319,6 +359,12 @@ def peaks(context: Context, slowest: float) -> list[float]:
 LAWS = "smooth", "peak", "load", "give", "load-give"  # of friction, richer than a constant
 
 
+def _friction(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    """Friction over the speed, with what is added to it at rest."""
+    peak = p.get("break_away", p["friction"]) - p["friction"]
+    return np.asarray(np.sign(x) * (p["friction"] + peak * np.exp(-np.abs(x) / PEAK_SHOWN)))
+
+
 class CoulombFriction(PlantEffect):
     """Dry friction.
 
@@ -348,6 +394,16 @@ class CoulombFriction(PlantEffect):
             "give": Reported("way before the bodies slide", "y"),
         },
         confused_with=("input-dead-zone", "input-backlash"),
+        sketch=Sketch(
+            "Speed, as a share",
+            "",
+            "Friction",
+            "friction",
+            _friction,
+            nothing,
+            ("friction",),
+            reach=lambda p, seen: (-1.0, 1.0),
+        ),
     )
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
@@ -446,6 +502,16 @@ class CubicStiffness(PlantEffect):
         parameters={"cubic": Reported("cubic coefficient", "1/y^2")},
         confused_with=("output-nonlinearity", "input-nonlinearity"),
         spring=True,
+        sketch=Sketch(
+            "Displacement from rest",
+            "y",
+            "Force over the linear stiffness",
+            "y",
+            lambda x, p, seen: x * (1.0 + p["cubic"] * x**2),
+            same,
+            ("cubic",),
+            reach=lambda p, seen: (-0.5 * float(np.ptp(seen.y)), 0.5 * float(np.ptp(seen.y))),
+        ),
     )
     sizes = ("cubic",)
     variants = ("", "sampled")

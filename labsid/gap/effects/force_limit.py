@@ -11,6 +11,7 @@ from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
+from labsid.gap.effects.sketch import Sketch, same
 
 MIN_LIMITED = 4  # samples
 ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limits start
@@ -38,6 +39,16 @@ class ForceLimit(PlantEffect):
         excited_by="Large steps of the command beside small ones.",
         parameters={"limit": Reported("error of the loop at the limit, in units of the command", "u")},
         confused_with=("input-rate-limit", "input-saturation", "quadratic-drag"),
+        sketch=Sketch(
+            "Force without the limit",
+            "limit",
+            "Force",
+            "limit",
+            lambda x, p, seen: np.clip(x, -p["limit"], p["limit"]),
+            same,
+            ("limit",),
+            reach=lambda p, seen: (-2.0 * p["limit"], 2.0 * p["limit"]),
+        ),
     )
     variants: ClassVar[tuple[str, ...]] = ("position", "damped", "speed")
     absent: ClassVar[Mapping[str, float]] = {"limit": 50.0}

@@ -11,6 +11,7 @@ from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS
+from labsid.gap.effects.sketch import Sketch, nothing
 from labsid.gap.record.data import Data
 
 DEGREES = 180.0 / np.pi  # in a radian
@@ -47,6 +48,16 @@ class Gravity(PlantEffect):
         },
         confused_with=("cubic-stiffness", "output-nonlinearity", "load-step"),
         spring=True,
+        sketch=Sketch(
+            "Angle",
+            "y",
+            "Torque, in units of the command",
+            "torque",
+            lambda x, p, seen: p["torque"] * np.sin((x - p["angle"]) / p.get("per_radian", 1.0)),
+            nothing,
+            ("torque",),
+            ("angle",),
+        ),
     )
     sizes = ("torque",)
     variants: ClassVar[tuple[str, ...]] = ("", "unsprung")

@@ -1,5 +1,6 @@
 """Effects of the actuator, between the command and the dynamics."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Planted, 
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
+from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, bent, clipped, same, step
 
 LONGEST_DELAY = 250.0  # samples
 LONGEST_SHARE = 0.25  # of the record
@@ -41,6 +43,16 @@ class Delay(InputEffect):
         excited_by="Steps or fast changes of the input, sampled faster than the delay.",
         parameters={"delay": Reported("delay", "s")},
         confused_with=("extra-lag",),
+        sketch=Sketch(
+            "Time after a step of the command (s)",
+            "s",
+            "Step that acts, as a share",
+            "",
+            lambda x, p, seen: step(x - p["delay"], p, seen),
+            step,
+            ("delay",),
+            reach=after_a_step("delay", 0.5, 2.5),
+        ),
     )
     variants = ("", "no-zero")
     planted_variants = ("",)
@@ -108,6 +120,16 @@ class Saturation(Limits, InputEffect):
         },
         confused_with=("input-nonlinearity", "output-saturation", "input-rate-limit"),
         shape_of_input=True,
+        sketch=Sketch(
+            "Command",
+            "u",
+            "Command that acts",
+            "u",
+            clipped,
+            same,
+            ("low", "high"),
+            ("low", "high"),
+        ),
     )
     signal, leap = "u", 0.05
     position = 1
@@ -142,6 +164,16 @@ def _jump(name: str) -> Parameter:
     return Parameter(name, 0.0, 8.0, leap=0.1)
 
 
+def _beyond_band(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    """The command beyond either end of the band that is known, with the steps there."""
+    acting = np.zeros(x.size)
+    if "high" in p:
+        acting += np.where(x > p["high"], x - p["high"] + p.get("jump_high", 0.0), 0.0)
+    if "low" in p:
+        acting += np.where(x < p["low"], p.get("ratio", 1.0) * (x - p["low"]) - p.get("jump_low", 0.0), 0.0)
+    return acting
+
+
 class DeadZone(InputEffect):
     """A dead zone: no effect until the command leaves a band.
 
@@ -173,6 +205,16 @@ class DeadZone(InputEffect):
         },
         confused_with=("coulomb-friction", "input-backlash", "input-nonlinearity"),
         shape_of_input=True,
+        sketch=Sketch(
+            "Command",
+            "u",
+            "Command that acts",
+            "u",
+            _beyond_band,
+            lambda x, p, seen: x - np.mean([p[side] for side in ("low", "high") if side in p]),
+            ("low", "high"),
+            ("low", "high"),
+        ),
     )
     least_levels = 3
     position = 4
@@ -270,6 +312,16 @@ class Backlash(InputEffect):
         excited_by="Changes of direction after small and after large changes of the input.",
         parameters={"width": Reported("play", "u")},
         confused_with=("input-dead-zone", "coulomb-friction", "input-delay"),
+        sketch=Sketch(
+            "Command",
+            "u",
+            "Command that acts",
+            "u",
+            lambda x, p, seen: _kernels.backlash(x, p["width"], 0.5),
+            same,
+            ("width",),
+            loop=True,
+        ),
     )
     least_levels = 3
     position = 5
@@ -321,6 +373,16 @@ class RateLimit(InputEffect):
         excited_by="Steps of different sizes: the larger ones are slower.",
         parameters={"rate": Reported("largest rate", "u/s")},
         confused_with=("extra-lag", "input-saturation"),
+        sketch=Sketch(
+            "Time after a step over the range of the command (s)",
+            "s",
+            "Change of the command that acts",
+            "u",
+            lambda x, p, seen: np.clip(p["rate"] * x, 0.0, np.ptp(seen.u)),
+            lambda x, p, seen: np.ptp(seen.u) * step(x, p, seen),
+            ("rate",),
+            reach=lambda p, seen: (-0.3 * float(np.ptp(seen.u)) / p["rate"], 1.5 * float(np.ptp(seen.u)) / p["rate"]),
+        ),
     )
     position = 2
     variant_positions: ClassVar[dict[str, int]] = {"behind": 6}
@@ -384,6 +446,15 @@ class Nonlinearity(curves.Curve, InputEffect):
         },
         confused_with=("output-nonlinearity", "sqrt-outflow", "input-saturation"),
         shape_of_input=True,
+        sketch=Sketch(
+            "Command",
+            "u",
+            "Command that acts",
+            "u",
+            bent,
+            same,
+            ("c2",),
+        ),
     )
     least_levels = 3
     position = 7

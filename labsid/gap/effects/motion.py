@@ -12,6 +12,7 @@ from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
+from labsid.gap.effects.sketch import Seen, Sketch, around_y, clipped, nothing, same
 
 MIN_STOPPED = 4  # samples at a stop
 AT_STOP = 1e-9  # scaled distance
@@ -41,6 +42,17 @@ class EndStop(PlantEffect):
         },
         confused_with=("output-saturation", "overflow", "cubic-stiffness"),
         stops=True,
+        sketch=Sketch(
+            "Position without the stop",
+            "y",
+            "Position",
+            "y",
+            clipped,
+            same,
+            ("low", "high"),
+            ("low", "high"),
+            reach=around_y,
+        ),
     )
     grows = True
     planted_variants = ("high", "low")
@@ -122,6 +134,13 @@ class EndStop(PlantEffect):
         return [Planted(name, {f"stop_{side}": ends[side]})]
 
 
+def _speeds(p: Mapping[str, float], seen: Seen) -> tuple[float, float]:
+    """Speeds of the record, in both directions: those of y, or y where it is the speed itself."""
+    speed = np.diff(seen.y) / np.diff(seen.t) if "s^2" in seen.units["drag"] else seen.y
+    top = float(np.nanmax(np.abs(speed)))
+    return -top, top
+
+
 class QuadraticDrag(PlantEffect):
     """Resistance that grows with the square of the speed; `variant` position, speed, or speed-lag."""
 
@@ -140,6 +159,16 @@ class QuadraticDrag(PlantEffect):
         excited_by="Slow and fast motion: small and large steps, without reaching a limit.",
         parameters={"drag": Reported("drag: command that holds it, over the square of the speed", "u s^2/y^2")},
         confused_with=("sqrt-outflow", "input-nonlinearity", "coulomb-friction"),
+        sketch=Sketch(
+            "Speed",
+            "",
+            "Drag, in units of the command",
+            "u",
+            lambda x, p, seen: p["drag"] * x * np.abs(x),
+            nothing,
+            ("drag",),
+            reach=_speeds,
+        ),
     )
     sizes = ("drag",)
     variants = ("position", "speed", "speed-lag")

@@ -1,5 +1,6 @@
 """Effects of the sensor, between the true output and the record."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -22,6 +23,7 @@ from labsid.gap.effects.base import (
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
+from labsid.gap.effects.sketch import Seen, Sketch, around_y, bent, clipped, ends_of, same
 
 NEARLY_ZERO = 1e-3  # of the spread of y: what is less may be the floor of `fits.floor`
 HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
@@ -53,6 +55,17 @@ class Saturation(Limits, OutputEffect):
         confused_with=("input-saturation", "overflow", "output-nonlinearity"),
         stops=True,
         bends_reading=True,
+        sketch=Sketch(
+            "Output without the limit",
+            "y",
+            "Reading",
+            "y",
+            clipped,
+            same,
+            ("low", "high"),
+            ("low", "high"),
+            reach=around_y,
+        ),
     )
     signal, leap = "y", 0.03
     further: ClassVar[dict[str, tuple[str, ...]]] = {"low": ("both",), "high": ("both",)}
@@ -96,6 +109,12 @@ class Saturation(Limits, OutputEffect):
         return np.asarray((output <= low) | (output >= high))
 
 
+def _folded(p: Mapping[str, float], seen: Seen) -> tuple[float, float]:
+    """The range of y, and its reflection at the fold."""
+    low, high = ends_of(seen.y)
+    return (2.0 * p["fold"] - high, high) if "fold" in p else (low, high)
+
+
 class Nonlinearity(curves.Curve, OutputEffect):
     """A smooth static sensor curve: y = z + c2 z^2 + c3 z^3 about the mean output of the record.
 
@@ -125,6 +144,17 @@ class Nonlinearity(curves.Curve, OutputEffect):
         },
         confused_with=("input-nonlinearity", "sqrt-outflow", "cubic-stiffness"),
         bends_reading=True,
+        sketch=Sketch(
+            "Output of the process",
+            "y",
+            "Reading",
+            "y",
+            lambda x, p, seen: p["fold"] + np.abs(x - p["fold"]) if "fold" in p else bent(x, p, seen),
+            same,
+            ("c2", "fold"),
+            ("fold",),
+            reach=_folded,
+        ),
     )
     position = 1
     signal = whole = "y"

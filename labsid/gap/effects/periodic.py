@@ -11,6 +11,7 @@ from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, Planted, Pla
 from labsid.gap.effects.context import Context, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import peaks
+from labsid.gap.effects.sketch import Sketch, nothing
 from labsid.gap.record.data import Data
 
 SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
@@ -40,6 +41,16 @@ class _Sinusoid(Effect):
         },
         confused_with=("resonance", "coloured-noise"),
         of_one_record=True,
+        sketch=Sketch(
+            "Time (s)",
+            "s",
+            "Oscillation, of any phase",
+            "amplitude",
+            lambda x, p, seen: p["amplitude"] * np.sin(2.0 * np.pi * p["frequency"] * x),
+            nothing,
+            ("amplitude",),
+            reach=lambda p, seen: (0.0, 3.0 / p["frequency"]),
+        ),
     )
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:

@@ -8,6 +8,7 @@ from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Fitted, OutputEffect, Planted, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Sketch, same
 
 MIN_MOVED = 0.02  # share of the record in which the sensor moves each way
 MAX_SHARE = 0.7  # width over the range of the output
@@ -31,6 +32,16 @@ class Play(OutputEffect):
         excited_by="Slow motion with changes of direction at several levels.",
         parameters={"width": Reported("play", "y")},
         confused_with=("input-backlash", "coulomb-friction", "output-nonlinearity"),
+        sketch=Sketch(
+            "Output of the process",
+            "y",
+            "Reading",
+            "y",
+            lambda x, p, seen: _kernels.backlash(x, p["width"], 0.5),
+            same,
+            ("width",),
+            loop=True,
+        ),
     )
     position = 2
     planted_variants = ("",)

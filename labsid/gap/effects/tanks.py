@@ -12,6 +12,7 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import RARE, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
+from labsid.gap.effects.sketch import Seen, Sketch, around_y, ends_of, same
 
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
@@ -36,6 +37,11 @@ class _OfTanks(PlantEffect):
         return self.variant.endswith("-flipped")
 
 
+def _height(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    """Height over the empty tank, of 1 at the mean level."""
+    return np.asarray((x - p["empty"]) / (np.nanmean(seen.y) - p["empty"]))
+
+
 class SqrtOutflow(_OfTanks):
     """Torricelli outflow, proportional to the root of the level; `variant` both, upper or lower, and "-flipped"."""
 
@@ -55,6 +61,17 @@ class SqrtOutflow(_OfTanks):
             "empty": Reported("reading of the empty tank", "y", position=True),
         },
         confused_with=("input-nonlinearity", "output-nonlinearity", "overflow"),
+        sketch=Sketch(
+            "Level, as a reading",
+            "y",
+            "Outflow (1 at the mean level)",
+            "",
+            lambda x, p, seen: np.sqrt(np.maximum(_height(x, p, seen), 0.0)),
+            lambda x, p, seen: 0.5 * (1.0 + _height(x, p, seen)),
+            ("empty",),
+            ("empty",),
+            reach=lambda p, seen: ends_of(seen.y, 0.0, (p["empty"],)),
+        ),
     )
     planted_variants = ("both", "lower")
     absent: ClassVar[Mapping[str, float]] = {"zero": NO_CURVATURE}
@@ -126,6 +143,11 @@ class SqrtOutflow(_OfTanks):
         return [Planted("zero", {"zero": zero} | rates)] if NO_CURVATURE < zero < 0.0 else []
 
 
+def _brimmed(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    """The level up to the brim; down to it, where a higher level reads less."""
+    return (np.minimum if p["level"] > np.nanmedian(seen.y) else np.maximum)(x, p["level"])
+
+
 class Overflow(_OfTanks):
     """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
 
@@ -150,6 +172,17 @@ class Overflow(_OfTanks):
         },
         confused_with=("output-saturation", "input-saturation", "sqrt-outflow"),
         stops=True,
+        sketch=Sketch(
+            "Level without a brim, as a reading",
+            "y",
+            "Level",
+            "y",
+            _brimmed,
+            same,
+            ("level",),
+            ("level", "upper"),
+            reach=around_y,
+        ),
     )
     planted_variants = ("lower", "upper")
     whole = "y"

@@ -58,7 +58,7 @@ class Limits:
         Other parameters of the planted effect, in the units of the record.
     reason : str
         Why it is not visible at any size: "levels" of the input are too few, "closed" simulation, not tried in a
-        "stabilised" one, or "hidden" from this record; empty if it is.
+        "stabilised" one or "beside" the dynamics found, or "hidden" from this record; empty if it is.
     """
 
     name: str
@@ -320,7 +320,8 @@ def _missing(data: Data, fit: Fit, rows: Iterable[tuple[str, str]]) -> Iterator[
             continue
         forms = [form for family in FAMILIES if family.name == name for form in family.searched()]
         if not any(is_compatible(fit, form) for form in forms):
-            yield name, "stabilised" if fit.hypothesis.feedback is not None else "closed"
+            stabilised, given = fit.hypothesis.feedback is not None, fit.hypothesis.given is not None
+            yield name, "stabilised" if stabilised else "closed" if given else "beside"
         elif all(isinstance(form, InputEffect) and not form.applies(context) for form in forms):
             yield name, "levels"
         else:

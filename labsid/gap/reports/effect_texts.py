@@ -1,5 +1,6 @@
 """Texts on the effects: name, what the rig does, and where to look for the cause."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from string import Formatter
 from typing import Any
@@ -53,19 +54,34 @@ def _reported(effect: str, parameter: str) -> Reported | None:
     return None if text is None else text.parameters.get(parameter)
 
 
-def parameter_value(effect: str, parameter: str, entry: dict[str, Any]) -> tuple[str, str]:
-    """A parameter's value with its standard error, and its unit in words."""
+def parameter_value(
+    effect: str, parameter: str, entry: dict[str, Any], write: Callable[[float, float | None], str] = with_error
+) -> tuple[str, str]:
+    """A parameter's value as `write` gives it, by default with its standard error, and its unit in words."""
     value, stderr, unit = entry["value"], entry["stderr"], entry["unit"]
     reported = _reported(effect, parameter)
     if unit == "1" and reported is not None and reported.share:
         if stderr:
-            return with_error(100.0 * value, 100.0 * stderr), "%"
+            return write(100.0 * value, 100.0 * stderr), "%"
         return percent(value).removesuffix(" %"), "%"
     if not entry.get("determined", True):
-        return with_error(value, stderr), "not determined by itself"
+        return write(value, stderr), "not determined by itself"
     if entry.get("at_limit"):
-        return with_error(value, stderr), "at its limit"
-    return with_error(value, stderr), UNITS.get(unit, unit)
+        return write(value, stderr), "at its limit"
+    return write(value, stderr), UNITS.get(unit, unit)
+
+
+def parameter_rows(effect: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Label, value and unit of each parameter of an effect, with a mark on those that may be zero."""
+    rows = []
+    for name, entry in effect["parameters"].items():
+        reported = _reported(effect["name"], name)
+        is_place = reported is not None and reported.position
+        value, unit = parameter_value(effect["name"], name, entry)
+        if not is_place and (entry["stderr"] or 0.0) > abs(entry["value"]):
+            unit = ", ".join(text for text in (unit, "not told from zero") if text)
+        rows.append((parameter_label(effect["name"], name, entry), value, unit))
+    return rows
 
 
 @dataclass(frozen=True, slots=True)

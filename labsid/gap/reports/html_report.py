@@ -21,6 +21,7 @@ from labsid.gap.reports.page_parts import (
     TEMPLATES,
     digest,
     effect_content,
+    effect_pictures,
     has_holdout,
     has_probabilities,
     in_base64,
@@ -29,7 +30,11 @@ from labsid.gap.reports.page_parts import (
     overview,
 )
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
+from labsid.gap.reports.residual_curves import find_residual_curves
+from labsid.gap.reports.rivals import rival_responses
 from labsid.gap.reports.signals_page import render_signals
+from labsid.gap.reports.traces import record_at, worst_stretch
+from labsid.gap.verdict.black_boxes import PATHS
 
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
 LOOP = (
@@ -76,6 +81,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),
         "simulation": _simulation(report),
+        "unit": report.get("units", {}).get("y", "units of y"),
         "stabilised": report["gap"].get("mode") == "stabilised",
         "gap": sentences.gap_sentence(report),
         "start": sentences.start_sentence(report),
@@ -110,23 +116,23 @@ def _simulation(report: dict[str, Any]) -> str:
     """The simulation that was compared with the record."""
     if not report["simulation"]["given"]:
         return "No simulation was given, so a linear model fitted to the record takes its place."
-    read = " ".join(sentences.output_sentences(report))
-    if read or report["simulation"]["output_only"]:
-        return f"Only the output of your simulation was given. {read}".rstrip()
+    if report["simulation"].get("output") is not None or report["simulation"]["output_only"]:
+        return "Only the output of your simulation was given."
     return "The record is compared with the simulation that you gave, unchanged."
 
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
     """The blocks of the control loop, with marks on those of the causes; the simulation only if it was given."""
     causes = {effect["path"] for effect in report["effects"] if sentences.is_probable(effect)}
-    possible = {effect["path"] for effect in report["effects"]}
-    rest = report["unexplained"]["path"] if report["verdict"] in ("partial", "unknown") else None
+    possible = {effect["path"]: effect["probability"] for effect in sorted(report["effects"], key=_probability)}
+    kind = sentences.main_kind(report) if report["verdict"] in ("partial", "unknown") else None
+    rest = None if kind is None else PATHS[kind]
     return [
         {
             "path": path,
             "title": title,
             "what": what,
-            "cause": path in possible,
+            "share": f"{100.0 * possible.get(path, 0.0):.0f}",
             "tags": [
                 *(["cause"] if path in causes else ["possible cause"] if path in possible else []),
                 *([f"main part of the {'rest' if possible else 'error'}"] if path == rest else []),
@@ -135,6 +141,10 @@ def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
         for path, title, what in LOOP
         if path != "parameters" or report["simulation"]["given"]
     ]
+
+
+def _probability(effect: dict[str, Any]) -> float:
+    return float(effect["probability"])
 
 
 def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
@@ -201,8 +211,14 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     from labsid.plots.gap import figures_as_png
 
     titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
-    report = report | {"limits": titled}
-    return in_base64(figures_as_png(report))
+    stretch = worst_stretch(report, "record" if report["holdout_traces"] is None else "holdout")
+    if stretch is not None:
+        name, start = record_at(report, float(stretch["t"][0]))
+        stretch = stretch | {"t": stretch["t"] - start}
+        report = report | {"stretch": stretch, "stretch_of": name}
+    more = {"limits": titled, "residual": find_residual_curves(report)}
+    figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
+    return in_base64(figures | effect_pictures(report))
 
 
 def scripts(report: dict[str, Any]) -> dict[str, Any]:

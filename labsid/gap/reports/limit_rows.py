@@ -56,6 +56,8 @@ def _why(one: Limits) -> str | None:
         return f"The input has too few levels. Needed: {needed}"
     if one.reason == "closed":
         return "The simulation can only be run as a whole, so this effect cannot be put into it."
+    if one.reason == "beside":
+        return "It cannot be combined with the dynamics of what was found."
     if one.reason == "stabilised":
         return "The rig is unstable; beside the correction of its simulation, this effect is not tried."
     if one.reason:
@@ -89,9 +91,18 @@ def limit_cells(report: dict[str, Any], titles: Callable[[str], str]) -> list[tu
 
 def titled_rows(report: dict[str, Any], titles: Callable[[str], str]) -> list[tuple[str, dict[str, Any]]]:
     """The rows with a visible size, each with its title; of an effect with several, with the parameter."""
-    rows = [row for row in report["limits"] if row["detect"] is not None]
-    several = Counter(row["name"] for row in rows)
-    return [(titles(row["name"]) + (f", {row['parameter']}" if several[row["name"]] > 1 else ""), row) for row in rows]
+    return _titled([row for row in report["limits"] if row["detect"] is not None], titles)
+
+
+def _titled(
+    rows: list[dict[str, Any]], titles: Callable[[str], str], form: str = "{}, {}"
+) -> list[tuple[str, dict[str, Any]]]:
+    names = Counter(row["name"] for row in rows)
+    both = (row["parameter"] if names[row["name"]] > 1 else None for row in rows)
+    return [
+        (form.format(titles(row["name"]), part) if part else titles(row["name"]), row)
+        for row, part in zip(rows, both, strict=True)
+    ]
 
 
 def limits_sentence(report: dict[str, Any]) -> str | None:
@@ -115,9 +126,9 @@ def limits_sentence(report: dict[str, Any]) -> str | None:
 def hidden_sentences(report: dict[str, Any]) -> list[str]:
     """The effects that the record cannot show or tell from others, and why."""
     reasons: dict[str, list[str]] = {}
-    for row in report["limits"]:
+    for title, row in _titled(report["limits"], noun_without_article, "{} ({})"):
         if row["why"]:
-            reasons.setdefault(row["why"], []).append(noun_without_article(row["name"]))
+            reasons.setdefault(row["why"], []).append(title)
     return [
         f"{capitalised(joined(list(dict.fromkeys(names))))}: {uncapitalised(why)}" for why, names in reasons.items()
     ]

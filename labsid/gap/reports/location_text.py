@@ -1,13 +1,18 @@
 """Sentences on the location of the gap in time, frequency and operating range."""
 
+from itertools import groupby
 from typing import Any
 
+from labsid._texts import joined
+from labsid.gap.reports.location import unevenness
 from labsid.gap.reports.quantities import between, number, percent
 
 HALF = 0.5  # of the gap, that a reported band or range contains
 DENSE_RATIO = 1.5  # error power over the average of the record, in a dense stretch
 MIN_DENSE_SHARE = 0.4  # of the gap, that dense stretches must contain to be reported
-MIN_EXCESS = 0.1  # share of the gap less share of the time, to report a range
+MIN_EXCESS = 0.1  # share of the gap less share of the time, to report ranges
+MIN_PART = 0.25  # of that excess, for one of several ranges
+MAX_RANGES = 2
 
 
 def location_sentences(report: dict[str, Any]) -> list[str]:
@@ -60,21 +65,27 @@ def _in_range(report: dict[str, Any]) -> list[str]:
     for cell in report["where"]["operating"]:
         cells.setdefault(cell["signal"], []).append(cell)
     for signal, own in cells.items():
-        run = _narrowest_half([cell["share"] for cell in own])
-        if run is None:
-            continue
-        inside = own[run[0] : run[1]]
-        share, time = (sum(cell[name] for cell in inside) for name in ("share", "time"))
         what = "the rate of y" if signal == "dy" else signal
-        if share < time + MIN_EXCESS:
+        if unevenness(own) < MIN_EXCESS:
             texts.append(f"Over the range of {what}, the gap is in proportion to the time spent at each value.")
             continue
-        low, high = between(inside[0]["low"], inside[-1]["high"])
+        inside = _dense_runs(own)
+        share, time = (sum(cell[name] for run in inside for cell in run) for name in ("share", "time"))
+        ends = (between(run[0]["low"], run[-1]["high"]) for run in inside)
+        places = joined([f"between {low} and {high}" for low, high in ends], "or")
         texts.append(
-            f"{percent(share)} of it lies where {what} is between {low} and {high}, "
-            f"in which the record spends {percent(time)} of its time."
+            f"{percent(share)} of it lies where {what} is {places}, in which the record spends {percent(time)} of its "
+            "time."
         )
     return texts
+
+
+def _dense_runs(cells: list[dict[str, Any]]) -> list[list[dict[str, Any]]]:
+    """Runs of adjacent cells that hold more of the gap than of the time, in their order; small ones are left out."""
+    runs = [list(run) for dense, run in groupby(cells, lambda cell: cell["share"] > cell["time"]) if dense]
+    excess = [sum(cell["share"] - cell["time"] for cell in run) for run in runs]
+    largest = sorted(range(len(runs)), key=lambda i: -excess[i])[:MAX_RANGES]
+    return [runs[i] for i in sorted(largest) if excess[i] >= MIN_PART * sum(excess)]
 
 
 def _narrowest_half(shares: list[float]) -> tuple[int, int] | None:

@@ -5,6 +5,7 @@ import csv
 import hashlib
 import html
 import io
+import math
 import re
 import shlex
 from collections.abc import Mapping, Sequence
@@ -14,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import parameter_label, parameter_value
+from labsid.gap.reports.effect_curves import effect_curve
+from labsid.gap.reports.effect_texts import parameter_rows
 from labsid.gap.reports.quantities import closed_percent, number
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
         "duration": f"{record['samples'] * record['Ts']:.4g}",
         "closed": None if unchanged else closed_percent(gap["closed"], gap["ci95"]),
         "bars": error_bars(report),
+        "at_most": "noise" if has_probabilities(report) else "noise, with what no model predicts,",
         "command": command(report),
         "exact": "command" in report,
     }
@@ -49,20 +52,38 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
     """Rms errors as bars, with lengths in per cent of the longest."""
     gap = report["gap"]
     if sentences.is_unchanged(report):
-        rows = [("Simulation", gap["before"], "after")]
+        rows = [("Simulation", gap["before"], "before")]
     else:
-        rows = [("Before", gap["before"], "before"), (f"After {sentences.correction(report)}", gap["after"], "after")]
-    rows.append(
-        (
-            "Noise alone" if has_probabilities(report) else "Noise and what no model predicts",
-            gap["noise_floor"],
-            "floor",
-        )
-    )
+        steps = [(f"With {sentences.noun_without_article(name)}", size, "step") for name, size in _steps(report)]
+        after = (f"After {sentences.correction(report)}", gap["after"], "after")
+        rows = [("Before", gap["before"], "before"), *steps, after]
+    rows += _noise_rows(report)
     longest = max(value for _, value, _ in rows) or 1.0
     return [
         {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
         for text, value, colour in rows
+    ]
+
+
+def _noise_rows(report: dict[str, Any]) -> list[tuple[str, float, str]]:
+    """The noise; where something else remains, what no model predicts, and the white noise in it apart."""
+    from labsid.plots.gap_curves import noise_band
+
+    floor = report["gap"]["noise_floor"]
+    if has_probabilities(report):
+        return [("Noise alone", floor, "floor")]
+    white = [] if "signals" in report else [("White noise", 0.5 * noise_band(report)[0], "floor")]
+    return [("Noise and what no model predicts", floor, "rest"), *white]
+
+
+def _steps(report: dict[str, Any]) -> list[tuple[str, float]]:
+    """The error with each effect but the last one, from the shares of the gap that are closed so far."""
+    gap = report["gap"]
+    if any(effect["closed"] is None or effect["name"] in UNSIMULATED for effect in report["effects"]):
+        return []
+    floor, before = gap["noise_floor"] ** 2, max(gap["before"] ** 2 - gap["noise_floor"] ** 2, 0.0)
+    return [
+        (effect["name"], math.sqrt(floor + before * (1.0 - effect["closed"]) ** 2)) for effect in report["effects"][:-1]
     ]
 
 
@@ -75,16 +96,6 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its explanation and its parameters as text."""
     text = DESCRIPTIONS.get(effect["name"])
     closed = effect["closed"]
-    parameters = []
-    for name, entry in effect["parameters"].items():
-        value, unit = parameter_value(effect["name"], name, entry)
-        parameters.append(
-            {
-                "label": parameter_label(effect["name"], name, entry),
-                "value": value,
-                "unit": unit,
-            }
-        )
     return {
         "title": sentences.capitalised(sentences.noun_without_article(effect["name"])),
         "name": effect["name"],
@@ -92,8 +103,18 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
         "chance": sentences.chance_of(effect),
         "place": "",
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
-        "parameters": parameters,
+        "parameters": parameter_rows(effect),
     }
+
+
+def effect_pictures(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
+    """The curve of each effect that has one as PNG, by the place of the effect; the same on both screens."""
+    from labsid.plots.gap_details import figure_effect
+    from labsid.plots.page_figures import palette_png
+
+    curves = {f"effect {i}": effect_curve(report, effect) for i, effect in enumerate(report["effects"], 1)}
+    drawn = {name: palette_png(figure_effect(curve)) for name, curve in curves.items() if curve is not None}
+    return {name: {"wide": png} for name, png in drawn.items()}
 
 
 def has_holdout(report: dict[str, Any]) -> bool:

@@ -90,16 +90,37 @@ def with_error(value: float, stderr: float | None) -> str:
 
     A value without an error, or with one below its fifth digit, stands alone.
     """
-    if stderr is None or not math.isfinite(stderr) or stderr <= 0.0:
-        return number(value, 4)
-    if stderr < LEAST_SHOWN * abs(value):
-        return number(value, 5)
+    if stderr is None or not _is_shown(value, stderr):
+        return _without_error(value, stderr)
+    value_text, error_text, exponent = _in_common_digits(value, stderr)
+    text = f"{value_text} ± {error_text}"
+    return f"({text}){exponent}" if exponent else text
+
+
+def rounded(value: float, stderr: float | None) -> str:
+    """Format the value as `with_error` does, without the error."""
+    if stderr is None or not _is_shown(value, stderr) or value == 0.0:
+        return _without_error(value, stderr)
+    value_text, _, exponent = _in_common_digits(value, stderr)
+    return value_text + exponent
+
+
+def _is_shown(value: float, stderr: float) -> bool:
+    return math.isfinite(stderr) and stderr > 0.0 and stderr >= LEAST_SHOWN * abs(value)
+
+
+def _without_error(value: float, stderr: float | None) -> str:
+    return number(value, 5 if stderr is not None and 0.0 < stderr < LEAST_SHOWN * abs(value) else 4)
+
+
+def _in_common_digits(value: float, stderr: float) -> tuple[str, str, str]:
+    """A value and its error, with two significant digits of the error, and the exponent of both."""
     size = max(abs(value), stderr)
     power = 0 if MIN_PLAIN <= size < MAX_PLAIN else math.floor(math.log10(size))
     value, stderr = value / 10.0**power, stderr / 10.0**power
     decimals = min(max(1 - math.floor(math.log10(stderr)), 0), 9)
-    text = f"{value:.{decimals}f} ± {stderr:.{decimals}f}"
-    return text if power == 0 else f"({text})e{power:+03d}"
+    text = f"{value:.{decimals}f}"
+    return text if float(text) else text.lstrip("-"), f"{stderr:.{decimals}f}", f"e{power:+03d}" if power else ""
 
 
 def percent(share: float) -> str:

@@ -13,9 +13,10 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import parameter_label, parameter_value
 from labsid.gap.reports.javascript.models import script, structure
-from labsid.gap.reports.quantities import closed_percent, in_units
-from labsid.gap.reports.traces import packed
+from labsid.gap.reports.quantities import closed_percent, in_units, rounded
+from labsid.gap.reports.traces import packed, worst_stretch
 
+LONG = 6000  # samples, from which the panels open at the worst stretch, below a strip of the whole
 NOTHING = 1e-6  # of the fitted value: a smaller one is shown as zero
 _IDENTITY = {"centre": 0.0, "unit": 1.0}
 
@@ -31,12 +32,15 @@ def page_data(report: dict[str, Any]) -> str:
     from labsid.plots.gap_panels import panels
 
     replay = _replay(report)
+    long = [name for name in ("record", "holdout") if replay[name] is not None and _samples(replay[name]) >= LONG]
     parts = {name: replay[name] for name in ("record", "holdout") if replay[name] is not None}
     combinations = [_combination(report, one) for one in replay["combinations"]]
     names = dict.fromkeys(name for one in combinations for name in one["names"])
     content = {
         "parts": parts,
-        "panels": {name: panels(report, name) for name in parts},
+        "panels": {name: panels(report, name, name in long) for name in parts},
+        "worst": {name: _worst(report, name) for name in parts},
+        "long": long,
         "u_scale": replay["u_scale"],
         "y_scale": replay["y_scale"],
         "unit": report.get("units", {}).get("y", ""),
@@ -46,6 +50,17 @@ def page_data(report: dict[str, Any]) -> str:
     }
     text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
     return _numbered(text).replace("<", "\\u003c")
+
+
+def _samples(part: dict[str, Any]) -> int:
+    """Samples of a part, each 8 bytes in base64."""
+    return len(part["u"]) * 3 // 4 // 8
+
+
+def _worst(report: dict[str, Any], name: str) -> list[float] | None:
+    """Ends of the worst stretch in seconds; None without a gap, or where the report does not hold all samples."""
+    found = None if report["verdict"] == "none" else worst_stretch(report, name)
+    return None if found is None else [float(found["t"][0]), float(found["t"][-1])]
 
 
 def _replay(report: dict[str, Any]) -> dict[str, Any]:
@@ -85,7 +100,7 @@ def _combination(report: dict[str, Any], one: dict[str, Any]) -> dict[str, Any]:
         "accepted": accepted,
         "title": sentences.capitalised(joined([sentences.noun_without_article(name) for name in names])),
         "closed": _closed(report, names, accepted),
-        "still": _still(one, names),
+        "still": " ".join([*_still(one, names), *(_fitted_apart(report) if accepted and one["sliders"] else [])]),
         "model": model | {"simulated": one["simulated"], "bounds": [lower.tolist(), upper.tolist()]},
         "theta": one["theta"],
         "gains": one["gains"],
@@ -107,16 +122,30 @@ def _closed(report: dict[str, Any], names: list[str], accepted: bool) -> str:
     return f"As fitted, it closes {closed_percent(row['closed'])} of the gap on the {place}."
 
 
-def _still(one: dict[str, Any], names: list[str]) -> str:
-    """Why an effect has no slider."""
+def _still(one: dict[str, Any], names: list[str]) -> list[str]:
+    """Why an effect has no slider, and which parameters are at the limits of their search."""
     missing = [name for name in names if name not in {slider["effect"] for slider in one["sliders"]}]
     missing = [name for name in missing if name not in UNSIMULATED and name in DESCRIPTIONS]
-    if not missing:
-        return ""
     nouns = joined([sentences.noun_without_article(name) for name in missing])
-    if not one["simulated"]:
-        return f"Your simulation cannot run in this page. What acts on its input stays as fitted: {nouns}."
-    return f"Without a slider: {nouns}."
+    texts = [f"Without a slider: {nouns}."] if missing else []
+    if missing and not one["simulated"]:
+        texts = [f"Your simulation cannot run in this page. What acts on its input stays as fitted: {nouns}."]
+    for slider in one["sliders"]:
+        fitted = slider["values"][int(np.argmin(np.abs(slider["moves"])))]
+        if fitted != 0.0 and 0.0 in (slider["moves"][0], slider["moves"][-1]):
+            label = parameter_label(slider["effect"], slider["parameter"], slider)
+            texts.append(f"{_title(slider['effect'])}: {label} is at the limit of its search.")
+    return texts
+
+
+def _fitted_apart(report: dict[str, Any]) -> list[str]:
+    """That the sliders start at other values than those of the table, if they do."""
+    if report["verdict"] != "effect" or report["holdout_traces"] is not None or not report["effects"]:
+        return []
+    return [
+        "The sliders start at the values of the exported simulation, which is fitted without the scored samples; the "
+        "values with ± are fitted to all samples."
+    ]
 
 
 def _slider(report: dict[str, Any], slider: dict[str, Any], several: bool) -> dict[str, Any]:
@@ -125,11 +154,11 @@ def _slider(report: dict[str, Any], slider: dict[str, Any], several: bool) -> di
     stated = in_units(unit, **report["units"]) if "units" in report else unit
     fitted = int(np.argmin(np.abs(slider["moves"])))
     least = NOTHING * abs(slider["values"][fitted])
+    stderr = _entry(report, effect, parameter).get("stderr")
     texts = []
     for value in slider["values"]:
-        entry = {"value": value if abs(value) > least else 0.0, "stderr": 0.0, "unit": stated}
-        shown, words = parameter_value(effect, parameter, entry)
-        texts.append(f"{shown} {words}".strip())
+        entry = {"value": value if abs(value) > least else 0.0, "stderr": stderr, "unit": stated}
+        texts.append(" ".join(parameter_value(effect, parameter, entry, rounded)).strip())
     label = sentences.capitalised(parameter_label(effect, parameter, {"unit": stated, "of": unit}))
     return {
         "label": f"{_title(effect)}: {label[0].lower()}{label[1:]}" if several else label,
@@ -137,6 +166,12 @@ def _slider(report: dict[str, Any], slider: dict[str, Any], several: bool) -> di
         "fitted": fitted,
         **{key: slider[key] for key in ("moves", "theta", "gains", "of_one_record")},
     }
+
+
+def _entry(report: dict[str, Any], effect: str, parameter: str) -> dict[str, Any]:
+    """A parameter as the report states it; empty if the effect was not found."""
+    own = (one["parameters"].get(parameter, {}) for one in report["effects"] if one["name"] == effect)
+    return next(own, {})
 
 
 def _title(name: str) -> str:

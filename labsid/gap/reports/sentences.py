@@ -31,6 +31,7 @@ RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was ri
 NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
+NAMED = 0.1  # probability from which a headline names an effect
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
 
@@ -104,10 +105,16 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     said = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
     if not others:
         return f"{said}. Together they {several}."
-    listed = joined([_with_chance(effect) for effect in others])
-    less = "which is less certain" if len(others) == 1 else "which are less certain"
+    listed = joined(_named_or_counted(others, after=True))
     subject = f"this {one}" if len(causes) == 1 else f"they {several}"
-    return f"{said}. Together with {listed}, {less}, {subject}."
+    return f"{said}. Together with {listed}, less certain, {subject}."
+
+
+def _named_or_counted(effects: list[dict[str, Any]], after: bool = False) -> list[str]:
+    """The effects with their probabilities; those that are hardly probable without their names, `after` others."""
+    named = [_with_chance(effect) for effect in effects if effect["probability"] >= NAMED]
+    count, further = len(effects) - len(named), " further" if named or after else " improbable"
+    return [*named, *([f"one{further} effect" if count == 1 else f"{count}{further} effects"] if count else [])]
 
 
 def is_probable(effect: dict[str, Any]) -> bool:
@@ -148,11 +155,12 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     kind, partial = main_kind(report), report["verdict"] == "partial"
     imitated = ""
     if partial and not any(is_probable(effect) for effect in report["effects"]):
-        imitated = f" The gap is imitated by {joined([_with_chance(effect) for effect in report['effects']])}."
+        imitated = f" The gap is imitated by {joined(_named_or_counted(report['effects']))}."
+    left = "Something else remains" if report["unexplained"]["share"] > 0.0 else "What remains is not white noise"
     if kind is None:
-        return f"Something else remains.{imitated}" if partial else None
+        return f"{left}.{imitated}" if partial else None
     share = percent(report["unexplained"]["kinds"][kind])
-    start = f"Something else remains: {share} of it" if partial else f"Of the error beyond white noise, {share}"
+    start = f"{left}: {share} of it" if partial else f"Of the error beyond white noise, {share}"
     return f"{start} {REMAINING_ERRORS[kind].what}.{imitated}"
 
 
@@ -261,7 +269,9 @@ def record_sentences(report: dict[str, Any]) -> list[str]:
     """Findings from the record itself, one string a finding."""
     texts = []
     for finding in report["record_findings"]:
-        text = re.sub(r"(?<=\d)%", " %", capitalised(re.sub("^y ", "the output ", finding["text"])))
+        of_one = any(finding["text"].startswith(f"{row['name']}: ") for row in report.get("records", ()))
+        text = finding["text"] if of_one else capitalised(re.sub("^y ", "the output ", finding["text"]))
+        text = re.sub(r"(?<=\d)%", " %", text)
         texts.append(f"{text} {_plateaus(report)}" if finding["topic"] == "plateaus" else text)
     return texts
 

@@ -7,6 +7,7 @@ from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.page_parts import (
     effect_content,
+    effect_pictures,
     has_holdout,
     in_base64,
     input_file,
@@ -143,4 +144,4 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
         figures["holdout"] = partial(figure_signals, traces="holdout_traces")
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_planned_inputs
-    return in_base64(in_both_widths(figures, with_titles(report)))
+    return in_base64(in_both_widths(figures, with_titles(report)) | effect_pictures(report))

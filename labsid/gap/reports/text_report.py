@@ -1,15 +1,19 @@
 """The text report for the terminal, made from the JSON report alone."""
 
+import shutil
 import textwrap
 from typing import Any
 
 from labsid._texts import joined
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_value
+from labsid.gap.reports.effect_texts import noun, parameter_rows
 from labsid.gap.reports.limit_rows import COLUMNS, NOT_SHOWN, hidden_sentences, limit_cells, limits_sentence
 from labsid.gap.reports.location_text import location_sentences
+from labsid.gap.reports.page_parts import error_bars
 
-WIDTH = 96  # characters of a line
+WIDTH = 96  # characters of a line, or those of the terminal if it is narrower
+LEAST_WIDTH = 60
+BAR, LEAST_BAR = 24, 6  # characters of the longest bar
 INDENT = 11  # characters of the column of titles
 RECORD_COLUMNS = ("rms error on", "before", "after", "noise", "closed")
 
@@ -52,7 +56,7 @@ def format_report(report: dict[str, Any]) -> str:
         rows.insert(1, ("tried", [f"{sentences.capitalised(tried)}."]))
     for title, texts in rows:
         lines += titled_lines(title, " ".join(printable(text) for text in texts if text))
-        lines += _records(report) if title == "gap" else []
+        lines += [*_bars(report), *_records(report)] if title == "gap" else []
     if report["verdict"] in ("none", "unknown"):
         lines += limits_lines(report)
     return "\n".join(lines)
@@ -87,16 +91,22 @@ def effect_lines(effect: dict[str, Any]) -> list[str]:
     """One cause, with its parameters in columns below."""
     title = "cause" if sentences.is_probable(effect) else "possible"
     lines = titled_lines(title, f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}")
-    rows = [
-        (
-            parameter_label(effect["name"], name, entry),
-            *parameter_value(effect["name"], name, entry),
-        )
-        for name, entry in effect["parameters"].items()
-    ]
+    rows = parameter_rows(effect)
     wide = [max((len(row[i]) for row in rows), default=0) for i in range(2)]
     blank = " " * INDENT
     return lines + [f"{blank}  {a:<{wide[0]}}  {b:<{wide[1]}}  {c}".rstrip() for a, b, c in rows]
+
+
+def _bars(report: dict[str, Any]) -> list[str]:
+    """The errors before and after beside the noise, as bars."""
+    rows = error_bars(report)
+    label, value = (max(len(row[key]) for row in rows) for key in ("label", "value"))
+    longest = max(min(BAR, _width() - INDENT - label - value - 4), LEAST_BAR)
+    lengths = [max(round(0.01 * longest * float(row["width"])), 1) for row in rows]
+    return [
+        f"{' ' * INDENT}{printable(row['label']):<{label}}  {'#' * length:<{longest}}  {row['value']}"
+        for row, length in zip(rows, lengths, strict=True)
+    ]
 
 
 def _records(report: dict[str, Any]) -> list[str]:
@@ -125,8 +135,13 @@ def titled_lines(title: str, text: str, indent: int = INDENT) -> list[str]:
         return []
     for unit in "%±":  # no line break between a number and its unit
         text = text.replace(f" {unit}", f"\u00a0{unit}")
-    lines = textwrap.wrap(text, WIDTH, initial_indent=f"{title:<{indent}}", subsequent_indent=" " * indent)
+    lines = textwrap.wrap(text, _width(), initial_indent=f"{title:<{indent}}", subsequent_indent=" " * indent)
     return [line.replace("\u00a0", " ") for line in lines]
+
+
+def _width() -> int:
+    """Characters of a line: those of the terminal, within limits."""
+    return max(min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH), LEAST_WIDTH)
 
 
 def printable(text: str) -> str:

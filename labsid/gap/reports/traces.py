@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, lies_within, stretches_of, window_sums
 
 MAX_POINTS = 2400  # samples of a figure
+STRETCH, FEWEST, MOST = 0.1, 40, 400  # share of the record in the worst stretch, and its samples
 
 
 def extreme_samples(signals: list[FloatArray], most: int = MAX_POINTS) -> np.ndarray:
@@ -68,3 +69,54 @@ def figure_traces(
 def packed(signal: FloatArray, kind: str = "<f4") -> str:
     """A signal in base64, as numbers of 32 bits (``"<f4"``) or 64 (``"<f8"``)."""
     return base64.b64encode(np.asarray(signal, kind).tobytes()).decode("ascii")
+
+
+def unpacked(part: dict[str, Any]) -> dict[str, FloatArray]:
+    """Signals of a part of the report that is replayed, scaled, with ``counts``: 1 where it is fitted or scored."""
+    kinds = {"u": "<f8", "y": "<f4", "before": "<f4", "after": "<f4"}
+    trace = {name: np.frombuffer(base64.b64decode(part[name]), kind).astype(float) for name, kind in kinds.items()}
+    at = np.arange(trace["u"].size)
+    counts = lies_within([*part["fitted"], *part["scored"]], at).astype(float)
+    return trace | {"t": part["start"] + part["Ts"] * at, "counts": counts}
+
+
+def worst_stretch(report: dict[str, Any], name: str) -> dict[str, FloatArray] | None:
+    """All samples of the stretch in which the simulation before has the largest error, in the units of the record.
+
+    Parameters
+    ----------
+    report : dict
+    name : str
+        "record" or "holdout".
+
+    Returns
+    -------
+    dict of ndarray or None
+        None if the report does not hold all samples.
+    """
+    if report.get("replay") is None:
+        return None
+    trace, scale = unpacked(report["replay"][name]), report["replay"]["y_scale"]
+    power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace["counts"]
+    between = np.cumsum(np.isnan(trace["before"]))  # a stretch lies within one of several records
+    length = min(max(int(STRETCH * power.size), FEWEST), MOST, power.size)
+    whole = between[length - 1 :] == between[: power.size - length + 1]
+    first = int(np.argmax(np.where(whole, window_sums(power, length), -1.0)))
+    part = {key: signal[first : first + length] for key, signal in trace.items()}
+    return part | {key: scale["centre"] + scale["unit"] * part[key] for key in ("y", "before", "after")}
+
+
+def record_at(report: dict[str, Any], t: float) -> tuple[str, float]:
+    """Name of the one of several records that holds a time of the report, and its first time there.
+
+    With one record the name is empty and the time zero. Between the records there is no simulation.
+    """
+    names = [row["name"] for row in report.get("records", ())]
+    if not names or report.get("replay") is None:
+        return "", 0.0
+    trace = unpacked(report["replay"]["record"])
+    starts = [trace["t"][start] for start, _ in stretches_of(np.isfinite(trace["before"]))]
+    if len(starts) != len(names):
+        return "", 0.0
+    at = max(int(np.searchsorted(starts, t, side="right")) - 1, 0)
+    return str(names[at]), float(starts[at])

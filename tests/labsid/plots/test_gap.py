@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 from gap_reports import report, with_experiment, with_holdout, with_limits
 
-from labsid.plots.gap import figure_experiment, figure_limits, figure_location, figure_simulations, figures_as_png
-from labsid.plots.gap_curves import largest_error, noise_band
+from labsid.plots.gap import (
+    figure_experiment,
+    figure_first,
+    figure_limits,
+    figure_location,
+    figure_simulations,
+    figures_as_png,
+)
+from labsid.plots.gap_curves import largest_error, noise_band, trace_of
 from labsid.plots.page_figures import NARROW, WIDE
 
 WIDTHS = pytest.mark.parametrize("narrow", [False, True])
@@ -13,6 +20,10 @@ WIDTHS = pytest.mark.parametrize("narrow", [False, True])
 
 def _legend(ax):
     return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def _title_of(figure):
+    return figure.axes[0].get_title().replace("\n", " ")
 
 
 def _curve(ax, label):
@@ -189,3 +200,40 @@ def test_the_limits_are_sorted_by_the_smallest_visible_size(narrow):
 
 def test_without_a_visible_effect_there_is_no_figure_of_limits():
     assert "limits" not in figures_as_png(report(verdict="none"))
+
+
+@WIDTHS
+def test_the_first_figure_is_the_worst_stretch_with_its_errors(narrow, covered):
+    base = report("input-delay")
+    figure = figure_first(base, narrow)
+    output, error = figure.axes
+    part = largest_error(trace_of(base))
+    for label, name in (("Measured", "y"), ("Before", "before"), ("After", "after")):
+        np.testing.assert_array_equal(_curve(output, label).get_ydata(), base["traces"][name][part])
+    np.testing.assert_allclose(
+        _curve(error, "Before").get_ydata(), np.subtract(base["traces"]["y"], base["traces"]["before"])[part]
+    )
+    assert _title_of(figure) == "Where the gap is largest (units of y)"
+    assert _title_of(figure_first(report(verdict="none"), narrow)) == "The whole record (units of y)"
+    assert _title_of(figure_first(with_holdout(base), narrow)) == "Where the gap of the holdout is largest (units of y)"
+    assert covered(figure) == []
+
+
+def test_samples_that_do_not_count_set_no_axis_and_no_worst_stretch():
+    base = report("input-delay")
+    base["traces"]["before"][200] = 900.0
+    base["replay"] = {"record": {"start": 0.0, "Ts": 0.5, "fitted": [[0, 200]], "scored": [[201, 240]]}}
+    stretch = largest_error(trace_of(base))
+    assert not stretch.start <= 200 < stretch.stop
+    assert all(ax.get_ylim()[1] < 10.0 for ax in figure_simulations(base).axes)
+
+
+@WIDTHS
+def test_the_rivals_differ_by_so_much_on_the_proposed_input(narrow, covered):
+    base = with_experiment(report("input-delay", probability=0.6))
+    count = len(base["next_experiment"]["t"])
+    base["rivals"] = {"a delay": np.arange(count) / count, "an extra lag": np.zeros(count)}
+    figure = figure_experiment(base, narrow)
+    np.testing.assert_allclose(_curve(figure.axes[1], "Difference").get_ydata(), np.arange(count) / count)
+    assert "a delay less that with an extra lag" in figure.axes[1].get_title().replace("\n", " ")
+    assert covered(figure) == []

@@ -19,7 +19,10 @@ const SIGNALS = { u: Float64Array, y: Float32Array, before: Float32Array, after:
 const parts = Object.entries(data.parts).map(([name, part]) => {
   const signals = Object.fromEntries(Object.entries(SIGNALS).map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
   const t = part.t ? decoded(part.t, Float64Array) : signals.u.map((_, k) => part.start + k * part.Ts);
-  return { ...part, ...signals, t, name };
+  const counts = new Uint8Array(t.length);
+  for (const [start, stop] of [...part.fitted, ...part.scored]) counts.fill(1, start, stop);
+  if (!counts.includes(1)) counts.fill(1);
+  return { ...part, ...signals, t, name, counts };
 });
 const back = (signal, scale) => signal.map((x) => scale.centre + scale.unit * x);
 for (const one of data.combinations) {
@@ -82,8 +85,29 @@ function show() {
     const after = outputs[i] ?? part.y.map(() => NaN);
     const source = sources[part.name];
     source.data = { ...source.data, after: back(after, data.y_scale), e_after: part.y.map((y, k) => (y - after[k]) * data.y_scale.unit) };
+    part.fit();
   });
   if (data.combinations.length) describe(outputs);
+}
+
+// The height of a panel is that of the samples that count, within the times that it shows.
+function fit(part, figures) {
+  const { data: shown } = sources[part.name];
+  const columns = { output: ["y", "before", "after"], strip: ["y"], error: ["e_before", "e_after"], input: ["u"] };
+  for (const figure of figures) {
+    const { start, end } = figure.x_range;
+    let low = Infinity, high = -Infinity;
+    for (let k = 0; k < part.t.length; k++) {
+      if (part.t[k] < start || part.t[k] > end || !(part.counts[k] || figure.name === "input")) continue;
+      for (const column of columns[figure.name]) {
+        const value = shown[column][k];
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    const margin = 0.07 * (high - low) || 1e-9;
+    if (low <= high) figure.y_range.setv({ start: low - margin, end: high + margin });
+  }
 }
 
 function sliders() {
@@ -146,6 +170,11 @@ function withoutDrag(models) {
   }
 }
 
+// Nothing is folded on paper.
+addEventListener("beforeprint", () => {
+  for (const part of document.querySelectorAll("details")) part.open = true;
+});
+
 // Either the panels or the figure without a script.
 function reveal(live) {
   for (const node of document.querySelectorAll(".live")) node.hidden = !live;
@@ -167,6 +196,17 @@ async function begin() {
     sources[part.name] = source;
     const before = part.y.map((x, k) => (x - part.before[k]) * data.y_scale.unit);
     source.data = { t: part.t, u: back(part.u, data.u_scale), y, before: back(part.before, data.y_scale), after: y, e_before: before, e_after: before };
+    const figures = models.filter((model) => model.type === "Figure");
+    const times = figures.find((model) => model.name === "output").x_range;
+    let waits = false;
+    part.fit = () => {
+      if (!waits) queueMicrotask(() => { waits = false; fit(part, figures); });
+      waits = true;
+    };
+    times.change.connect(part.fit);
+    const worst = data.worst[part.name];
+    part.look = () => { if (worst) times.setv({ start: worst[0], end: worst[1] }); };
+    if (data.long.includes(part.name)) part.look();
     paint(models);
     dark.addEventListener("change", () => paint(models));
     element(`panels-${part.name}`).addEventListener("dblclick", () => {
@@ -174,6 +214,7 @@ async function begin() {
     });
   }
   if (data.combinations.length) controls();
+  element("worst")?.addEventListener("click", () => parts.forEach((part) => part.look()));
   show();
   reveal(true);
 }

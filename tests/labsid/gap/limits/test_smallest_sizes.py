@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid.gap.effects.input import Delay
+from labsid.gap.effects.tanks import SqrtOutflow
 from labsid.gap.fits.fitting import fit_from, mean_square, rms
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.limits.distances import Refit
@@ -190,3 +191,14 @@ def test_a_planned_input_that_hardly_moves_shows_less(plain, found):
     delay = rows["input-delay", "delay"]
     assert delay.named is None or delay.named > 2.0 * found["input-delay", "delay"].named
     assert all(one.excluded is None for one in rows.values())
+
+
+def test_effects_that_do_not_fit_beside_the_tanks_found_are_not_those_of_a_closed_simulation():
+    data, linear = record(samples=200)
+    tanks = linear.hypothesis.plus(SqrtOutflow("lower"))
+    theta = np.array([parameter.start for parameter in tanks.parameters])
+    found = fit_from(data, tanks, theta)
+    rows = find_smallest_sizes(data, found, rms(data, found))
+    reasons = {one.name: one.reason for one in rows}
+    assert reasons["cubic-stiffness"] == reasons["end-stop"] == "beside"
+    assert "closed" not in reasons.values()

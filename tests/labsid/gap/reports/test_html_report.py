@@ -17,6 +17,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.html_report import page_content, render_html, write_html_report
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import command
+from labsid.plots.gap_curves import noise_band
 
 HOSTILE = "<script>alert('&\"')</script>"
 
@@ -94,7 +95,7 @@ def test_the_verdict_is_first_and_the_sections_are_in_order(kind, pages):
     titles = (
         sentences.verdict_sentence(KINDS[kind]),
         "Measured and simulated output",
-        "Location of the remaining error" if kind == "none" else "Location of the gap",
+        *([] if kind == "none" else ["Location of the gap"]),
         "Effects tried",
         "Residual",
         "Next step",
@@ -102,7 +103,8 @@ def test_the_verdict_is_first_and_the_sections_are_in_order(kind, pages):
     )
     places = [words.index(title) for title in titles]
     assert places == sorted(places)
-    for said in (*location_sentences(KINDS[kind]), *sentences.residual_sentences(KINDS[kind])):
+    where = [] if kind == "none" else location_sentences(KINDS[kind])
+    for said in (*where, *sentences.residual_sentences(KINDS[kind])):
         assert said in words
 
 
@@ -111,19 +113,19 @@ def test_every_effect_is_explained_with_its_parameters(name):
     (shown,) = page_content(report(name))["effects"]
     assert shown["meaning"] == DESCRIPTIONS[name].meaning
     assert len(shown["parameters"]) == len(PARAMETERS[name])
-    assert all(row["label"] and row["value"] for row in shown["parameters"])
+    assert all(label and value for label, value, _ in shown["parameters"])
 
 
 def test_figures_are_png_for_both_widths_with_alternative_text(pages):
     html, parsed = pages["ambiguous"]
     pictures = [value for _, name, value in parsed.attributes if name in ("src", "srcset")]
-    assert len(pictures) == 6
+    assert len(pictures) == 9
     for picture in pictures:
         kind, _, data = picture.partition("base64,")
         assert kind == "data:image/png;"
         assert base64.b64decode(data, validate=True).startswith(b"\x89PNG\r\n\x1a\n")
     alts = [value for tag, name, value in parsed.attributes if (tag, name) == ("img", "alt")]
-    assert len(alts) == html.count("<img") == 3
+    assert len(alts) == html.count("<img") == 5
     assert all(alts)
 
 
@@ -199,7 +201,7 @@ def test_the_rest_is_shown_as_bars_and_on_the_loop(kind, pages):
     block = "Actuator" if kind == "partial" else "Environment"
     assert [part["title"] for part in content["loop"] if what in part["tags"]] == [block]
     _, parsed = pages[kind]
-    assert f"{block} ← {what}" in parsed.words
+    assert f"{block} {what}" in parsed.words
     assert content["look"] in parsed.words
     assert parsed.words.index(content["headline"]) < parsed.words.index(content["remaining"])
 
@@ -208,7 +210,9 @@ def test_the_noise_includes_disturbances_where_something_else_remains(pages):
     assert "indistinguishable from noise" in pages["effect"][1].words
     for kind in ("partial", "unknown"):
         assert "indistinguishable from noise" not in pages[kind][1].words
-        assert page_content(KINDS[kind])["bars"][-1]["label"] == "Noise and what no model predicts"
+        rest, white = page_content(KINDS[kind])["bars"][-2:]
+        assert (rest["label"], white["label"]) == ("Noise and what no model predicts", "White noise")
+        assert float(white["value"]) == pytest.approx(0.5 * noise_band(KINDS[kind])[0], rel=0.01)
 
 
 def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
@@ -229,9 +233,9 @@ def test_the_proposed_input_can_be_saved(pages):
 
 def test_the_loop_marks_the_blocks_of_the_causes():
     stations = page_content(KINDS["pair"])["loop"]
-    assert [part["title"] for part in stations if part["cause"]] == ["Sensor", "Environment"]
+    assert [part["title"] for part in stations if part["share"] != "0"] == ["Sensor", "Environment"]
     assert "Simulation" not in [part["title"] for part in stations]
-    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["cause"]] == ["Simulation"]
+    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["share"] != "0"] == ["Simulation"]
 
 
 def test_no_line_ends_between_a_number_and_its_per_cent(pages):
@@ -280,13 +284,43 @@ def test_bars_compare_errors_before_and_after_with_the_noise():
     assert [bar["label"] for bar in page_content(KINDS["unknown"])["bars"]] == [
         "Simulation",
         "Noise and what no model predicts",
+        "White noise",
     ]
-    after = {kind: page_content(KINDS[kind])["bars"][1]["label"] for kind in ("effect", "partial", "mismatch")}
+    noise = {"partial": 2}
+    after = {
+        kind: page_content(KINDS[kind])["bars"][-1 - noise.get(kind, 1)]["label"]
+        for kind in ("effect", "partial", "mismatch")
+    }
     assert after == {
         "effect": "After adding the cause",
         "partial": "After adding the effects",
         "mismatch": "After refitting the parameters",
     }
+
+
+def test_a_bar_for_each_effect_has_the_error_that_its_share_leaves():
+    shown = report("coulomb-friction", "resonance", verdict="partial")
+    shown["effects"][0]["closed"] = 0.5
+    (_, step, after, floor, _) = page_content(shown)["bars"]
+    gap = shown["gap"]
+    left = (float(step["value"]) ** 2 - gap["noise_floor"] ** 2) / (gap["before"] ** 2 - gap["noise_floor"] ** 2)
+    assert 1.0 - left**0.5 == pytest.approx(0.5, abs=0.01)
+    assert (step["label"], after["value"], floor["value"]) == ("With dry friction", "0.0102", "0.0100")
+
+
+def test_without_a_gap_no_place_of_it_is_named(pages):
+    html, parsed = pages["none"]
+    assert "Location" not in parsed.words
+    assert 'class="loop"' not in html
+    assert "no gap beyond noise" in parsed.words
+
+
+def test_a_simulated_output_is_described_once():
+    shown = report("input-saturation")
+    model = {"order": 2, "dead_time": 0, "error": 5e-9}
+    shown["simulation"] |= {"given": True, "output": {"resampled": "", "model": model}}
+    content = page_content(shown)
+    assert f"{content['simulation']} {content['baseline']}".count("reproduces your simulated output") == 1
 
 
 def test_the_page_states_that_only_the_output_was_given():

@@ -50,6 +50,7 @@ def test_a_row_has_the_keys_of_the_contract():
             "The input has too few levels. Needed: Changes of direction",
         ),
         ({"reason": "closed", "named": None}, "The simulation can only be run as a whole"),
+        ({"reason": "beside", "named": None}, "It cannot be combined with the dynamics of what was found."),
         ({"reason": "hidden", "named": None}, "A refit of the simulation hides it here, at any size."),
         ({"named": None}, "It looks like dry friction here, at any size. Needed: Changes of direction"),
         ({"named": None, "rival": None}, "It is not told from others here"),
@@ -113,3 +114,15 @@ def test_the_table_of_the_command_names_the_record_and_the_plan():
     content = {"record": base["record"], "verdict": "none", "planned": False, "limits": base["limits"]}
     assert format_limits(content).startswith("rig-7: 240 samples, verdict none. What the record can show:\n")
     assert "a record with the planned input" in format_limits(content | {"planned": True})
+
+
+def test_the_sides_of_an_effect_are_told_apart_where_they_do_not_show():
+    rows = [
+        limits_row("end-stop") | {"parameter": side, "detect": None, "why": why}
+        for side, why in (("low", "It looks like an overflow here."), ("high", "A refit hides it here."))
+    ]
+    shown = report(verdict="none") | {"limits": rows}
+    assert hidden_sentences(shown) == [
+        "End stop (low): it looks like an overflow here.",
+        "End stop (high): a refit hides it here.",
+    ]

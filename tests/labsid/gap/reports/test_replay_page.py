@@ -69,10 +69,10 @@ def test_a_position_has_its_value_in_the_units_of_the_record() -> None:
     shown = replayed(combination(f"{EFFECT}/high", sliders=[slider([-1e-12, 1.25, 2.5])]))
     (own,) = content(shown)["combinations"][0]["sliders"]
     assert own["label"] == "Upper limit"
-    assert own["texts"] == ["0 units of u", "1.250 units of u", "2.500 units of u"]
+    assert own["texts"] == ["0 units of u", "1.25000 units of u", "2.50000 units of u"]
     assert own["fitted"] == 1
     (own,) = content(with_units(shown, "V", "mm"))["combinations"][0]["sliders"]
-    assert own["texts"][1:] == ["1.250 V", "2.500 V"]
+    assert own["texts"][1:] == ["1.25000 V", "2.50000 V"]
     assert content(with_units(shown, "V", "mm"))["unit"] == "mm"
 
 
@@ -101,10 +101,14 @@ def test_what_has_no_slider_is_named() -> None:
     plain = combination(f"{EFFECT}/high")
     with_slider = combination(f"{EFFECT}/high", sliders=[slider([1.0, 1.25, 2.5])])
     texts = [one["still"] for one in content(replayed(given, plain, with_slider))["combinations"]]
+    sliders_start_apart = (
+        "The sliders start at the values of the exported simulation, which is fitted without the scored samples; the "
+        "values with ± are fitted to all samples."
+    )
     assert texts == [
         "Your simulation cannot run in this page. What acts on its input stays as fitted: limit of the actuator.",
         "Without a slider: limit of the actuator.",
-        "",
+        sliders_start_apart,
     ]
 
 
@@ -128,3 +132,31 @@ def test_the_script_has_the_functions_of_its_combinations_only() -> None:
     assert '"input.Saturation": input_Saturation_apply' in text
     assert "simulate_tanks" not in text
     assert "</" not in text
+
+
+def test_a_long_record_opens_at_its_worst_stretch_below_a_strip(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = replayed(combination(f"{EFFECT}/high"))
+    read = content(shown)
+    assert read["long"] == []
+    start, end = read["worst"]["record"]
+    assert 20.0 <= start < end <= 50.0
+    monkeypatch.setattr("labsid.gap.reports.replay_page.LONG", 200)
+    longer = content(shown)
+    assert longer["long"] == ["record"]
+    assert '"name":"strip"' in json.dumps(longer["panels"], separators=(",", ":"))
+    assert '"name":"strip"' not in json.dumps(read["panels"], separators=(",", ":"))
+    shown["verdict"] = "none"
+    assert content(shown)["worst"] == {"record": None}
+
+
+def test_a_number_at_the_limit_of_its_search_is_said_to_be() -> None:
+    ending = slider([1.0, 1.25, 2.5]) | {"moves": [-1.0, -0.5, 0.0]}
+    (shown,) = content(replayed(combination(f"{EFFECT}/high", sliders=[ending])))["combinations"]
+    assert "Limit of the actuator: upper limit is at the limit of its search." in shown["still"]
+
+
+def test_a_slider_has_the_digits_of_the_table() -> None:
+    base = replayed(combination(f"{EFFECT}/high", sliders=[slider([0.0, 0.0897321, 0.2])]))
+    base["effects"][0]["parameters"]["high"]["stderr"] = 0.013
+    (own,) = content(base)["combinations"][0]["sliders"]
+    assert own["texts"][1] == "0.090 units of u"

@@ -146,7 +146,7 @@ def test_every_effect_has_its_signal_and_the_outputs_in_which_it_is_seen():
     first, second = page_content(KINDS["effect"])["effects"]
     assert (first["title"], first["place"]) == ("Dead zone at valve", "seen in temperature")
     assert second["title"] == "Extra lag"
-    assert [row["unit"] for row in first["parameters"]] == ["V", "V"]
+    assert [unit for _, _, unit in first["parameters"]] == ["V", "V"]
     assert page_content(KINDS["effect"])["places"] == "at valve and in the dynamics of temperature"
 
 
@@ -180,7 +180,7 @@ def test_the_command_names_the_signals():
 def test_the_figures_are_those_of_the_verdict():
     assert set(encoded_figures(KINDS["none"])) == {"signals", "couplings"}
     found = encoded_figures(KINDS["holdout"])
-    assert set(found) == {"signals", "couplings", "zoom", "where", "holdout"}
+    assert set(found) == {"signals", "couplings", "zoom", "where", "holdout", "effect 1", "effect 2"}
     assert all(base64.b64decode(png).startswith(b"\x89PNG") for one in found.values() for png in one.values())
 
 

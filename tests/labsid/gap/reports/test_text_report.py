@@ -168,12 +168,12 @@ def test_several_effects_explain_a_part_together():
         in said
     )
     assert said.endswith(
-        "Together with a lightly damped mode (20 %), which is less certain, they explain 97 % [94, 100] of the gap."
+        "Together with a lightly damped mode (20 %), less certain, they explain 97 % [94, 100] of the gap."
     )
     base["effects"][1]["probability"] = 0.4
     assert sentences.headline(base) == (
         "The actuator does not move between 0.458 and 0.875 (a dead zone). Together with a load step (40 %) and a "
-        f"lightly damped mode (20 %), which are less certain, this {PART}"
+        f"lightly damped mode (20 %), less certain, this {PART}"
     )
 
 
@@ -316,9 +316,22 @@ def test_the_gap_in_time_is_spread_or_in_stretches():
 
 def test_an_operating_range_that_only_follows_the_time_is_said_so():
     base = report("input-delay")
-    base["where"]["operating"][2]["share"], base["where"]["operating"][1]["share"] = 0.55, 0.4
+    for cell, share in zip(base["where"]["operating"], (0.2, 0.28, 0.52), strict=True):
+        cell["share"] = share
     assert (
         location_sentences(base)[2] == "Over the range of u, the gap is in proportion to the time spent at each value."
+    )
+
+
+def test_a_gap_at_both_ends_of_a_range_is_said_to_be_there():
+    base = report("input-saturation")
+    shares, times = (0.47, 0.02, 0.05, 0.1, 0.36), (0.27, 0.15, 0.2, 0.23, 0.15)
+    base["where"]["operating"] = [
+        {"signal": "u", "low": float(i), "high": i + 1.0, "share": share, "time": time}
+        for i, (share, time) in enumerate(zip(shares, times, strict=True))
+    ]
+    assert location_sentences(base)[2] == (
+        "83 % of it lies where u is between 0 and 1 or between 4 and 5, in which the record spends 42 % of its time."
     )
 
 
@@ -326,6 +339,59 @@ def test_a_given_holdout_is_named_as_the_basis_of_the_score():
     base = report("input-delay")
     assert "held-out samples" in sentences.gap_sentence(base)
     assert "holdout record" in sentences.gap_sentence(with_holdout(base))
+
+
+def test_a_headline_names_no_effect_under_ten_per_cent():
+    base = report("input-dead-zone", "resonance", "output-drift", verdict="partial")
+    for one, probability in zip(base["effects"], (0.95, 0.2, 0.01), strict=True):
+        one["probability"] = probability
+    said = sentences.headline(base)
+    assert "Together with a lightly damped mode (20 %) and one further effect, less certain, this explains" in said
+    base["effects"][1]["probability"] = 0.05
+    assert "Together with 2 further effects, less certain, this explains" in sentences.headline(base)
+
+
+def test_improbable_effects_that_imitate_a_gap_are_counted():
+    base = with_rest(report("resonance", "output-drift", verdict="partial", probability=0.03), "time")
+    assert sentences.remaining_sentence(base).endswith("The gap is imitated by 2 improbable effects.")
+    base["effects"][0]["probability"] = 0.3
+    assert sentences.remaining_sentence(base).endswith("by a lightly damped mode (30 %) and one further effect.")
+
+
+def test_what_remains_of_a_closed_gap_is_no_part_of_it():
+    base = with_rest(report("load-step", verdict="partial"), "disturbance")
+    assert sentences.remaining_sentence(base).startswith("Something else remains: ")
+    base["unexplained"]["share"] = 0.0
+    assert sentences.remaining_sentence(base).startswith("What remains is not white noise: ")
+
+
+def test_a_parameter_that_may_be_zero_is_marked():
+    base = report("load-step")
+    base["effects"][0]["parameters"]["size"] |= {"value": -0.0004, "stderr": 0.3}
+    line = next(line for line in format_report(base).splitlines() if "final change" in line)
+    assert line.endswith("0.00 ± 0.30    units of y, not told from zero")
+    assert "-0.0" not in line
+
+
+def test_lines_are_as_wide_as_the_terminal_with_bars_of_the_errors(monkeypatch):
+    shown = report("output-nonlinearity", "resonance", verdict="partial")
+    for columns, widest in ((80, 80), (200, 96)):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        lines = format_report(shown).splitlines()
+        assert widest - 15 < max(map(len, lines)) <= widest
+        before, after = (
+            next(line for line in lines if line.strip().startswith(f"{word} ")) for word in ("Before", "After")
+        )
+        assert before.count("#") > 5.0 * after.count("#") > 0
+        assert before.endswith("  0.0644")
+        assert after.endswith("  0.0102")
+
+
+def test_the_name_of_a_record_keeps_its_letters_in_a_finding():
+    base = report("output-saturation")
+    base["records"] = [{"name": "run-1"}]
+    base["record_findings"] = [{"topic": "clip", "level": "warning", "text": "run-1: y is stuck at 5%"}]
+    assert sentences.record_sentences(base) == ["run-1: y is stuck at 5 %"]
 
 
 def test_lines_are_short_and_keep_numbers_with_their_percent_sign():

@@ -1,9 +1,11 @@
 """Points of a figure of a long record: limited in number, ordered, with every spike."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from labsid.gap.reports.traces import extreme_samples, figure_traces
+from labsid.gap.reports.traces import extreme_samples, figure_traces, packed, record_at, worst_stretch
 
 
 def test_a_short_record_is_shown_completely() -> None:
@@ -37,3 +39,37 @@ def test_every_stretch_shows_its_minimum_and_maximum() -> None:
         shown = np.intersect1d(pick, own)
         assert x[shown].max() == x[own].max()
         assert x[shown].min() == x[own].min()
+
+
+def _replayed(before: np.ndarray, names: tuple[str, ...] = ()) -> dict[str, Any]:
+    """A report that replays a record whose output is zero; the simulation before is NaN between several records."""
+    u = np.arange(float(before.size))
+    part = {"start": 10.0, "Ts": 0.5, "u": packed(u, "<f8"), "y": packed(np.zeros(u.size))}
+    part |= {"before": packed(before), "after": packed(before), "fitted": [[0, before.size]], "scored": []}
+    replay = {"record": part, "y_scale": {"centre": 2.0, "unit": 3.0}}
+    return {"replay": replay, "records": [{"name": name} for name in names]}
+
+
+def test_the_worst_stretch_has_all_samples_of_it_in_the_units_of_the_record() -> None:
+    before = np.zeros(20_000)
+    before[15_000:15_100] = 0.5
+    found = worst_stretch(_replayed(before), "record")
+    assert found is not None
+    assert found["t"].size == 400
+    assert found["t"][0] <= 10.0 + 0.5 * 15_000
+    assert found["t"][-1] >= 10.0 + 0.5 * 15_099
+    np.testing.assert_array_equal(np.unique(found["before"]), [2.0, 3.5])
+    assert worst_stretch({"replay": None}, "record") is None
+
+
+def test_the_worst_stretch_lies_within_one_of_several_records_and_has_its_time() -> None:
+    before = np.zeros(1000)
+    before[480:500], before[520:540] = 1.0, 1.0
+    before[500:520] = np.nan
+    shown = _replayed(before, ("first", "second"))
+    found = worst_stretch(shown, "record")
+    assert found is not None
+    assert np.isfinite(found["before"]).all()
+    assert record_at(shown, 10.0 + 0.5 * 499) == ("first", 10.0)
+    assert record_at(shown, 10.0 + 0.5 * 530) == ("second", 10.0 + 0.5 * 520)
+    assert record_at(_replayed(before), 12.0) == ("", 0.0)

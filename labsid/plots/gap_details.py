@@ -1,0 +1,105 @@
+"""Figures of what an effect does, and of what is left in the error."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from labsid.plots.gap_curves import noise_band, unit_of
+from labsid.plots.page_figures import page_figure
+from labsid.plots.signal_names import as_text_lines
+from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, finish, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MARGIN = 0.3  # of the range of the curves, above and below them
+VISITS = 0.16  # of the height, for the histogram of the visits
+CELLS = 60  # of this histogram
+
+
+def figure_effect(shown: dict[str, Any]) -> Figure:
+    """Draw what an effect does, beside what a simulation without it assumes.
+
+    Parameters
+    ----------
+    shown : dict
+        As `effect_curves.effect_curve` returns it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With the 95 % error of the curve and of its places, and at the bottom how often the record is at each value.
+    """
+    figure = new_figure(5.4, 3.1)
+    ax = figure.subplots()
+    x, curve, band = shown["x"], shown["curve"], shown["band"]
+    ax.plot(x, shown["plain"], color=VERMILION, linestyle="--", linewidth=1.4, label="Without")
+    ax.fill_between(x, curve - band, curve + band, color=BLUE, alpha=0.2, linewidth=0)
+    ax.plot(x, curve, color=BLUE, linewidth=2.2, label="With the effect")
+    for place, error in shown["marks"]:
+        ax.axvspan(place - error, place + error, color=BLUE, alpha=0.2, linewidth=0)
+        ax.axvline(place, color=BLUE, linestyle=":", linewidth=1.2)
+    ax.set_xlim(float(np.min(x)), float(np.max(x)))
+    low, high = float(np.min([curve, shown["plain"]])), float(np.max([curve, shown["plain"]]))
+    margin = MARGIN * ((high - low) or 1.0)
+    ax.set_ylim(low - margin, high + margin)
+    _draw_visits(ax, shown["visits"])
+    across, label = (as_text_lines([text]) for text in shown["labels"])
+    finish(ax, "", across, label, legend_columns=0)
+    figure.legend(loc="outside upper center", ncols=3, fontsize=SMALL_TEXT_SIZE)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.label.set_fontsize(SMALL_TEXT_SIZE)
+    return figure
+
+
+def _draw_visits(ax: Axes, visits: np.ndarray) -> None:
+    """Draw along the bottom how often the record is at each value."""
+    visits = visits[np.isfinite(visits)]
+    if not visits.size:
+        return
+    count, edges = np.histogram(visits, CELLS, ax.get_xlim())
+    height = VISITS * count / max(int(count.max()), 1)
+    ax.stairs(height, edges, fill=True, color=GREY, alpha=0.8, transform=ax.get_xaxis_transform(), label="Visits")
+
+
+def figure_residual(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the residual tests with their bands, and the spectra of the errors.
+
+    Parameters
+    ----------
+    report : dict
+        Its `residual` is what `residual_curves.find_residual_curves` returns.
+    narrow : bool
+        Whether to fit the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    found = report["residual"]
+    figure = page_figure(narrow, 3.4, 7.9)
+    panels = figure.subplots(3, 1) if narrow else figure.subplots(1, 3)
+    for ax, one, title in (
+        (panels[0], found.autocorrelation, "Autocorrelation"),
+        (panels[1], found.with_input, "Correlation with the input"),
+    ):
+        ax.axhspan(-one.band, one.band, color=GREEN, alpha=0.2, linewidth=0)
+        ax.vlines(one.lags, 0.0, one.values, color=BLUE, linewidth=2.0)
+        ax.axhline(0.0, color=BLACK, linewidth=0.8)
+        finish(ax, title, "Lag (samples)", "", legend_columns=0)
+    ax = panels[2]
+    same = np.array_equal(found.before, found.after)
+    if not same:
+        ax.plot(found.frequency, found.before, color=VERMILION, linestyle="--", label="Before")
+    ax.plot(found.frequency, found.after, color=BLUE, label="Simulated" if same else "After")
+    noise, name = noise_band(report)
+    density = 0.5 * noise * np.sqrt(1.0 / found.frequency[-1])  # white up to the Nyquist frequency
+    ax.axhline(density, color=GREEN, linestyle=":", linewidth=1.6, label=name)
+    ax.set(xscale="log", yscale="log")
+    unit = as_text_lines([unit_of(report)])
+    finish(ax, "Spectrum of the error", "Frequency (Hz)", f"{unit} per root of Hz", legend_columns=0)
+    figure.legend(loc="outside lower right", ncols=3, fontsize=SMALL_TEXT_SIZE)
+    return figure

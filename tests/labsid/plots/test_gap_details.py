@@ -1,0 +1,44 @@
+"""What an effect does, and what is left in the error, as figures."""
+
+import numpy as np
+import pytest
+from gap_reports import PARAMETERS, report, seen_effect
+
+from labsid.gap.effects.families import DESCRIPTIONS
+from labsid.gap.reports.effect_curves import effect_curve
+from labsid.gap.reports.residual_curves import ResidualCurves
+from labsid.model_structures.residuals import autocorrelation, cross_correlation
+from labsid.plots.gap_details import figure_effect, figure_residual
+
+
+@pytest.mark.parametrize("name", [name for name in PARAMETERS if DESCRIPTIONS[name].sketch is not None])
+def test_an_effect_is_drawn_beside_a_simulation_without_it(name, covered):
+    curve = effect_curve(*seen_effect(name))
+    figure = figure_effect(curve)
+    (ax,) = figure.axes
+    drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
+    np.testing.assert_array_equal(drawn["With the effect"], curve["curve"])
+    np.testing.assert_array_equal(drawn["Without"], curve["plain"])
+    assert covered(figure) == []
+
+
+def test_a_unit_is_no_mathematics():
+    shown = report("input-saturation") | {"units": {"u": "$V$", "y": "mm"}}
+    (ax,) = figure_effect(effect_curve(shown, shown["effects"][0])).axes
+    assert ax.get_xlabel() == r"Command (\$V\$)"
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_the_residual_has_its_bands_and_the_noise(narrow, covered):
+    e, u = np.random.default_rng(0).standard_normal((2, 500))
+    f = np.linspace(0.01, 1.0, 50)
+    found = ResidualCurves(autocorrelation(e), cross_correlation(u, e), f, 2.0 / f, 1.0 / f)
+    figure = figure_residual(report("input-delay") | {"residual": found}, narrow)
+    titles = ["Autocorrelation", "Correlation with the input", "Spectrum of the error"]
+    assert [ax.get_title() for ax in figure.axes] == titles
+    assert [line.get_label() for line in figure.axes[2].lines] == ["Before", "After", "Noise"]
+    bands = [sorted(set(ax.patches[0].get_path().vertices[:, 1])) for ax in figure.axes[:2]]
+    for (low, high), one in zip(bands, (found.autocorrelation, found.with_input), strict=True):
+        scaled = [low, high] if abs(high) != 1.0 else [-one.band, one.band]
+        assert scaled == pytest.approx([-one.band, one.band])
+    assert covered(figure) == []
