@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.record.controllers import switches_on_output
 from labsid.gap.record.record_findings import (
     PlateauGap,
     about_controller,
@@ -19,7 +20,6 @@ from labsid.gap.record.record_findings import (
     findings_from_errors,
     findings_from_record,
     plateau_gap,
-    switches_on_output,
 )
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record, load_record
