@@ -136,7 +136,8 @@ def test_an_input_that_answers_to_the_noise_is_a_closed_loop() -> None:
             y[k] = 0.9 * y[k - 1] + 0.1 * u[k - 1] + e[k]
             without[k] = 0.9 * without[k - 1] + 0.1 * u[k - 1]
             u[k] -= gain * y[k]
-        topics = [finding.topic for finding in findings_from_errors(u, y, without, without, np.ones(800, bool))]
+        found = findings_from_errors(u, y, without, without, np.ones(800, bool))
+        topics = [finding.topic for finding in (*found, *about_controller(u, y))]
         assert ("feedback" in topics) == (gain > 0.0)
 
 
