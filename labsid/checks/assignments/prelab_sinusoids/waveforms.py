@@ -198,7 +198,13 @@ def check_cut_off_data(ask: Ask) -> Verdict:
     axes = panels(ask.value("fig_1"))
     if len(axes) != 2:
         raise NoAnswer(f"`fig_1` should have two panels, one above the other; it has {len(axes)}.", "not two panels")
-    lower = axes[1]
+    upper, lower = axes
+    if not lower.curves and (shows(upper, y1_new, t_new) or shows(upper, y2_new, t_new)):
+        raise NoAnswer(
+            "The cut-off data are in Fig. 1(a): draw them with `ax_b.plot` and `ax_b.step`. Run the cell that makes "
+            "`fig_1` again, then this one: curves stay in their axes.",
+            "drawn into the upper axes",
+        )
     if (shows(lower, y1) or shows(lower, y2)) and (shows(lower, y1_new) or shows(lower, y2_new)):
         raise NoAnswer(
             "Fig. 1(b) shows the cut-off data and the original data: curves of an earlier run stay in "

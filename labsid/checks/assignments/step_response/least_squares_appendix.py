@@ -107,7 +107,7 @@ def check_loss_function(ask: Ask) -> Verdict:
             _same,
             "half the sum of the squared errors.",
             "`loss` is not half the sum of the squared errors: see (A5).",
-            [*loss_slips(Phi, Y, theta), _zeros("loss", "this theta has errors", 0.0)],
+            [*loss_slips(Phi, Y, theta), _zeros("loss", "this theta has errors (in Python, `1//2` is 0)", 0.0)],
         )
 
     return _on_all(ask, one)
