@@ -158,6 +158,21 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                 lambda: run(a=np.ones(1)),
             ),
             Slip(
+                "noise added to the input",
+                "`simulate` sends e through B, as if it were added to the input: only C multiplies it.",
+                lambda: free_run(PolynomialModel(A, B, np.ones(1), 0), u + e),
+            ),
+            Slip(
+                "C for both",
+                "`simulate` sends the input through C as well: C multiplies e alone.",
+                lambda: free_run(PolynomialModel(A, C, np.ones(1), 0), apply(B, u) + e),
+            ),
+            Slip(
+                "multiplied by A",
+                "`simulate` multiplies B u + C e by A. In A y = B u + C e, y is what A multiplies: divide by A.",
+                lambda: apply(A, apply(B, u) + apply(C, e)),
+            ),
+            Slip(
                 "only the noise through 1/A",
                 "`simulate` lets the noise alone run through 1/A: the input goes through it, too.",
                 lambda: apply(B, u) + run(b=np.zeros(1)),
