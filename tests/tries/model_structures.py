@@ -315,7 +315,7 @@ TRIES = (
         EX, "same samples", ex("return np.linalg.lstsq(np.column_stack([-y, u]), y)[0]"), "explains y\\(t\\) by itself"
     ),
     Try(EXC, "true or false", f("excitation(u, largest)", f"return {RANK} == largest"), "True or False"),
-    Try(EXC, "lines of the spectrum", f("excitation(u, largest)", SPECTRUM), "wrong for", never="zeros are filled in"),
+    Try(EXC, "lines of the spectrum", f("excitation(u, largest)", SPECTRUM), "too high an order", never="filled in"),
     Try(ORD, "no brackets", order(crit=CRITERIA.format("V*1 + p/N/1 - p/N")), "FPE lacks brackets"),
     Try(ORD, "brackets above", order(crit=CRITERIA.format("V * (1 + p/N) / 1 - p/N")), "FPE lacks brackets"),
     Try(ORD, "half", order(crit=CRITERIA.format("V * (1 + p/N)")), "two factors", never="brackets"),

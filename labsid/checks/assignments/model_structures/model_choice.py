@@ -54,6 +54,14 @@ def check_excitation(ask: Ask) -> Verdict:
             "full rank where there is none",
         )
     wrong = next(i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right)
+    if all(right <= answer <= _LARGEST for answer, right in zip(answers, truth, strict=True)):
+        return Verdict(
+            False,
+            f"`excitation` finds too high an order, {answers[wrong]:g} for {trials[wrong][0]}: write the first rows of "
+            "its matrix down, and count the independent columns. Often here: are rounding errors of about 1e-16 taken "
+            "for rank? Compare with a small tolerance.",
+            "full rank where there is none",
+        )
     return Verdict(False, f"`excitation` is wrong for {trials[wrong][0]}: write the first rows of its matrix down.")
 
 
@@ -206,12 +214,6 @@ def _judge_cancel(
             P.size - 1 == sizes[0] == right[0].size + 1 and Q.size - 1 == sizes[1] == right[1].size + 1,
         ),
         (
-            "distance with its sign",
-            "compares p - q with its sign: a distance is `abs(p - q)`.",
-            any(are(*_cancelled(one, other, lambda p, q: (p - q).real < within)) for one, other in both_ways)
-            or any(are(*_cancelled(one, other, lambda p, q: (q - p).real < within)) for one, other in both_ways),
-        ),
-        (
             "list turned round",
             "takes the roots of the list turned round, which are 1/z: pass it to `np.roots` as it is.",
             are(*_cancelled(np.roots(P[::-1]), np.roots(Q[::-1]), partial(_nearer_than, within))),
@@ -230,6 +232,12 @@ def _judge_cancel(
             "distance not used",
             "cancels roots that lie farther apart than `within`.",
             monic and sizes[0] < right[0].size and sizes[1] < right[1].size,
+        ),
+        (
+            "distance with its sign",
+            "compares p - q with its sign: a distance is `abs(p - q)`.",
+            any(are(*_cancelled(one, other, lambda p, q: (p - q).real < within)) for one, other in both_ways)
+            or any(are(*_cancelled(one, other, lambda p, q: (q - p).real < within)) for one, other in both_ways),
         ),
     ):
         if matches:
