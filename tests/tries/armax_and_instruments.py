@@ -262,4 +262,11 @@ TRIES = (
     Try(
         LIK, "plus the errors", lik("-N / 2 * np.log(2 * np.pi * var_e) + E @ E / (2 * var_e)"), "grows with the errors"
     ),
+    Try(
+        ARMAX,
+        "C for 1/C",
+        armax().replace("lfilter([1], [1, c], w)", "lfilter([1, c], [1], w)"),
+        r"is to be \*solved\*",
+    ),
+    Try(COV, "one inverse", cov(THREE, "I @ Phi.T @ R @ Phi"), "on one side only"),
 )

@@ -145,4 +145,10 @@ TRIES = (
         "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, color=(153, 178, 204))",
         "divide 0 to 255 by 255",
     ),
+    Try(
+        F,
+        "row for column",
+        cut("r = data[n:].copy(); r[0] = r[0] - r[0, 0]; return r"),
+        r"the first column is `data\[:, 0\]`",
+    ),
 )

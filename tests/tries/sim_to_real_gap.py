@@ -351,4 +351,5 @@ TRIES = (
         "needs `max",
         never="is sigma squared",
     ),
+    Try(REST, "half", rest(sd="np.std(y_act[:half])"), "whole record, or of half"),
 )

@@ -226,4 +226,10 @@ TRIES = (
         MODEL, "amplitude of part A", "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)", "handed over"
     ),
     Try(LOSS, "1//2", fun("loss", A, "return 1 // 2 * (Y - Phi @ theta) @ (Y - Phi @ theta)"), "`1//2` is 0"),
+    Try(
+        TWO,
+        "text",
+        fun("solve_two", "U, Y", "return np.linalg.solve(U, Y) if np.linalg.det(U) else 'None'"),
+        "no quotes",
+    ),
 )

@@ -83,6 +83,11 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
                 lambda: y - free_run(first_order(a, b), u),
             ),
             Slip(
+                "C for 1/C",
+                "`prediction_errors` multiplies w by 1 + c q^-1: epsilon(t) + c epsilon(t-1) = w(t) is to be *solved*.",
+                lambda: errors(c=0.0) + c * np.append(0.0, errors(c=0.0)[:-1]),
+            ),
+            Slip(
                 "prediction for its error",
                 "`prediction_errors` returns the prediction itself.",
                 lambda: y - errors(),

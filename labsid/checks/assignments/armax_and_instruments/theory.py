@@ -155,6 +155,11 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
                 "`covariance` is that of a *weighted* estimate. Least squares without weights has R in the middle.",
                 lambda: np.asarray(np.linalg.inv(Phi.T @ np.linalg.inv(of_noise) @ Phi), float),
             ),
+            Slip(
+                "one inverse",
+                "`covariance` has the inverse of Phi'Phi on one side only: it stands on both.",
+                lambda: left @ of_noise @ Phi,
+            ),
             Slip("as if white", as_if_white, lambda: white),
             Slip("as if white", as_if_white, lambda: (1 + c**2) * white),
             Slip(

@@ -171,6 +171,8 @@ def _seen_rows(got: FloatArray, data: FloatArray, n: int) -> str:
     """What is wrong with the rows that came back, in the numbers of the trial."""
     if len(got) != len(data) - n:
         return f"of {len(data)} rows and n = {n} it returned {len(got)}; {len(data) - n} should stay."
+    if len(got) > 1 and np.allclose(got[1:], data[n + 1 :]):
+        return "only the first row has changed. `data[0]` is the first *row*; the first column is `data[:, 0]`."
     if not np.allclose(got[:, 1:], data[n:, 1:]):
         return "the signals, from the second column on, are not those of the rows that should stay."
     return f"the signals are right, but the first column begins with {got[0, 0]:.4g} and ends with {got[-1, 0]:.4g}."

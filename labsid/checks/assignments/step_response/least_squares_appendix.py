@@ -46,7 +46,10 @@ def check_solve_two(ask: Ask) -> Verdict:
             return verdict
     row = ask.rng.integers(1, 5, 2).astype(float)
     try:
-        solved = ask.call("solve_two", np.array([row, 2 * row]), np.array([1.0, 3.0])) is not None
+        value = ask.call("solve_two", np.array([row, 2 * row]), np.array([1.0, 3.0]))
+        if isinstance(value, str):
+            return Verdict(False, f"`solve_two` returns the text {value!r}: `None` has no quotes.", "text for None")
+        solved = value is not None
     except NoAnswer:
         solved = True
     if solved:
