@@ -45,7 +45,11 @@ def as_number(name: str, value: Value) -> float:
     """Read a real number or an array of one element; raise `NoAnswer` for anything else."""
     array = _real_array(name, value, "one number")
     if array.size != 1:
-        more = "" if array.size == 0 else " Which of them is meant, their number, their sum or their mean?"
+        more = (
+            " Which of them is meant, their number, their sum or their mean?"
+            if array.size
+            else " Often here: did no entry meet a condition, such as `==` between numbers of many digits?"
+        )
         raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.{more}")
     return float(array.reshape(-1)[0])
 

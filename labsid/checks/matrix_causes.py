@@ -54,6 +54,11 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
         if weight:
             return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
+        inverse = re.search(r"inv\((\w+)\.T @ \1\)$", left)
+        if inverse is not None and one[0] < other[0]:
+            name = inverse[1]
+            before = f"`{name}.T` in place of `{name}`" if right == name else f"`{name}.T @` before `{right}`"
+            return f"{said} Is {before} meant?"
         if "inv(" in left:
             return " ".join(filter(None, (said, _without_inverse(stop))))
         if one[0] == other[0] and re.fullmatch(r"\w+(\.T)?", left):

@@ -86,7 +86,7 @@ class NotebookAsk:
         Or one of the `functions`, spelt nearly alike.
         """
         alike = [one for one in self._variables if _letters(one) == _letters(name) and one not in (name, *self._known)]
-        near = [*alike, *difflib.get_close_matches(name, set(functions) - {name}, 1, 0.85)]
+        near = [*alike, *difflib.get_close_matches(name, functions, 1, 0.85)]
         letters = " Capital and small letters differ." if alike else ""
         return f" There is `{near[0]}`: is that meant?{letters}" if near else ""
 

@@ -269,4 +269,11 @@ TRIES = (
         r"is to be \*solved\*",
     ),
     Try(COV, "one inverse", cov(THREE, "I @ Phi.T @ R @ Phi"), "on one side only"),
+    Try(
+        LIK,
+        "no variance in the logarithm",
+        lik("-N / 2 * np.log(2 * np.pi) - E @ E / (2 * var_e)"),
+        "has log\\(2 pi\\) alone",
+    ),
+    Try(COV, "c everywhere", cov("var_e * ((1 + c**2 - c) * np.eye(N) + c * np.ones((N, N)))"), "between all samples"),
 )

@@ -359,4 +359,5 @@ TRIES = (
     Try(TF, "no ct.tf", "G = ([b1, b2], [1, a1, a2], Ts)", r"Make it with `ct\.tf"),
     Try(HALF, "no 1", "y_sim_half = scipy.signal.lfilter([0, b1, b2], [a1, a2], u[half:])", "without its leading 1"),
     Try(ALL, "Phi theta", "y_sim = Phi @ theta_hat", "is `Phi @ theta_hat`.*whole record"),
+    Try(THETA, "second Phi", "theta_hat = np.linalg.inv(Phi.T @ Phi) @ Phi @ Y", "Is `Phi.T` in place of `Phi` meant"),
 )

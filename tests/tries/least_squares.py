@@ -424,4 +424,11 @@ TRIES = (
     ),
     Try(CONF, "np.var", conf("np.var(E)"), r"`np\.var` takes the mean off"),
     Try(CONF, "cdf", conf(q="scipy.stats.t.cdf((1 + level) / 2, N - p)"), "`cdf` stands where `ppf`"),
+    Try(CONF, "np.var, ddof=1", conf("np.var(E, ddof=1)"), "divides by n - 1"),
+    Try(
+        DEL,
+        "not shifted",
+        f("delayed_inputs(u, n)", lags("np.r_[np.zeros(i), u[i:]]", "n")),
+        "u\\(t\\) itself with its first i entries zero",
+    ),
 )

@@ -331,4 +331,13 @@ TRIES = (
         "deviation",
     ),
     Try(AUTO, "correlate", AUTOCORRELATION.format("np.correlate(d, d, 'full')[: lags + 1] / (d @ d)"), "in its middle"),
+    Try(
+        EXC,
+        "beyond largest",
+        f(
+            "excitation(u, largest)",
+            f"n = 0\n    while {RANK.replace('largest', '(n + 1)')} == n + 1: n += 1\n    return n",
+        ),
+        "goes on beyond `largest`",
+    ),
 )

@@ -145,4 +145,5 @@ TRIES = (
         "ax.text(0, 0, 'order 1: {mse_1:.3e}, order 2: {mse_2:.3e}')",
         "an `f` before the quotes",
     ),
+    Try(THETA, "no transpose", "theta_1 = np.linalg.inv(Phi_1.T @ Phi_1) @ Y_1", "Is `Phi_1.T @` before `Y_1` meant"),
 )

@@ -151,4 +151,5 @@ TRIES = (
         cut("r = data[n:].copy(); r[0] = r[0] - r[0, 0]; return r"),
         r"the first column is `data\[:, 0\]`",
     ),
+    Try(N, "1000 flat numbers", waves("np.sin(2 * np.pi * t / 100)", "rng.uniform(-0.2, 0.2, 1000)"), "flat noise"),
 )

@@ -244,4 +244,14 @@ TRIES = (
         run("return sum(scipy.signal.lfilter(np.r_[0, theta[n:]], np.r_[1, -theta[:n]], c) for c in u.T)"),
         "by the b's of all",
     ),
+    Try(
+        RUN,
+        "slices not reversed",
+        run(
+            "y = np.zeros(len(u))\n    for k in range(n, len(u)):\n        y[k] = theta[:n] @ y[k - n : k]\n"
+            "        y[k] += sum(theta[n + j * n : n + (j + 1) * n] @ u[k - n : k, j] for j in range(u.shape[1]))\n"
+            "    return y"
+        ),
+        "oldest lag first",
+    ),
 )

@@ -352,4 +352,14 @@ TRIES = (
         never="is sigma squared",
     ),
     Try(REST, "half", rest(sd="np.std(y_act[:half])"), "whole record, or of half"),
+    Try(REST, "last sample", rest("y_act[n - 1]"), "value of one sample"),
+    Try(
+        SIM,
+        "mean for the offset",
+        "def simulate_better(u_act):\n    return free_run(theta_hat, u_act - np.mean(u_act)) + y_offset",
+        "takes off the mean",
+        never="whatever it is handed",
+    ),
+    Try(TIME, "part for a sample", time(RIGHT, worst="(t[i], t[i + 1])"), "number of a part for that of a sample"),
+    Try(LIN, "u_act", linear(run="free_run(theta_hat, u_act)"), "is run on `u_act`"),
 )

@@ -232,4 +232,10 @@ TRIES = (
         fun("solve_two", "U, Y", "return np.linalg.solve(U, Y) if np.linalg.det(U) else 'None'"),
         "no quotes",
     ),
+    Try(
+        READ,
+        "==",
+        read().replace("t_step[np.argmax(y_step >= 0.632 * y_end)]", "t_step[y_step == 0.632 * y_end]"),
+        "did no entry meet",
+    ),
 )

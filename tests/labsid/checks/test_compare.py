@@ -105,7 +105,11 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
             "`a` should be one number; it is an array of shape (2,). Which of them is meant, their number, "
             "their sum or their mean?",
         ),
-        ([], "`a` should be one number; it is an array of shape (0,)."),
+        (
+            [],
+            "`a` should be one number; it is an array of shape (0,). Often here: did no entry meet a condition, such "
+            "as `==` between numbers of many digits?",
+        ),
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
         (TF, "`a` should be one number; it is a transfer function."),
         (len, "`a` should be one number; it is an object of type builtin_function_or_method."),

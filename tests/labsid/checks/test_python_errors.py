@@ -42,6 +42,8 @@ CAUSES = [
     ("np.linalg.svd(R * np.nan)", "np.linalg.inv(0 * R)", "a nan or an inf in it"),
     ("np.zeros(3) + u", "u + w", "join them: `np.concatenate([a, b])`"),
     ("np.mean(Phi, axis=1) - w", "np.mean(Phi, axis=0) - w", "number of each *row*"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Phi", "np.linalg.inv(R.T @ R) @ w", "Is `Phi.T` in place of `Phi` meant?"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Y", "np.linalg.inv(R) @ w", "Is `Phi.T @` before `Y` meant?"),
     ("Phi.T @ Y @ Phi", "Phi @ w", "`np.diag(Y)`"),
     ("[1].remove(2)", "[1].index(2)", "leave the inner loop: `break`"),
     ("['a'].split(',')", "['a'].strip()", "with commas between the names"),

@@ -156,6 +156,11 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
                 lambda: np.asarray(np.linalg.inv(Phi.T @ np.linalg.inv(of_noise) @ Phi), float),
             ),
             Slip(
+                "c everywhere",
+                "`covariance` has c between all samples: only neighbours have an e in common.",
+                lambda: sandwich((1 + c**2 - c) * diagonal + c * np.ones((n, n))),
+            ),
+            Slip(
                 "one inverse",
                 "`covariance` has the inverse of Phi'Phi on one side only: it stands on both.",
                 lambda: left @ of_noise @ Phi,
@@ -296,6 +301,11 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 "constant left out",
                 "`log_likelihood` leaves out N/2 log(2 pi sigma^2). Without it the best variance would be infinite.",
                 lambda: -sse / (2 * var_e),
+            ),
+            Slip(
+                "sigma left out of the logarithm",
+                "`log_likelihood` has log(2 pi) alone: sigma^2 is under that root, too.",
+                lambda: -n / 2 * float(np.log(2 * np.pi)) - sse / (2 * var_e),
             ),
             Slip(
                 "2 pi left out",

@@ -250,6 +250,11 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
         "`delayed_inputs` does not give the matrix of Example 2-3: write down its first three rows.",
         [
             Slip(
+                "not shifted",
+                "column i of `delayed_inputs` is u(t) itself with its first i entries zero; it should hold u(t-i).",
+                lambda: np.column_stack([np.where(np.arange(u.size) < i, 0, u) for i in range(n)]),
+            ),
+            Slip(
                 "index wraps around",
                 "`delayed_inputs` uses the last samples as those before the first: `np.roll` and negative indices "
                 "wrap around. Before the first sample the input is zero.",
@@ -351,6 +356,7 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
         [
             Slip("product rule", product, lambda: square),
             Slip("product rule", product, lambda: 2 * outer),
+            Slip("product rule", product, lambda: outer),
             Slip(
                 "the 2 forgotten",
                 "`jacobian_cubic` has x x' once.",

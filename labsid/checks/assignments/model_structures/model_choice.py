@@ -35,6 +35,8 @@ def check_excitation(ask: Ask) -> Verdict:
             if few != largest:
                 return Verdict(False, "`excitation` does not stop at `largest`.", "largest not used")
         return Verdict(True, "it counts what an input can teach.")
+    if [min(answer, _LARGEST) for answer in answers] == truth:
+        return Verdict(False, "`excitation` goes on beyond `largest`: stop there.", "largest not used")
     for slip, hint, rule in _WRONG_ORDERS:
         if answers == [rule(u) for _, u in trials]:
             return Verdict(False, f"`excitation` {hint}", slip)

@@ -231,7 +231,7 @@ def _vector(value: Value) -> FloatArray:
 
 
 def _signal(name: str, value: Value, size: int) -> FloatArray:
-    if isinstance(value, np.ndarray) and value.shape == (size, size):
+    if isinstance(value, np.ndarray) and value.ndim == 2 and len(value) == size and value.shape[1] > size // 2:
         raise NoAnswer(
             f"`{name}` has shape {value.shape}: flat noise was added to a column. Draw noise of the shape `t.shape`.",
             "flat noise added to a column",

@@ -95,6 +95,11 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 lambda: _run(np.r_[a, b.reshape(nu, n)[:, ::-1].ravel()], u, n),
             ),
             Slip(
+                "oldest lag first",
+                f"`{call}` has the oldest lag first: `y[k - n : k]` begins with y(k-n), and theta with the lag 1.",
+                lambda: _from_n(np.r_[a[::-1], b.reshape(nu, n)[:, ::-1].ravel()], u, n),
+            ),
+            Slip(
                 "first samples left at zero",
                 f"`{call}` leaves the first n samples at zero: lags before sample 0 are zero, the others count.",
                 lambda: _from_n(theta, u, n),

@@ -113,6 +113,11 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
                 "`worst` surrounds the largest single error: the stretch with the largest *share* is asked for.",
                 lambda: Ts * (float(np.argmax(np.abs(e))) + np.array([0.0, 1.0])),
             ),
+            Slip(
+                "part for a sample",
+                "`worst` takes the number of a part for that of a sample: part i begins at sample i N/16.",
+                lambda: Ts * stretch,
+            ),
             Slip("samples for seconds", "`worst` is in samples: times `Ts`.", lambda: length / Ts * stretch),
             Slip("numbers of the parts", "`worst` counts parts: give the times, in seconds.", lambda: stretch),
             Slip(

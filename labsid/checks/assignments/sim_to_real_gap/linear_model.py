@@ -98,6 +98,7 @@ def check_linear(ask: Ask) -> Iterator[Verdict]:
                 "`y_lin` is the free run of `theta_arx`; run `theta_hat`.",
                 lambda: simulate(arx_from_theta(as_vector("theta_arx", ask.value("theta_arx"), 4), Ts), u),
             ),
+            Slip("input with its offset", "`y_lin` is run on `u_act`: use `u`.", lambda: simulate(model, ask.record.u)),
             Slip("not a run at all", "`y_lin` is the measured output itself.", lambda: y),
             Slip(
                 "offset put back",

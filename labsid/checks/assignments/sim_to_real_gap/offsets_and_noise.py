@@ -1,6 +1,7 @@
 """Step 1 of the gap: the offsets at rest, and the noise."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -74,6 +75,7 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
                 "`y_offset` is the mean over the whole record. Average the rest only, before the input first changes.",
                 lambda: float(np.mean(record.y)),
             ),
+            *(Slip("a single sample", single, partial(float, one)) for one in record.y[: n + 1]),
             Slip(
                 "mean over the first half",
                 "`y_offset` is the mean over the first half. Average the rest only, before the input first changes.",

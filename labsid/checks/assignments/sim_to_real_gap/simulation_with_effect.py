@@ -114,6 +114,12 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
             "inside.",
             "input offset not taken off",
         )
+    if np.allclose(y_sim, without) and not np.allclose(y_sim, _played(ask, 2 * run.u)):
+        return (
+            "`simulate_better` takes off the mean of what it is handed, or another of its values, in place of "
+            "`u_offset`: an output then depends on the whole input.",
+            "mean for the offset",
+        )
     if np.allclose(y_sim, without):
         return (
             "`simulate_better` returns the same whatever it is handed: let it use its argument.",
