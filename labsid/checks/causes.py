@@ -21,7 +21,11 @@ def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
 
 
 def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
-    """Two signals of different lengths."""
+    """Two signals of different lengths, zeros that are added in place of joined, or a mean over the wrong axis."""
+    if re.search(r"(zeros|ones)\([^()]*\) \+|\+ np\.(zeros|ones)\(", stop.line):
+        return "`+` adds entry by entry. To put one array behind the other, join them: `np.concatenate([a, b])`."
+    if "axis=1" in stop.line:
+        return "`axis=1` makes one number of each *row*, `axis=0` one of each column: which are asked for?"
     for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div):
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and len(one) == len(other) == 1:
@@ -98,6 +102,13 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                     f"counted from 0."
                 )
                 return said if thing.kind != "number" else f"`{name}` is a number: is a `*` missing before the bracket?"
+    for node in stop.expressions():
+        handed = node.args[:1] if isinstance(node, ast.Call) else []
+        if handed and isinstance(handed[0], ast.Call) and isinstance(handed[0].func, ast.Name):
+            return (
+                f"`{ast.unparse(handed[0])}` is what that call returns. Where a function is asked for, hand over its "
+                f"name alone, `{handed[0].func.id}`."
+            )
     return "Round brackets call a function; entries are taken with square ones, `y[0]`. (Or has a variable its name?)"
 
 
@@ -158,6 +169,8 @@ def truth_of_an_array(stop: Stop, _: re.Match[str]) -> str | None:
 
 def unpacked(stop: Stop, found: re.Match[str]) -> str | None:
     """More or fewer names than parts."""
+    if "Record" in stop.text:
+        return "The parts of a record have names: `record.t`, `record.u`, `record.y`, `record.Ts`."
     if "subplots" in stop.line:
         return (
             "`plt.subplots(2, 1)` returns two things, the figure and its axes: `fig, (ax_a, ax_b) = "

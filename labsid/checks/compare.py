@@ -22,7 +22,7 @@ def kind_of(value: Value) -> str:
     if value is None:
         return "nothing (None)"
     if isinstance(value, Unreadable):
-        return f"an object of type {value.kind}"
+        return "still `...`" if value.kind == "ellipsis" else f"an object of type {value.kind}"
     if isinstance(value, np.ndarray):
         kind = "complex " if value.dtype.kind == "c" else ""
         return f"a{'' if kind else 'n'} {kind}array of shape {value.shape}" if value.ndim else f"a {kind}number"
@@ -45,7 +45,11 @@ def as_number(name: str, value: Value) -> float:
     """Read a real number or an array of one element; raise `NoAnswer` for anything else."""
     array = _real_array(name, value, "one number")
     if array.size != 1:
-        more = "" if array.size == 0 else " Which of them is meant, their number, their sum or their mean?"
+        more = (
+            " Which of them is meant, their number, their sum or their mean?"
+            if array.size
+            else " Often here: did no entry meet a condition, such as `==` between numbers of many digits?"
+        )
         raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.{more}")
     return float(array.reshape(-1)[0])
 
@@ -78,7 +82,11 @@ def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> 
             "columns joined end to end",
         )
     if array.ndim != 2 or not _fits(array.shape, shape):
-        raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.")
+        beside = ""
+        if array.ndim == 2 and shape[1] is not None and abs(array.shape[1] - shape[1]) == 1:
+            much = "too many" if array.shape[1] > shape[1] else "too few"
+            beside = f" One column {much}: does a `range` begin or end elsewhere? (It leaves out its end.)"
+        raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.{beside}")
     return array
 
 
@@ -93,14 +101,16 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
         )
     if array.ndim == 2 and array.shape[1] == 1:
         array = array.reshape(-1)
-    if array.ndim == 2 and array.shape[0] == array.shape[1] and (size is None or size == array.shape[0]):
+    if array.ndim == 2 and array.shape[0] <= array.shape[1] and array.shape[0] == (size or array.shape[1]):
         raise NoAnswer(
             f"`{name}` should be one column of numbers; it is a table of {array.shape[0]} by "
-            f"{array.shape[0]}. Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or "
+            f"{array.shape[1]}. Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or "
             "was `*` or `/` taken for matrices? (Their product is `@`, and a system of equations is solved by "
             "`np.linalg.solve`.) Print the shapes of its parts.",
             "a table in place of a vector",
         )
+    if array.ndim == 0 and size is not None and size > 1:
+        raise NoAnswer(f"`{name}` should hold {size} numbers; it is one number.", "one number in place of a vector")
     if array.ndim != 1:
         empty = " A slice took nothing: `A[first:]` cuts rows, `A[:, first:]` columns." if array.size == 0 else ""
         raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.{empty}")
@@ -124,7 +134,7 @@ def as_column(name: str, value: Value, size: int | None = None) -> FloatArray:
     if np.ndim(value) != 2:  # type: ignore[arg-type]
         raise NoAnswer(
             f"`{name}` has shape {np.shape(value)}: it is one-dimensional. "  # type: ignore[arg-type]
-            f"A column vector has shape ({array.size}, 1): use `{name}.reshape(-1, 1)`.",
+            f"A column vector has shape ({array.size}, 1): use `np.reshape({name}, (-1, 1))`.",
             "flat instead of a column",
         )
     return array
@@ -160,7 +170,8 @@ def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
 def as_system(name: str, value: Value) -> SystemValue:
     """Read a transfer function or a state space with one input and one output."""
     if not isinstance(value, (TransferFunctionValue, StateSpaceValue)):
-        raise NoAnswer(f"`{name}` should be a transfer function or a state space; it is {kind_of(value)}.")
+        made = " Make it with `ct.tf(...)` or `ct.ss(...)`." if isinstance(value, tuple) else ""
+        raise NoAnswer(f"`{name}` should be a transfer function or a state space; it is {kind_of(value)}.{made}")
     if isinstance(value, StateSpaceValue):
         order, inputs, outputs = value.A.shape[0], value.B.shape[1], value.C.shape[0]
         if (inputs, outputs) != (1, 1):

@@ -50,6 +50,15 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             f"In `{left} @ {right}` the first has {one[-1]} columns and the second {other[0]} rows: "
             f"these must be equal."
         )
+        flat = [part for part in ast.walk(node) if isinstance(part, ast.Name) and len(stop.shape(part) or ()) == 1]
+        weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
+        if weight:
+            return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
+        inverse = re.search(r"inv\((\w+)\.T @ \1\)$", left)
+        if inverse is not None and one[0] < other[0]:
+            name = inverse[1]
+            before = f"`{name}.T` in place of `{name}`" if right == name else f"`{name}.T @` before `{right}`"
+            return f"{said} Is {before} meant?"
         if "inv(" in left:
             return " ".join(filter(None, (said, _without_inverse(stop))))
         if one[0] == other[0] and re.fullmatch(r"\w+(\.T)?", left):
@@ -83,7 +92,7 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
 
 
 def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
-    """A flat array in the place of a matrix; of `solve`, the two arguments may be swapped."""
+    """A flat array in the place of a matrix; of `solve` and `lstsq`, the two arguments may be swapped."""
     for node in stop.expressions():
         if isinstance(node, ast.Call) and node.args:
             shapes = [stop.shape(part) for part in node.args[:2]]
@@ -91,8 +100,10 @@ def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
                 continue
             A = ast.unparse(node.args[0])
             said = f"`{A}` is flat, shape {shapes[0]}, and stands where `{ast.unparse(node.func)}` takes a matrix."
-            is_swapped = len(shapes) == 2 and shapes[1] == (shapes[0][0], shapes[0][0])
-            return f"{said} `solve(A, b)` takes the matrix first: the two are swapped." if is_swapped else said
+            second = shapes[1] if len(shapes) == 2 else None
+            is_swapped = second is not None and len(second) == 2 and second[0] == shapes[0][0]
+            solver = ast.unparse(node.func).rpartition(".")[2]
+            return f"{said} `{solver}(A, b)` takes the matrix first: the two are swapped." if is_swapped else said
     return "A flat array stands where a matrix belongs: print the shapes of the parts."
 
 
@@ -126,7 +137,12 @@ def _without_inverse(stop: Stop) -> str:
 
 
 def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
-    """A product that is singular by its shapes, or dependent columns."""
+    """A product that is singular by its shapes, a single zero, or dependent columns."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve")):
+            shapes = {stop.shape(part) for part in ast.walk(node.args[0]) if isinstance(part, ast.expr)} - {None}
+            if (1, 1) in shapes and shapes <= {(1, 1), (1,)}:
+                return f"`{ast.unparse(node.args[0])}` is a single number, and it is zero: print what it is made of."
     return _without_inverse(stop) or (
         "The matrix has no inverse: its columns are dependent. Often here: is a column of Phi "
         "zero, or there twice, or is "

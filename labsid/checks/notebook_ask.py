@@ -1,6 +1,8 @@
 """Access of a check to the variables of a notebook, in the notebook's own process."""
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Iterable, Mapping
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -51,7 +53,7 @@ class NotebookAsk:
         self.names.append(name)
         self.tried = self.beside = ""
         if name not in self._variables:
-            raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.")
+            raise NoAnswer(f"there is no variable `{name}` yet. Define it with exactly this name.{self._near(name)}")
         return plain(self._variables[name])
 
     def call(self, name: str, *arguments: Value) -> Value:
@@ -61,7 +63,8 @@ class NotebookAsk:
         self._calls += 1
         function = self._variables.get(name)
         if not callable(function):
-            raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.")
+            near = self._near(name, [one for one, thing in self._variables.items() if isinstance(thing, FunctionType)])
+            raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.{near}")
         self.tried, self.beside = "", reads_beside(name, function, self._variables)
         try:
             with limit_time(CALL_SECONDS):
@@ -77,9 +80,23 @@ class NotebookAsk:
         except Exception as error:
             raise NoAnswer(told(stop_of(error, self._variables), f"`{name}`"), PYTHON_ERROR) from error
 
+    def _near(self, name: str, functions: Iterable[str] = ()) -> str:
+        """A variable that is spelt alike but for capitals and underscores, and belongs to no earlier step.
+
+        Or one of the `functions`, spelt nearly alike.
+        """
+        alike = [one for one in self._variables if _letters(one) == _letters(name) and one not in (name, *self._known)]
+        near = [*alike, *difflib.get_close_matches(name, functions, 1, 0.85)]
+        letters = " Capital and small letters differ." if alike else ""
+        return f" There is `{near[0]}`: is that meant?{letters}" if near else ""
+
     def known(self, name: str) -> Value:
         """A value of an earlier step: the student's, or the reference's where that step was skipped."""
         return self._known[name]
+
+
+def _letters(name: str) -> str:
+    return name.replace("_", "").lower()
 
 
 def _listed(arguments: tuple[Value, ...]) -> str:

@@ -128,7 +128,13 @@ TABLE: tuple[Translation, ...] = (
     Translation("ValueError", r"mismatch in its core dimension|not aligned", unfit_product),
     Translation("LinAlgError", "[Ss]ingular matrix", product_without_inverse),
     Translation("LinAlgError", "must be square", not_square),
-    Translation("LinAlgError", "must be at least two-dimensional", flat_matrix),
+    Translation("LinAlgError", "must be (at least )?two-dimensional", flat_matrix),
+    Translation(
+        "LinAlgError",
+        "did not converge",
+        "There is a nan or an inf in it: print `np.isfinite(...)` of each part. (The logarithm and the root of a "
+        "negative number are nan.)",
+    ),
     Translation("ControlDimension", r"state-space matrix|dimensions of [ABCD] matrix", flat_state_space),
     Translation("LinAlgError", "Incompatible dimensions", "`lstsq(A, b)`: A and b must have the same number of rows."),
     Translation("IndexError", r"index (\d+) is out of bounds for axis \d+ with size (\d+)", beyond_the_end),
@@ -137,6 +143,16 @@ TABLE: tuple[Translation, ...] = (
         "IndexError", "list index out of range", "Python counts from 0: a list of 2 has the entries `[0]` and `[1]`."
     ),
     Translation("AttributeError", r"'dict' object has no attribute '(\w+)'", field_of_a_dictionary),
+    Translation(
+        "AttributeError",
+        "'list' object has no attribute 'split'",
+        'It takes one text, with commas between the names, such as "x1,x2", and no list.',
+    ),
+    Translation(
+        "ValueError",
+        "not a valid value for color",
+        'A colour is a name in quotes, "red" or "tab:blue", or three numbers from 0 to 1: divide 0 to 255 by 255.',
+    ),
     Translation(
         "AttributeError", "'list' object has no attribute", "A list is no array: make one of it with `np.array(...)`."
     ),
@@ -195,9 +211,13 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "ValueError",
         "inhomogeneous",
-        "What should be numbers is a list or tuple of parts of different lengths. Often here: is "
-        "it the whole result of "
-        "`lstsq`, of which `[0]` is the solution?",
+        "What should be numbers is a list or tuple of parts of different lengths. Often here: is it all that a "
+        "function returns, such as `np.linalg.lstsq` or `np.histogram`, of which `[0]` is meant?",
+    ),
+    Translation(
+        "ValueError",
+        "x not in list",
+        "It has been removed already. After a `remove`, leave the inner loop: `break`.",
     ),
     Translation(
         "ValueError",

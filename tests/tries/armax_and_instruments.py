@@ -1,6 +1,6 @@
 """First tries at the lecture on coloured noise."""
 
-from tries import VAGUE, Try
+from tries import Try
 
 TAB, BIAS, LIM, COV, ARMAX, RELS, F14, IV, REC, LIK = (
     "ai-1-tables", "ai-2-bias", "ai-3-limit", "ai-4-covariance", "ai-5-armax", "ai-6-rels", "ai-6-figure-14",
@@ -157,7 +157,7 @@ TRIES = (
     Try(IV, "Z for all", iv(solve="np.linalg.lstsq(Z, Y)[0]"), "Z instead of Phi"),
     Try(IV, "transposed", iv(solve="np.linalg.solve(Phi.T @ Z, Z.T @ Y)"), "transpose of Z'Phi"),
     Try(IV, "inverse shapes", iv(solve="np.linalg.inv(Z @ Phi.T) @ Z @ Y"), "rank 2 at most|no inverse|columns"),
-    Try(IV, "lfilter sign", iv("scipy.signal.lfilter([0, theta[1]], [1, -theta[0]], u)"), "is off.*y_M", VAGUE),
+    Try(IV, "lfilter sign", iv("scipy.signal.lfilter([0, theta[1]], [1, -theta[0]], u)"), "other sign of a: y_M"),
     Try(
         REC,
         "z z'",
@@ -222,4 +222,58 @@ TRIES = (
         r"np.outer\(P @ z, phi\)",
         never=r"made by `\*`",
     ),
+    Try(BIAS, "all entries", bias(se="s / np.sqrt(estimates.size)"), "counts all entries"),
+    Try(
+        BIAS,
+        "about the truth",
+        bias(s="np.sqrt(np.sum((estimates - truth)**2, axis=0) / (len(estimates) - 1))"),
+        "the bias is in it",
+    ),
+    Try(BIAS, "axis 1", bias("np.mean(estimates, axis=1) - truth"), "number of each \\*row\\*"),
+    Try(
+        LIM, "1 - a", limit("(b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e) / (1 - a)"), "a stands without its square"
+    ),
+    Try(LIM, "b", limit("(b * var_u + (1 + c**2 - 2 * a * c) * var_e) / (1 - a**2)"), "b stands without its square"),
+    Try(LIM, "1 + a^2", limit("(b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e) / (1 + a**2)"), "by 1 \\+ a\\^2"),
+    Try(LIM, "root", limit(end="[a - c * var_e / np.sqrt(var_y), b]"), "standard deviation of y"),
+    Try(COV, "weighted", cov(THREE, "np.linalg.inv(Phi.T @ np.linalg.inv(R) @ Phi)"), "\\*weighted\\* estimate"),
+    Try(ARMAX, "share of theta", armax(move="share * new"), "a share of the \\*step\\*"),
+    Try(IV, "not delayed", iv().replace("-y_M[:-1], u[:-1]])\n", "-y_M[1:], u[1:]])\n"), "y_M\\(t\\), u\\(t\\)"),
+    Try(
+        REC,
+        "exchanged throughout",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ phi, z @ P) / (1 + z @ P @ phi)\n"
+            "        theta = theta + P @ phi * eps"
+        ),
+        "in P and in the gain",
+    ),
+    Try(
+        REC,
+        "no 1",
+        recursive(
+            "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ z, phi @ P) / (phi @ P @ z)\n"
+            "        theta = theta + P @ z * eps"
+        ),
+        "is the 1 in the denominator",
+    ),
+    Try(LIK, "no N/2", lik("-np.log(2 * np.pi * var_e) - E @ E / (2 * var_e)"), "without the N/2"),
+    Try(LIK, "no brackets", lik("-N / 2 * np.log(2 * np.pi * var_e) - E @ E / 2 * var_e"), "multiplies by var_e"),
+    Try(
+        LIK, "plus the errors", lik("-N / 2 * np.log(2 * np.pi * var_e) + E @ E / (2 * var_e)"), "grows with the errors"
+    ),
+    Try(
+        ARMAX,
+        "C for 1/C",
+        armax().replace("lfilter([1], [1, c], w)", "lfilter([1, c], [1], w)"),
+        r"is to be \*solved\*",
+    ),
+    Try(COV, "one inverse", cov(THREE, "I @ Phi.T @ R @ Phi"), "on one side only"),
+    Try(
+        LIK,
+        "no variance in the logarithm",
+        lik("-N / 2 * np.log(2 * np.pi) - E @ E / (2 * var_e)"),
+        "has log\\(2 pi\\) alone",
+    ),
+    Try(COV, "c everywhere", cov("var_e * ((1 + c**2 - c) * np.eye(N) + c * np.ones((N, N)))"), "between all samples"),
 )

@@ -1,6 +1,6 @@
 """First tries at the least-squares lecture."""
 
-from tries import Try
+from tries import ACCEPTED, Try
 
 KIND, DEL, DER, FITS, F5, PROJ = (
     "ls-1-kind", "ls-2-delays", "ls-3-derivatives", "ls-4-fits", "ls-4-figure-5", "ls-5-projector",
@@ -59,6 +59,12 @@ def conf(
         f"    s2 = {s2}\n    half = {q} * {root}(s2 * np.diag({cov}))\n    return {end}",
     )
 
+
+def lags(column: str, end: str) -> str:
+    return f"return np.column_stack([{column} for i in range({end})])"
+
+
+WEIGHTED = "np.linalg.solve(Phi.T @ W @ Phi, Phi.T @ W @ Y)"
 
 TRIES = (
     Try(KIND, "eigenvalues of M", kind("np.linalg.eigvals(M).real"), "eigenvalues of M, and compares"),
@@ -146,7 +152,7 @@ TRIES = (
     Try(FITS, "sorted", fits("[x**p for p in sorted(powers)]"), "not in the order of `powers`"),
     Try(FITS, "array of powers", fits("x**powers"), "shape|Entry by entry|samples"),
     Try(FITS, "mean", fits(result="theta, np.mean(E**2)"), "mean of the squared errors"),
-    Try(FITS, "E", fits(result="theta, E"), "one number"),
+    Try(FITS, "E", fits(result="theta, E"), "errors themselves"),
     Try(FITS, "only theta", fits(result="theta"), "should return theta and the SSE|as many names"),
     Try(
         F5,
@@ -388,5 +394,41 @@ TRIES = (
         "    return theta, np.linalg.svd(Phi)[2][np.linalg.matrix_rank(Phi) :].T\n",
         "Phi'Phi has no inverse",
         never="wrong factor",
+    ),
+    Try(DEL, "zeros +", f("delayed_inputs(u, n)", lags("np.zeros(i) + u[: len(u) - i]", "n")), "join them"),
+    Try(
+        DEL,
+        "n + 1",
+        f("delayed_inputs(u, n)", lags("np.r_[np.zeros(i), u[: len(u) - i]]", "n + 1")),
+        "too many: does a",
+    ),
+    Try(FITS, "p to the x", fits("[float(p)**x for p in powers]"), r"columns p\*\*x"),
+    Try(
+        SOL,
+        "s > 0",
+        f(
+            "all_solutions(Phi, Y)",
+            "V = np.linalg.svd(Phi)\n    return np.linalg.pinv(Phi) @ Y, V[2][np.sum(V[1] > 0) :].T",
+        ),
+        "computed as about 1e-16",
+    ),
+    Try(
+        WEI, "flat W", f("weighted_fit(Phi, Y, sigma)", f"W = 1 / sigma**2\n    return {WEIGHTED}"), r"`np\.diag\(W\)`"
+    ),
+    Try(
+        WEI,
+        "diagonal W",
+        f("weighted_fit(Phi, Y, sigma)", f"W = np.diag(1 / sigma**2)\n    return {WEIGHTED}"),
+        "",
+        ACCEPTED,
+    ),
+    Try(CONF, "np.var", conf("np.var(E)"), r"`np\.var` takes the mean off"),
+    Try(CONF, "cdf", conf(q="scipy.stats.t.cdf((1 + level) / 2, N - p)"), "`cdf` stands where `ppf`"),
+    Try(CONF, "np.var, ddof=1", conf("np.var(E, ddof=1)"), "divides by n - 1"),
+    Try(
+        DEL,
+        "not shifted",
+        f("delayed_inputs(u, n)", lags("np.r_[np.zeros(i), u[i:]]", "n")),
+        "u\\(t\\) itself with its first i entries zero",
     ),
 )

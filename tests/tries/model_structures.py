@@ -1,6 +1,6 @@
 """First tries at the lecture on model structures."""
 
-from tries import Try
+from tries import ACCEPTED, Try
 
 SHIFT, SS, EQ, SIM, EX, PRED, F8, EXC, ORD, CAN, AUTO = (
     "ms-2-shift", "ms-3-state-space", "ms-4-equations", "ms-5-simulate", "ms-5-example-3-1", "ms-6-predict",
@@ -58,6 +58,22 @@ def order(
         f"        V.append({V})\n    return np.array(V)\n\n\ndef criteria(V, N, p):\n    return {crit}\n"
     )
 
+
+def cancelled(P: str = "P", Q: str = "Q", test: str = "abs(r - s) < within", copy: str = "list(q)",
+              end: str = "break", real: str = ".real") -> str:  # fmt: skip
+    return f(
+        "cancel(P, Q, within)",
+        f"p, q = list(np.roots({P})), list(np.roots({Q}))\n    for s in {copy}:\n        for r in list(p):\n"
+        f"            if {test}:\n                p.remove(r)\n                q.remove(s)\n                {end}\n"
+        f"    return np.atleast_1d(np.poly(p)){real}, np.atleast_1d(np.poly(q)){real}",
+    )
+
+
+LF = "scipy.signal.lfilter"
+RANK = "np.linalg.matrix_rank(np.column_stack([u[largest - 1 - i : len(u) - i] for i in range(largest)]))"
+SPECTRUM = "U = np.abs(np.fft.rfft(u))\n    return min(largest, int(np.sum(U > 1e-6 * U.max())))"
+CRITERIA = "N * np.log(V) + 2 * p, N * np.log(V) + p * np.log(N), {}"
+AUTOCORRELATION = f("autocorrelation(e, lags)", "N, d = len(e), e - np.mean(e)\n    return {}")
 
 TRIES = (
     Try(SHIFT, "full convolution", f("apply(P, x)", "return np.convolve(P, x)"), "more samples"),
@@ -282,5 +298,46 @@ TRIES = (
         "        if np.linalg.matrix_rank(M) == n:\n            return n\n    return 1\n",
         "zero throughout",
         never="rounding",
+    ),
+    Try(SS, "not reversed", space("-a[1:]", "(b - b[0] * a)[1:].reshape(1, n)"), "both the last row of A and C"),
+    Try(SS, "B", space().replace("B[-1, 0]", "B[0, 0]"), "B of .* first row"),
+    Try(EQ, "delay not used", eq(us="[u[k0 - i : N - i] for i in range(1, nb + 1)]", k0="max(na, nb)"), "wrong lags"),
+    Try(EQ, "rows too early", eq(k0="max(na, nb)"), "same number of rows|nobody recorded", never="wrong lags"),
+    Try(
+        SIM,
+        "times A",
+        f("simulate(A, B, C, u, e)", f"return {LF}(A, [1], {LF}(B, [1], u) + {LF}(C, [1], e))"),
+        "divide by A",
+    ),
+    Try(SIM, "u + e", f("simulate(A, B, C, u, e)", f"return {LF}(B, A, u + e)"), "e through B"),
+    Try(SIM, "C for both", f("simulate(A, B, C, u, e)", f"return {LF}(C, A, {LF}(B, [1], u) + e)"), "input through C"),
+    Try(
+        EX, "same samples", ex("return np.linalg.lstsq(np.column_stack([-y, u]), y)[0]"), "explains y\\(t\\) by itself"
+    ),
+    Try(EXC, "true or false", f("excitation(u, largest)", f"return {RANK} == largest"), "True or False"),
+    Try(EXC, "lines of the spectrum", f("excitation(u, largest)", SPECTRUM), "too high an order", never="filled in"),
+    Try(ORD, "no brackets", order(crit=CRITERIA.format("V*1 + p/N/1 - p/N")), "FPE lacks brackets"),
+    Try(ORD, "brackets above", order(crit=CRITERIA.format("V * (1 + p/N) / 1 - p/N")), "FPE lacks brackets"),
+    Try(ORD, "half", order(crit=CRITERIA.format("V * (1 + p/N)")), "two factors", never="brackets"),
+    Try(CAN, "turned round", cancelled("P[::-1]", "Q[::-1]"), "list turned round"),
+    Try(CAN, "no abs", cancelled(test="r - s < within"), "`abs\\(p - q\\)`"),
+    Try(CAN, "no copy", cancelled(copy="q"), "one is left"),
+    Try(CAN, "no break", cancelled(end="pass"), "leave the inner loop"),
+    Try(CAN, "no .real", cancelled(real=""), "", ACCEPTED),
+    Try(
+        AUTO,
+        "std",
+        AUTOCORRELATION.format("np.array([d[k:] @ d[: N - k] for k in range(lags + 1)]) / N / np.std(e)"),
+        "deviation",
+    ),
+    Try(AUTO, "correlate", AUTOCORRELATION.format("np.correlate(d, d, 'full')[: lags + 1] / (d @ d)"), "in its middle"),
+    Try(
+        EXC,
+        "beyond largest",
+        f(
+            "excitation(u, largest)",
+            f"n = 0\n    while {RANK.replace('largest', '(n + 1)')} == n + 1: n += 1\n    return n",
+        ),
+        "goes on beyond `largest`",
     ),
 )

@@ -1,6 +1,6 @@
 """First tries at the nonlinear lecture."""
 
-from tries import Try
+from tries import ACCEPTED, Try
 
 LOG, JAC, GN, LM, EXP, FREQ, LOC, LAY, STEP, OE = (
     "nl-1-logarithm", "nl-2-jacobian", "nl-3-gauss-newton", "nl-4-damping", "nl-5-exponential", "nl-6-frequency",
@@ -118,7 +118,7 @@ TRIES = (
         LM,
         "always taken",
         lm(test="True"),
-        "no inverse|larger must not be taken|ends higher|range of numbers|stops before",
+        "single number, and it is zero|larger must not be taken|ends higher|range of numbers|stops before",
     ),
     Try(LM, "break at a bad step", lm(after="break"), "first bad|stays at theta0|stops before"),
     Try(EXP, "all of it", exp(FIT), "`.x` is the solution"),
@@ -270,4 +270,36 @@ TRIES = (
         ),
         "`.x`",
     ),
+    Try(
+        LOG, "log of x", f("fit_logarithm(x, y)", "return np.polyfit(np.log(x), np.log(y), 1)"), "a nan or an inf in it"
+    ),
+    Try(LOG, "e^a", logarithm(end="np.exp(a), np.exp(c)"), "a of `fit_logarithm` is e\\^a"),
+    Try(LOG, "x over ln y", logarithm("x", H="np.log(y), np.ones(len(y))"), "fits x to ln y"),
+    Try(JAC, "b, a", jac().replace("a, b = theta", "b, a = theta"), "in the order b, a"),
+    Try(JAC, "one number", jac(grad="e @ e"), "should hold 2 numbers"),
+    Try(
+        EXP,
+        "squares handed over",
+        exp(FIT.replace("th[1] * np.exp(th[0] * x) - y", "np.sum((th[1] * np.exp(th[0] * x) - y)**2)") + ".x"),
+        "",
+        ACCEPTED,
+    ),
+    Try(
+        FREQ,
+        "index",
+        f("fit_frequency(t, y, low, high)", "return np.argmin(np.abs(np.linspace(low, high, 5000) - 2.7)) + 50"),
+        "\\*index\\* of the smallest",
+    ),
+    Try(
+        LOC,
+        "one norm for all",
+        f(
+            "locate(beacons, ranges)",
+            "e = lambda p: np.linalg.norm(beacons - p) - ranges\n"
+            "    return scipy.optimize.least_squares(e, beacons.mean(axis=0)).x",
+        ),
+        "an error for each beacon",
+    ),
+    Try(STEP, "covariance", step(cov="s2 * np.linalg.inv(fit.jac.T @ fit.jac)"), "returns the covariance"),
+    Try(STEP, "1.96", step(cov="1.96 * np.sqrt(np.diag(s2 * np.linalg.inv(fit.jac.T @ fit.jac)))"), "half widths"),
 )

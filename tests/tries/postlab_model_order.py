@@ -25,7 +25,7 @@ TRIES = (
         PHI,
         "four columns",
         "Phi_1 = np.column_stack([y[1:half-1], y[:half-2], u[1:half-1], u[:half-2]])\nY_1 = y[2:half]",
-        "shape",
+        "model of order 2",
     ),
     Try(PHI, "all", "Phi_1 = np.column_stack([y[:-1], u[:-1]])\nY_1 = y[1:]", "entire record"),
     Try(PHI, "same time", "Phi_1 = np.column_stack([y[1:half], u[1:half]])\nY_1 = y[1:half]", "one step later"),
@@ -33,7 +33,9 @@ TRIES = (
     Try(PHI, "minus", "Phi_1 = np.column_stack([-y[:half-1], u[:half-1]])\nY_1 = y[1:half]", "contains -y"),
     Try(THETA, "elementwise", "theta_1 = np.linalg.inv(Phi_1.T * Phi_1) @ Phi_1.T @ Y_1", "which fits"),
     Try(THETA, "all of lstsq", "theta_1 = np.linalg.lstsq(Phi_1, Y_1)", "whole result"),
-    Try(THETA, "name", "theta_1 = np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)", "Phi_1|not defined|run the cells"),
+    Try(
+        THETA, "name", "theta_1 = np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)", "There is `Phi_1`|not defined|run the cells"
+    ),
     Try(THETA, "swapped", "theta_1 = np.linalg.lstsq(Y_1.reshape(-1, 1), Phi_1)[0]", "swapped"),
     Try(THETA, "inverse forgotten", "theta_1 = Phi_1.T @ Y_1", "inverse"),
     Try(TF, "signs", "G_1 = ct.tf([theta_1[1]], [1, theta_1[0]], Ts)", "signs of theta"),
@@ -132,4 +134,16 @@ TRIES = (
         "same number of rows",
         never="notebook's own",
     ),
+    Try(THETA, "swapped", "theta_1 = np.linalg.lstsq(Y_1, Phi_1)[0]", r"`lstsq\(A, b\)` takes the matrix first"),
+    Try(TF, "a and b swapped", "G_1 = ct.tf([theta_1[0]], [1, theta_1[1]], Ts)", "a and b are swapped"),
+    Try(FIT, "columns added", fit(f"np.array({Y_LAGS}) + np.array({U_LAGS})"), "adds two arrays entry by entry"),
+    Try(
+        F8,
+        "no f",
+        "fig_8, ax = plt.subplots()\nax.plot(t, y, label='y')\nax.plot(t, y_sim_1, label='order 1')\n"
+        "ax.plot(t, y_sim_2, label='order 2')\nax.set(xlabel='Time (s)', ylabel='Output (V)')\nax.legend()\n"
+        "ax.text(0, 0, 'order 1: {mse_1:.3e}, order 2: {mse_2:.3e}')",
+        "an `f` before the quotes",
+    ),
+    Try(THETA, "no transpose", "theta_1 = np.linalg.inv(Phi_1.T @ Phi_1) @ Y_1", "Is `Phi_1.T @` before `Y_1` meant"),
 )

@@ -98,7 +98,7 @@ TRIES = (
     Try(B, "original", "ax_b.plot(t, y1)\nax_b.step(t, y2, where='post')", "original data again", never="earlier run"),
     Try(B, "against uncut time", "ax_b.plot(t[200:], y1_new)\nax_b.step(t[200:], y2_new)", "old time"),
     Try(B, "unequal lengths", "ax_b.plot(t, y1_new)", "same length|same first dimension"),
-    Try(B, "in (a)", "ax_a.plot(t_new, y1_new)\nax_a.step(t_new, y2_new)", "no curve in Fig. 1\\(b\\)"),
+    Try(B, "in (a)", "ax_a.plot(t_new, y1_new)\nax_a.step(t_new, y2_new)", "cut-off data are in Fig. 1\\(a\\)"),
     Try(
         "prelab-6-cut-off",
         "x and y swapped",
@@ -133,4 +133,23 @@ TRIES = (
         "inside the brackets",
         never="Gaussian",
     ),
+    Try(T, "list", "t = [0.1 * i for i in range(1001)]", r"np\.reshape\(t"),
+    Try(T, "capital", "T = np.linspace(0, 100, 1001).reshape(-1, 1)", "There is `T`"),
+    Try(T, "another name", "time = np.linspace(0, 100, 1001)", "no variable `t`", never="is that meant"),
+    Try(T, "dots", "t = ...", r"still `\.\.\.`"),
+    Try(C, "end named", "t_new = t[200:1000] - t[200]\ny1_new = y1[200:1000]\ny2_new = y2[200:1000]", "last index"),
+    Try(F, "misspelt", "def cut_of(data, n):\n    return data[n:]", "There is `cut_of`: is that meant"),
+    Try(
+        A,
+        "colour of 255",
+        "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, color=(153, 178, 204))",
+        "divide 0 to 255 by 255",
+    ),
+    Try(
+        F,
+        "row for column",
+        cut("r = data[n:].copy(); r[0] = r[0] - r[0, 0]; return r"),
+        r"the first column is `data\[:, 0\]`",
+    ),
+    Try(N, "1000 flat numbers", waves("np.sin(2 * np.pi * t / 100)", "rng.uniform(-0.2, 0.2, 1000)"), "flat noise"),
 )

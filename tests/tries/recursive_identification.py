@@ -235,4 +235,28 @@ TRIES = (
         "theta_1 = rls(Phi_61, Y_61, 1.0, 1e6)\ntheta_099 = rls(Phi_61, Y_61, 0.99, 1e6)\n",
         "once, before the loop",
     ),
+    Try(MEAN, "no brackets", f("update_mean(theta, n, y)", "return theta + 1 / n * y - theta"), "theta cancel"),
+    Try(MEAN, "times n", f("update_mean(theta, n, y)", "return theta + n * (y - theta)"), "multiplies the error by n"),
+    Try(
+        MEAN,
+        "sum over n - 1",
+        f("update_mean(theta, n, y)", "return ((n - 1) * theta + y) / (n - 1)"),
+        "by n - 1: it holds",
+    ),
+    Try(FOR, "P full", rls(start="LN * np.ones((p, p))"), "in every entry of P"),
+    Try(FOR, "from the second row", rls().replace("range(len(Y))", "range(1, len(Y))"), "row 0 of `rls` is still zero"),
+    Try(DRI, "no brackets", drift("slope * lam / 1 - lam"), "lacks brackets in its lag"),
+    Try(
+        CAR,
+        "K @ P_phi.T",
+        f(
+            "rls_careless(Phi, Y, lam, LN)",
+            "p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+            "    h, a = np.zeros(Phi.shape), np.zeros(len(Y))\n"
+            "    for k, (phi, y) in enumerate(zip(Phi, Y)):\n        q = P @ phi\n        K = q / (lam + phi @ q)\n"
+            "        theta = theta + K * (y - phi @ theta)\n        P = (P - K @ q.T) / lam\n        h[k] = theta\n"
+            "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return h, a",
+        ),
+        r"`np\.outer\(K, P_phi\)`",
+    ),
 )

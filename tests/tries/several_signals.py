@@ -56,7 +56,9 @@ TRIES = (
         read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u.T, record.y.T, record.Ts"),
         "row for each signal",
     ),
-    Try(READ, "Ts forgotten", read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y = record.u, record.y"), "Ts"),
+    Try(
+        READ, "Ts forgotten", read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y = record.u, record.y"), "no variable `Ts`"
+    ),
     Try(OFF, "no axis", off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u[0], y - np.mean(y[:n])"), "axis=0"),
     Try(
         OFF,
@@ -209,5 +211,47 @@ TRIES = (
     ),
     Try(
         "sev-1-read", "no names", "record = load_record('TwoHeaters.csv')", "which columns are inputs and which outputs"
+    ),
+    Try(READ, "lists", read(', inputs=["Q1", "Q2"], outputs=["T1", "T2"]'), "with commas between the names"),
+    Try(
+        READ,
+        "the record itself",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record"),
+        "parts of a record have names",
+    ),
+    Try(
+        PHI,
+        "inputs by lag",
+        phi(
+            "c = [y[n - l : N - l, i] for l in range(1, n + 1)] + [u[n - l : N - l] for l in range(1, n + 1)]\n"
+            "    return np.column_stack(c), y[n:, i]"
+        ),
+        "inputs lag by lag",
+    ),
+    Try(
+        THETA,
+        "return in the loop",
+        theta(
+            "T = []\n    for i in range(y.shape[1]):\n        T.append(np.linalg.lstsq(*regressor(u, y, i, n))[0])\n"
+            "        return np.array(T)"
+        ),
+        "`return` inside the loop",
+    ),
+    Try(RUN, "two inputs", run(f"return sum({FILTERS}range(2)])"), "uses 2 of its 3 inputs"),
+    Try(
+        RUN,
+        "all of b",
+        run("return sum(scipy.signal.lfilter(np.r_[0, theta[n:]], np.r_[1, -theta[:n]], c) for c in u.T)"),
+        "by the b's of all",
+    ),
+    Try(
+        RUN,
+        "slices not reversed",
+        run(
+            "y = np.zeros(len(u))\n    for k in range(n, len(u)):\n        y[k] = theta[:n] @ y[k - n : k]\n"
+            "        y[k] += sum(theta[n + j * n : n + (j + 1) * n] @ u[k - n : k, j] for j in range(u.shape[1]))\n"
+            "    return y"
+        ),
+        "oldest lag first",
     ),
 )

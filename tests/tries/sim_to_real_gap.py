@@ -116,7 +116,7 @@ TRIES = (
         time("s = np.sum(e.reshape(-1, parts)**2, axis=0)\n    return s / np.sum(s)"),
         "every n-th sample",
     ),
-    Try(TIME, "not shares", time("return np.sum(e.reshape(parts, -1)**2, axis=1)"), "does not divide"),
+    Try(TIME, "not shares", time("return np.sum(e.reshape(parts, -1)**2, axis=1)"), "adds up to .* divide by the sum"),
     Try(
         TIME,
         "float",
@@ -278,4 +278,88 @@ TRIES = (
         "take `u_offset` off inside",
         never="whatever it is handed",
     ),
+    Try(
+        LIN,
+        "signals with offsets",
+        linear(fit="fit(free_run, theta_arx, u_act[:half], y_act[:half])"),
+        "with their offsets",
+    ),
+    Try(
+        LIN,
+        "result for a function",
+        linear(fit="fit(free_run(theta_arx, u), theta_arx, u[:half], y[:half])"),
+        "its name alone, `free_run`",
+    ),
+    Try(SIZE, "with the offset", "gap_before = np.sqrt(np.mean((y_act - y_lin)[half:]**2))", "compares `y_act`"),
+    Try(SIZE, "over N", "gap_before = np.sqrt(np.sum(e[half:]**2) / N)", "divides by N"),
+    Try(TIME, "means", time("return np.mean(e.reshape(parts, -1)**2, axis=1)"), "adds up to"),
+    Try(TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers"),
+    Try(
+        TIME, "largest error", time(RIGHT, worst="t[np.argmax(np.abs(e))] + np.array([0, Ts])"), "largest single error"
+    ),
+    Try(TIME, "held-out half", time(RIGHT, "time_shares(e[half:], 16)"), "held-out half of the error"),
+    Try(
+        TIME,
+        "overlapping",
+        time(
+            "n = len(e) // parts\n    return np.array([np.sum(e[i : i + n]**2) for i in range(parts)]) / np.sum(e**2)"
+        ),
+        "begins each stretch one sample",
+    ),
+    Try(FREQ, "counted", band("np.ones(len(f))"), "counts the frequencies"),
+    Try(FREQ, "decibels", band("20 * np.log10(np.abs(E))"), "adds up decibels"),
+    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "or `np.histogram`"),
+    Try(
+        OPER,
+        "np.digitize",
+        cells(
+            "i = np.digitize(x, edges)\n"
+            "    return np.array([np.sum(e[i == j]**2) for j in range(len(edges) - 1)]) / np.sum(e**2)"
+        ),
+        "numbers the cells from 1",
+    ),
+    Try(OPER, "edges of u", cells(y="y_act, e, edges_u"), "cells of the other signal"),
+    Try(
+        OPER,
+        "edges of u, over all",
+        cells("return np.histogram(x, edges, weights=e**2)[0] / np.sum(e**2)", y="y_act, e, edges_u"),
+        "cells of the other signal",
+    ),
+    Try(
+        OPER,
+        "swapped",
+        cells("return np.histogram(x, edges, weights=e**2)[0] / np.sum(e**2)", u="e, u_act, edges_u"),
+        "nothing in any cell",
+    ),
+    Try(
+        SIM,
+        "volts into deviations",
+        "def simulate_better(u_act):\n    return free_run(theta_hat, u_act)",
+        "at rest the sensor shows",
+    ),
+    Try(EFF, "two", "effect = ['input-delay', 'overflow']", 'one text in quotes, such as "input-delay"'),
+    Try(
+        CLOSED,
+        "sigma",
+        closed(body="1 - np.sqrt(max(mse_after - sigma, 0)) / np.sqrt(mse_before - sigma)"),
+        "is sigma squared",
+    ),
+    Try(
+        CLOSED,
+        "no max",
+        closed(body="1 - np.sqrt(mse_after - sigma**2) / np.sqrt(mse_before - sigma**2)"),
+        "needs `max",
+        never="is sigma squared",
+    ),
+    Try(REST, "half", rest(sd="np.std(y_act[:half])"), "whole record, or of half"),
+    Try(REST, "last sample", rest("y_act[n - 1]"), "value of one sample"),
+    Try(
+        SIM,
+        "mean for the offset",
+        "def simulate_better(u_act):\n    return free_run(theta_hat, u_act - np.mean(u_act)) + y_offset",
+        "takes off the mean",
+        never="whatever it is handed",
+    ),
+    Try(TIME, "part for a sample", time(RIGHT, worst="(t[i], t[i + 1])"), "number of a part for that of a sample"),
+    Try(LIN, "u_act", linear(run="free_run(theta_hat, u_act)"), "is run on `u_act`"),
 )

@@ -1,6 +1,6 @@
 """First tries at the step response."""
 
-from tries import VAGUE, Try
+from tries import ACCEPTED, VAGUE, Try
 
 READ, RESP, MSE, FIG, FUN, CUT, MODEL = (
     "step-1-read", "step-2-response", "step-3-mse", "step-3-figure", "step-5-function", "step-6-cut", "step-6-model",
@@ -80,7 +80,7 @@ TRIES = (
         MSE,
         "order of arguments",
         "y_approx = first_order_response(t_step, K, td, tau, amplitude)\nmse_approx = 0",
-        "not the response of your model",
+        "in another order than",
     ),
     Try(MSE, "few arguments", "y_approx = first_order_response(t_step, K, tau, td)", "compare their arguments"),
     Try(
@@ -214,5 +214,28 @@ TRIES = (
         "    t_63 = np.interp(0.632 * d + y[0], y, t)\n    tau = 1.5 * (t_63 - t_28)\n"
         "    return d / amplitude, tau, t_63 - tau\n",
         "np.interp` needs values that rise",
+    ),
+    Try(READ, "shares of K", read().replace("* y_end", "* y_end / amplitude"), "28.3 % of K, and the response goes"),
+    Try(READ, "2/3", read(tau="2 / 3 * (t_63 - t_28)"), "2/3 of t_63 - t_28; by the text"),
+    Try(READ, "t_28 - t_63", read(tau="1.5 * (t_28 - t_63)"), "tau is negative"),
+    Try(MSE, "numbers of the process", "y_approx = first_order_response(t_step, 3, 5, 1, amplitude)", "3, 5 and 1"),
+    Try(FUN, "largest value", reader().replace("np.mean(y[-20:])", "np.max(y)"), "largest y is not the end"),
+    Try(FUN, "a third for 28.3 %", reader().replace("0.283", "1 / 3"), "reaches 28.3 % .* too late"),
+    Try(FUN, "exact shares", reader().replace("0.283", "1 - np.exp(-1 / 3)"), "", ACCEPTED),
+    Try(
+        MODEL, "amplitude of part A", "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)", "handed over"
+    ),
+    Try(LOSS, "1//2", fun("loss", A, "return 1 // 2 * (Y - Phi @ theta) @ (Y - Phi @ theta)"), "`1//2` is 0"),
+    Try(
+        TWO,
+        "text",
+        fun("solve_two", "U, Y", "return np.linalg.solve(U, Y) if np.linalg.det(U) else 'None'"),
+        "no quotes",
+    ),
+    Try(
+        READ,
+        "==",
+        read().replace("t_step[np.argmax(y_step >= 0.632 * y_end)]", "t_step[y_step == 0.632 * y_end]"),
+        "did no entry meet",
     ),
 )

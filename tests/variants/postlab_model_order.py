@@ -104,8 +104,8 @@ VARIANTS: list[Right | Wrong] = [
         PHI,
         "second order again",
         "Phi_1 = np.column_stack([y[1:half-1], y[:half-2], u[1:half-1], u[:half-2]])\nY_1 = y[2:half]",
-        None,
-        "shape \\(any, 2\\)",
+        "another order",
+        "model of order 2",
     ),
     # 1. theta
     right(THETA, "lstsq", "theta_1 = np.linalg.lstsq(Phi_1, Y_1)[0]"),

@@ -34,7 +34,19 @@ TF = TransferFunctionValue(NUM, DEN, TS)
 SS = StateSpaceValue([[1.2, -0.4], [1, 0]], [[1], [0]], [[0.2, 0.1]], [[0]], TS)
 NAN = float("nan")
 ONLY_ROUNDING = "If its imaginary part is only rounding, take the real part with `np.real`."
+NOT_FOUR, RANGE = (
+    "`Phi` should have shape (any, 4); it is an array of shape",
+    "does a `range` begin or end elsewhere? (It leaves out its end.)",
+)
 DOUBLE = "and the comparison needs more. Compute in double precision, numpy's own `float`: leave the type out."
+
+
+TABLE = "`y` should be one column of numbers; it is a table of"
+ASKED = (
+    "Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or was `*` or `/` taken for "
+    "matrices? (Their product is `@`, and a system of equations is solved by `np.linalg.solve`.) Print the shapes of "
+    "its parts."
+)
 
 
 def refused(said: str, slip: str | None = None) -> Any:
@@ -93,7 +105,11 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
             "`a` should be one number; it is an array of shape (2,). Which of them is meant, their number, "
             "their sum or their mean?",
         ),
-        ([], "`a` should be one number; it is an array of shape (0,)."),
+        (
+            [],
+            "`a` should be one number; it is an array of shape (0,). Often here: did no entry meet a condition, such "
+            "as `==` between numbers of many digits?",
+        ),
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
         (TF, "`a` should be one number; it is a transfer function."),
         (len, "`a` should be one number; it is an object of type builtin_function_or_method."),
@@ -147,16 +163,16 @@ def test_a_column_of_one_is_a_vector() -> None:
         (np.zeros((3, 2)), "`y` should be one column of numbers; it is an array of shape (3, 2).", None),
         (
             np.zeros((3, 3)),
-            "`y` should be one column of numbers; it is a table of 3 by 3. Often here: did a column (N, 1) meet a flat "
-            "array (N,) in one sum or difference, or was `*` or `/` taken for matrices? (Their product is `@`, and a "
-            "system of equations is solved by `np.linalg.solve`.) Print the shapes of its parts.",
+            f"{TABLE} 3 by 3. {ASKED}",
             "a table in place of a vector",
         ),
         (np.zeros((1, 1, 3)), "`y` should be one column of numbers; it is an array of shape (1, 1, 3).", None),
         (np.zeros(4), "`y` should have 3 elements; it has 4.", None),
         (np.zeros((2, 1)), "`y` should have 3 elements; it has 2.", None),
         (np.zeros(0), "`y` should have 3 elements; it has 0.", None),
-        (5.0, "`y` should be one column of numbers; it is a number.", None),
+        (5.0, "`y` should hold 3 numbers; it is one number.", "one number in place of a vector"),
+        (..., "`y` should be a vector; it is still `...`.", None),
+        (np.zeros((3, 9)), f"{TABLE} 3 by 9. {ASKED}", "a table in place of a vector"),
         (("a", 1), "`y` should be a vector; it is a list or tuple of 2 items.", None),
         (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): check the computation before it.", None),
         (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): check the computation before it.", None),
@@ -175,13 +191,13 @@ def test_a_column_of_one_is_a_vector() -> None:
 )
 def test_what_is_no_vector_is_said(value: Any, said: str, slip: str | None) -> None:
     with refused(said, slip):
-        as_vector("y", value, 3)
+        as_vector("y", plain(value), 3)
 
 
 def test_a_flat_vector_is_no_column() -> None:
     assert as_column("t", np.array([[1.0], [2.0]]), 2).tolist() == [1, 2]
     with refused(
-        "`t` has shape (2,): it is one-dimensional. A column vector has shape (2, 1): use `t.reshape(-1, 1)`.",
+        "`t` has shape (2,): it is one-dimensional. A column vector has shape (2, 1): use `np.reshape(t, (-1, 1))`.",
         "flat instead of a column",
     ):
         as_column("t", np.array([1.0, 2.0]), 2)
@@ -212,7 +228,9 @@ def test_a_matrix_is_read_with_open_sizes() -> None:
             "`Phi` has shape (3, 801); it should have shape (801, 3): transpose it.",
             "rows instead of columns",
         ),
-        (np.zeros((449, 3)), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (449, 3).", None),
+        (np.zeros((449, 3)), (None, 4), f"{NOT_FOUR} (449, 3). One column too few: {RANGE}", None),
+        (np.zeros((449, 5)), (None, 4), f"{NOT_FOUR} (449, 5). One column too many: {RANGE}", None),
+        (np.zeros((449, 6)), (None, 4), f"{NOT_FOUR} (449, 6).", None),
         (np.zeros(4), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (4,).", None),
         (3, (None, 4), "`Phi` should have shape (any, 4); it is a number.", None),
         ("x", (None, 4), "`Phi` should be a matrix; it is text.", None),

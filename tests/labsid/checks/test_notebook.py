@@ -210,6 +210,22 @@ def test_what_is_wrong_with_a_function_is_said(tiny: dict, function: Any, said: 
     assert said in failure(check, "q-line")
 
 
+def test_a_name_that_is_nearly_there_is_asked_about() -> None:
+    def cut_of() -> None: ...
+
+    ask = NotebookAsk({"T": 1.0, "thetahat": 2.0, "y": 3.0, "mse_1": 4.0, "cut_of": cut_of}, None, {"y": 3.0}, "q")
+    for name, near in (("t", "T"), ("theta_hat", "thetahat"), ("Y", ""), ("mse_2", ""), ("cut_off", "")):
+        with pytest.raises(NoAnswer) as missing:
+            ask.value(name)
+        assert str(missing.value).endswith(
+            f"There is `{near}`: is that meant? Capital and small letters differ." if near else "this name."
+        )
+    for name, near in (("cut_off", "cut_of"), ("fit", "")):
+        with pytest.raises(NoAnswer) as missing:
+            ask.call(name)
+        assert str(missing.value).endswith(f"There is `{near}`: is that meant?" if near else "`def fit(...):`.")
+
+
 def test_a_function_cannot_change_the_inputs_of_the_check(tiny: dict) -> None:
     def f(x: np.ndarray) -> np.ndarray:
         x *= 2

@@ -12,7 +12,8 @@ N = 20
 VALUES: dict[str, Any] = {
     "np": np, "Phi": np.arange(2.0 * N).reshape(N, 2) ** 2, "Y": np.arange(float(N)), "R": np.eye(2), "W": np.eye(3),
     "y": np.arange(float(N)), "u": np.arange(float(N)), "w": np.arange(5.0), "zeros": np.zeros((N, 2)),
-    "data": {"t": np.arange(3.0)}, "k": 2,
+    "data": {"t": np.arange(3.0)}, "k": 2, "single": np.zeros((1, 1)), "one": np.zeros(1), "handed": lambda f: f(1),
+    "log": type("Record", (), {})(),
 }  # fmt: skip
 
 
@@ -35,6 +36,20 @@ CAUSES = [
     ("np.linalg.solve(R, w)", "np.linalg.solve(Phi, Y)", "has 2 rows, and b, here `w`, has 5"),
     ("np.linalg.inv(zeros @ zeros.T)", "np.linalg.inv(zeros.T @ zeros)", "of rank 2 at most"),
     ("np.linalg.inv(zeros.T @ zeros)", "np.linalg.inv(zeros @ zeros.T)", "columns are dependent"),
+    ("np.linalg.inv(single + k * single)", "np.linalg.inv(zeros.T @ zeros)", "is a single number, and it is zero"),
+    ("np.linalg.inv(zeros.T @ zeros)", "np.linalg.solve(single, one)", "columns are dependent"),
+    ("np.linalg.lstsq(Y, Phi, None)", "np.linalg.solve(Phi.T @ Y, w)", "`lstsq(A, b)` takes the matrix first"),
+    ("np.linalg.svd(R * np.nan)", "np.linalg.inv(0 * R)", "a nan or an inf in it"),
+    ("np.zeros(3) + u", "u + w", "join them: `np.concatenate([a, b])`"),
+    ("np.mean(Phi, axis=1) - w", "np.mean(Phi, axis=0) - w", "number of each *row*"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Phi", "np.linalg.inv(R.T @ R) @ w", "Is `Phi.T` in place of `Phi` meant?"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Y", "np.linalg.inv(R) @ w", "Is `Phi.T @` before `Y` meant?"),
+    ("Phi.T @ Y @ Phi", "Phi @ w", "`np.diag(Y)`"),
+    ("[1].remove(2)", "[1].index(2)", "leave the inner loop: `break`"),
+    ("['a'].split(',')", "['a'].strip()", "with commas between the names"),
+    ("handed(max(1, 2))", "handed(k)", "hand over its name alone, `max`"),
+    ("a, b = log", "a, b = k", "The parts of a record have names"),
+    ("raise ValueError('(1, 2, 3) is not a valid value for color')", "raise ValueError('c')", "from 0 to 1: divide"),
     ("np.linalg.inv(Phi)", "np.linalg.inv(zeros.T @ zeros)", "`Phi` is 20 by 2; only a square"),
     ("Phi @ Y", "Phi @ w", "Is `Phi.T @ Y` meant?"),
     ("R @ 3", "R @ w", "`3` is one number: a multiple is made by `*`"),

@@ -32,6 +32,8 @@ class _Way:
     exchanged: bool = False
     from_zero: bool = False
     delayed: bool = False
+    other_sign: bool = False
+    ahead: bool = False
 
 
 _RIGHT = _Way()
@@ -50,9 +52,11 @@ def _rounds(u: FloatArray, y: FloatArray, rounds: int, way: _Way = _RIGHT) -> Fl
     first = theta = np.zeros(2) if way.from_zero else solve_least_squares(Phi, Y).theta
     for _ in range(rounds):
         a, b = theta if way.renewed else first
-        model = first_order(float(a), float(b))
+        model = first_order(float(-a if way.other_sign else a), float(b))
         y_model = one_step_prediction(model, u, y) if way.predicted else free_run(model, u)
         Z = build_equations(ARX, u, y_model, start=way.start).Phi
+        if way.ahead:
+            Z = np.column_stack([-y_model, u])[way.start :]
         if way.delayed:
             Z = np.column_stack([-np.concatenate([[0.0], y[way.start - 1 : -2]]), Phi[:, 1]])
         if way.exchanged:
@@ -91,6 +95,11 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 partial(_rounds, u, y, rounds, _Way(predicted=True)),
             ),
             Slip(
+                "sign of a in the simulation",
+                f"`{call}` simulates y_M with the other sign of a: y_M(t) + a y_M(t-1) = b u(t-1).",
+                partial(_rounds, u, y, rounds, _Way(other_sign=True)),
+            ),
+            Slip(
                 "instrument not renewed",
                 f"`{call}` simulates the first model in every round.",
                 partial(_rounds, u, y, rounds, _Way(renewed=False)),
@@ -112,6 +121,11 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 f"`{call}` has Phi and Z exchanged, (Phi'Z)^-1 Phi'Y.",
                 partial(_rounds, u, y, rounds, _Way(exchanged=True)),
                 mend="It is (Z'Phi)^-1 Z'Y.",
+            ),
+            Slip(
+                "instrument not delayed",
+                f"`{call}` takes z(t) = [-y_M(t), u(t)]: the row of y(t) goes with y_M(t-1) and u(t-1).",
+                partial(_rounds, u, y, rounds, _Way(ahead=True)),
             ),
             *(
                 Slip(
@@ -148,6 +162,12 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
     call = f"recursive_iv(u, y, {warm_up})"
     value = returned(ask, "recursive_iv", u, y, warm_up)
     is_history = isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.shape == (y.size, 2)
+    if is_history and np.any(np.isnan(np.asarray(value, float)[0])):
+        return Verdict(
+            False,
+            f"the estimate of `{call}` is nan from sample 0 on, where phi and z are zero: is the 1 in the denominator?",
+            "1 forgotten",
+        )
     if is_history and not np.all(np.isfinite(np.asarray(value, float))):
         return _runaway(np.asarray(value, float), u, y, warm_up)
     got = as_history(call, value, y.size, 2)
@@ -201,6 +221,7 @@ _HINTS = {
     "z for phi in the error": ("predicts with z.", "The error is y - phi'theta, with the measured past."),
     "transposed": _EXCHANGED,
     "transposed above only": _EXCHANGED,
+    "transposed throughout": ("has z and phi exchanged, in P and in the gain.", "P z left, phi' P right; K = P z."),
     "P taken for symmetric": (
         "has P phi in the update where phi' P belongs. P is not symmetric here, so these differ.",
         "It is `phi @ P`, or `P.T @ phi`.",
@@ -224,7 +245,8 @@ def _loop(u: FloatArray, y: FloatArray, warm_up: int, slip: str) -> FloatArray:
         below = phi @ P @ z if slip == "transposed above only" else right @ P @ left
         after = P @ right if slip == "P taken for symmetric" else right @ P
         P = P - np.outer(P @ left, after) / (1 + below)
-        K = (before if slip == "gain from the P before" else P) @ (phi if slip == "phi for z in the gain" else z)
+        of_phi = slip in ("phi for z in the gain", "transposed throughout")
+        K = (before if slip == "gain from the P before" else P) @ (phi if of_phi else z)
         theta = theta - K * error if slip == "sign of the update" else theta + K * error
         history[n] = theta
         stable = theta.copy() if abs(theta[0]) < 1 else stable

@@ -205,10 +205,14 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[
                 )
                 for ddof in (1, 0)
             ),
-            Slip(
-                "spread about the truth",
-                "the spread of `bias_of` is taken about the truth, so that the bias is in it: take it about the mean.",
-                lambda: np.sqrt(np.mean((estimates - truth) ** 2, axis=0)),
+            *(
+                Slip(
+                    "spread about the truth",
+                    "the spread of `bias_of` is taken about the truth, so that the bias is in it: take it about the "
+                    "mean.",
+                    partial(np.sqrt, np.sum((estimates - truth) ** 2, axis=0) / divisor),
+                )
+                for divisor in (runs, runs - 1)
             ),
             Slip(
                 "standard error before spread",
@@ -240,6 +244,11 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[
                 "number of parameters for M",
                 "the standard error of `bias_of` uses the number of parameters: M is the number of records, rows.",
                 partial(np.divide, spread, np.sqrt(p)),
+            ),
+            Slip(
+                "all entries counted",
+                "the standard error of `bias_of` counts all entries of `estimates`: M is the number of records, rows.",
+                partial(np.divide, spread, np.sqrt(estimates.size)),
             ),
             Slip(
                 "M - 1 twice",

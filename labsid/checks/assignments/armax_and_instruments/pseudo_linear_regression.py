@@ -83,6 +83,11 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
                 lambda: y - free_run(first_order(a, b), u),
             ),
             Slip(
+                "C for 1/C",
+                "`prediction_errors` multiplies w by 1 + c q^-1: epsilon(t) + c epsilon(t-1) = w(t) is to be *solved*.",
+                lambda: errors(c=0.0) + c * np.append(0.0, errors(c=0.0)[:-1]),
+            ),
+            Slip(
                 "prediction for its error",
                 "`prediction_errors` returns the prediction itself.",
                 lambda: y - errors(),
@@ -94,15 +99,25 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
 
 
 def rounds_of(
-    u: FloatArray, y: FloatArray, share: float, rounds: int, start: int = 1, renew: bool = True, from_zero: bool = False
+    u: FloatArray,
+    y: FloatArray,
+    share: float,
+    rounds: int,
+    start: int = 1,
+    renew: bool = True,
+    from_zero: bool = False,
+    keep: float = 1.0,
 ) -> FloatArray:
-    """Pseudo-linear regression as in the notebook; with `renew` off the first errors are kept."""
+    """Pseudo-linear regression as in the notebook; with `renew` off the first errors are kept.
+
+    `keep` is what stays of the old theta where a share of the step is taken: all of it is right.
+    """
     first = np.append(np.zeros(2) if from_zero else fit_structure(ARX, u, y, start=start).model.theta, 0.0)
     theta = first
     for _ in range(rounds):
         e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
         equations = build_equations(ARMAX, u, y, e, start=start)
-        theta = theta + share * (solve_least_squares(equations.Phi, equations.Y).theta - theta)
+        theta = keep * theta + share * (solve_least_squares(equations.Phi, equations.Y).theta - keep * theta)
     return theta
 
 
@@ -133,6 +148,11 @@ def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: 
                 "share not used",
                 f"`{call}` goes the rest of the way: share 1 is the whole step.",
                 partial(rounds_of, u, y, 1 - share, rounds),
+            ),
+            Slip(
+                "share of the result",
+                f"`{call}` takes a share of the new theta: a share of the *step* is added to the old one.",
+                partial(rounds_of, u, y, share, rounds, keep=0.0),
             ),
             Slip(
                 "errors not renewed",

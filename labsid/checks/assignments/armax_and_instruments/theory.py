@@ -1,6 +1,7 @@
 """Checks of what is computed on paper: the limit of least squares, covariance in coloured noise, likelihood."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -31,6 +32,7 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
     from_u, from_e = free_run(model, impulse), free_run(model, 0 * impulse, impulse)
     signal, noise = var_u * float(from_u @ from_u), var_e * float(from_e @ from_e)
     var_y, short = signal + noise, 1 - a**2
+    without_square = signal + (1 + c - 2 * a * c) * var_e / short
 
     def pulled(share: float) -> FloatArray:
         return np.array([a - share, b])
@@ -77,6 +79,24 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 lambda: pulled(c * var_e / (var_y * short)),
                 mend="Divide by 1 - a^2.",
             ),
+            *(
+                Slip(
+                    "a square forgotten",
+                    f"`limit_of_least_squares` has a wrong variance of y: {where} stands without its square.",
+                    partial(pulled, c * var_e / wrong),
+                )
+                for where, wrong in (("a", var_y * short / (1 - a)), ("b", signal / b + noise), ("c", without_square))
+            ),
+            Slip(
+                "1 + a^2",
+                "`limit_of_least_squares` divides by 1 + a^2: solve the equation for the variance of y once more.",
+                lambda: pulled(c * var_e / (var_y * short / (1 + a**2))),
+            ),
+            Slip(
+                "root of the variance",
+                "`limit_of_least_squares` divides by the standard deviation of y; it is the variance.",
+                lambda: pulled(c * var_e / var_y**0.5),
+            ),
             Slip(
                 "variance without noise",
                 "`limit_of_least_squares` takes the variance of the noise-free output: the regressor is the noisy one.",
@@ -117,6 +137,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
     def sandwich(R: FloatArray) -> FloatArray:
         return var_e * left @ R @ left.T
 
+    of_noise = var_e * ((1 + c**2) * diagonal + c * beside)
     start = diagonal * (1 + c**2)
     start[0, 0] = 1.0
     white = parameter_covariance(Phi, var_e)
@@ -129,6 +150,21 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
         "the middle stays when the noise is coloured.",
         "`covariance` is not that of the estimate: write E(vv') down for three samples, and try the mean of step 4.",
         [
+            Slip(
+                "weighted estimate",
+                "`covariance` is that of a *weighted* estimate. Least squares without weights has R in the middle.",
+                lambda: np.asarray(np.linalg.inv(Phi.T @ np.linalg.inv(of_noise) @ Phi), float),
+            ),
+            Slip(
+                "c everywhere",
+                "`covariance` has c between all samples: only neighbours have an e in common.",
+                lambda: sandwich((1 + c**2 - c) * diagonal + c * np.ones((n, n))),
+            ),
+            Slip(
+                "one inverse",
+                "`covariance` has the inverse of Phi'Phi on one side only: it stands on both.",
+                lambda: left @ of_noise @ Phi,
+            ),
             Slip("as if white", as_if_white, lambda: white),
             Slip("as if white", as_if_white, lambda: (1 + c**2) * white),
             Slip(
@@ -201,6 +237,11 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
             ),
             Slip("sign", "`log_likelihood` has the other sign: it is to be maximised.", lambda: -right),
             Slip(
+                "sign of the errors",
+                "`log_likelihood` grows with the errors: e^2/(2 sigma^2) has a minus in the density.",
+                lambda: constant + sse / (2 * var_e),
+            ),
+            Slip(
                 "likelihood without its logarithm",
                 "`log_likelihood` returns the likelihood: take the logarithm (before multiplying, or it underflows).",
                 lambda: float(np.exp(right)),
@@ -262,6 +303,11 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 lambda: -sse / (2 * var_e),
             ),
             Slip(
+                "sigma left out of the logarithm",
+                "`log_likelihood` has log(2 pi) alone: sigma^2 is under that root, too.",
+                lambda: -n / 2 * float(np.log(2 * np.pi)) - sse / (2 * var_e),
+            ),
+            Slip(
                 "2 pi left out",
                 "`log_likelihood` leaves the 2 pi out.",
                 lambda: -n / 2 * float(np.log(var_e)) - sse / (2 * var_e),
@@ -270,6 +316,16 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 "mean in place of the sum",
                 "`log_likelihood` divides by N: the samples' log densities are added up.",
                 lambda: right / n,
+            ),
+            Slip(
+                "brackets forgotten",
+                "`log_likelihood` multiplies by var_e: `/ 2 * var_e` divides by 2 alone. Put 2 var_e in brackets.",
+                lambda: constant - sse / 2 * var_e,
+            ),
+            Slip(
+                "N/2 left out",
+                "`log_likelihood` has log(2 pi sigma^2) without the N/2 before it: every sample brings half of one.",
+                lambda: 2 * constant / n - sse / (2 * var_e),
             ),
             Slip(
                 "one sample's constant",

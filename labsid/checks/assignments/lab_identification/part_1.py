@@ -122,7 +122,12 @@ def check_sampling_time(ask: Ask) -> Verdict:
         ),
         Slip("two samples apart", "`Ts` is twice the sampling time.", lambda: 2 * ask.record.Ts),
         Slip("minutes in place of seconds", "`Ts` is in minutes; it should be in seconds.", lambda: ask.record.Ts / 60),
-        Slip("the first time", "`Ts` is the time of the first sample; take a difference.", lambda: float(t[0])),
+        Slip(
+            "the first time",
+            f"`Ts` is {t[0]:g}: the time of the first sample, or a difference without its digits. Take a difference, "
+            "and do not round it.",
+            lambda: float(t[0]),
+        ),
         Slip("mean of the times", "`Ts` is the mean of the times; take a difference.", lambda: float(np.mean(t))),
         Slip("sign of the difference", "`Ts` has the wrong sign: later minus earlier.", lambda: -ask.record.Ts),
         Slip("the last time", "`Ts` is the time of the last sample; take a difference.", lambda: float(t[-1])),
@@ -191,6 +196,16 @@ def check_first_period(ask: Ask) -> Verdict:
             "It counts the changes of the input, not the samples before the first.",
             [c.size for c in changes],
         ),
+        slip(
+            "if in place of while",
+            "It looks at one sample only: `if` asks once, `while` again and again.",
+            [1.0 + (u[1] == u[0]) for u in trials],
+        ),
+        slip(
+            "condition reversed",
+            "The loop goes on while a sample *differs* from the first. It should go on while they are equal.",
+            [float(np.argmax(u[1:] == u[0])) + 1 for u in trials],
+        ),
         slip("changes in one direction only", "It does not detect a change upwards: compare with `!=` or `==`.", fall),
         slip(
             "changes in one direction only", "It does not detect a change downwards: compare with `!=` or `==`.", rise
@@ -224,6 +239,12 @@ def _counted(ask: Ask, u: FloatArray) -> float:
     value = ask.call("first_period", u)
     if value is None:
         raise NoAnswer("`first_period` returns nothing: end it with `return` and the number.", "nothing returned")
+    if np.ndim(value):  # type: ignore[arg-type]
+        raise NoAnswer(
+            f"`first_period(u)` returns a list of {np.size(value)}, and one number is asked for"  # type: ignore[arg-type]
+            + (": return how many there are, `len(...)`." if np.size(value) > 1 else ": leave the brackets out."),  # type: ignore[arg-type]
+            "a list in place of its length",
+        )
     return as_number("first_period(u)", value)
 
 

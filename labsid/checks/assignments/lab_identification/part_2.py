@@ -162,7 +162,14 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
             b,
             np.concatenate([a, zero]),
         ),
+        slip(
+            "ascending powers",
+            "Numerator and denominator are in reverse order: the highest power of z comes first.",
+            b[::-1],
+            a[::-1],
+        ),
         slip("a and b swapped", "a and b are swapped.", a[1:], np.concatenate([[1.0], b])),
+        slip("a and b swapped", "a and b are swapped: theta begins with -a.", -a[1:], np.concatenate([[1.0], b])),
     ]
     otherwise = f"`{name}` does not have the response of {equation} with your parameters. Compare it with {equation}."
     right = TransferFunctionValue(b, a, Ts)

@@ -98,8 +98,13 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             f"`{name}` fits each column of Phi to Y: the arguments of `lstsq` are swapped. Phi comes first, then Y.",
             "arguments of lstsq swapped",
         )
-    got = as_vector(name, value)
     right = solve_least_squares(Phi, Y).theta
+    inverse = np.linalg.inv(Phi.T @ Phi)
+    if isinstance(value, np.ndarray) and value.shape == inverse.shape and close(1e-6)(value, inverse):
+        raise NoAnswer(
+            f"`{name}` is the inverse of Phi'Phi alone: multiply it by Phi'Y, as in eq. (8).", "only the inverse"
+        )
+    got = as_vector(name, value, right.size if np.ndim(value) == 2 else None)  # type: ignore[arg-type]
     if got.size == right.size + 1:
         raise NoAnswer(
             f"`{name}` has one element too many: does your Phi have a column of ones? The model has no constant, "
@@ -204,6 +209,12 @@ def _read_phi(name: str, value: Value, order: int) -> FloatArray:
             f"`{name}` has a column of ones. The model has no constant, because the signals are offset-free: leave "
             "this column out.",
             "a constant fitted along",
+        )
+    if array.ndim == 2 and array.shape[1] in (2, 4, 6) and array.shape[1] != 2 * order:
+        raise NoAnswer(
+            f"`{name}` has {array.shape[1]} columns, those of a model of order {array.shape[1] // 2}. This one is of "
+            f"order {order}: how many past samples of y and of u does a row hold?",
+            "another order",
         )
     return as_matrix(name, array, (None, 2 * order))
 

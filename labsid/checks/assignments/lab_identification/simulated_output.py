@@ -81,6 +81,7 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
                 for half in (data.half, data.half + 1)
             ),
         ),
+        _predictions_elsewhere(name, data, model, "whole record, from `u` alone"),
         _slips(name, data, model, 0, _is_column(value)),
     )
     return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
@@ -128,20 +129,19 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         Slip(*carried, lambda: entire[half:]),
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y, model.order))),
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
-        *_predictions_elsewhere(name, data, model),
+        *_predictions_elsewhere(name, data, model, "second half, from `u[half:]` alone"),
         *_slips(name, data, model, half, _is_column(value)),
     ]
     right = simulate(model, u)
     return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
 
 
-def _predictions_elsewhere(name: str, data: LabData, model: ArxModel) -> Iterator[Slip[FloatArray]]:
+def _predictions_elsewhere(name: str, data: LabData, model: ArxModel, asked: str) -> Iterator[Slip[FloatArray]]:
     """One-step predictions of other samples, such as ``Phi @ theta_hat`` of the fit's own rows."""
     whole = predict_one_step(model, data.u, data.y)
     hint = (
-        f"`{name}` is `Phi @ theta_hat`: one-step predictions of the *first* half, from its "
-        f"measured outputs. Simulate the "
-        "second half, from `u[half:]` alone."
+        f"`{name}` is `Phi @ theta_hat`: one-step predictions of the *first* half, from its measured outputs. Simulate "
+        f"the {asked}."
     )
     for stop in (data.half, data.half + 1):
         for first in range(model.order + 2):
@@ -233,6 +233,9 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     wrong_sign = "comes from a model with the wrong sign of a: the denominator is 1, a1, a2."
     yield slip("sign of a", wrong_sign, lfilter(numerator, denominator, u))
     yield slip("sign of b", "has the wrong sign: check the sign of b.", lfilter(-numerator, model.a, u))
+    if n > 1:
+        without = "has a denominator without its leading 1: it is 1, a1, a2."
+        yield slip("theta in place of the denominator", without, lfilter(numerator, model.a[1:], u))
     early = "is one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, b1, b2]`."
     yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
     late = "is one sample too late: y(k) depends on u(k-1)."

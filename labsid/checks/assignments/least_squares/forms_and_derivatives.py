@@ -250,6 +250,11 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
         "`delayed_inputs` does not give the matrix of Example 2-3: write down its first three rows.",
         [
             Slip(
+                "not shifted",
+                "column i of `delayed_inputs` is u(t) itself with its first i entries zero; it should hold u(t-i).",
+                lambda: np.column_stack([np.where(np.arange(u.size) < i, 0, u) for i in range(n)]),
+            ),
+            Slip(
                 "index wraps around",
                 "`delayed_inputs` uses the last samples as those before the first: `np.roll` and negative indices "
                 "wrap around. Before the first sample the input is zero.",
@@ -288,7 +293,8 @@ def check_derivatives(ask: Ask) -> Iterator[Verdict]:
     """`gradient_form(A, x)` and `jacobian_cubic(x)`."""
     for n in (3, 2, 4):
         A, x = ask.rng.uniform(-2, 2, (n, n)), ask.rng.uniform(0.5, 2, n)
-        yield from (_gradient(ask, A, x), _jacobian(ask, x))
+        yield _gradient(ask, A, x)
+        yield _jacobian(ask, x)
     yield Verdict(True, "both derivatives are right, for vectors of any length.")
 
 
@@ -350,6 +356,7 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
         [
             Slip("product rule", product, lambda: square),
             Slip("product rule", product, lambda: 2 * outer),
+            Slip("product rule", product, lambda: outer),
             Slip(
                 "the 2 forgotten",
                 "`jacobian_cubic` has x x' once.",

@@ -197,6 +197,13 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
             False, "N of `all_solutions` changes Phi theta: Phi N should be zero. Check which columns of V it needs."
         )
     found = int(np.linalg.matrix_rank(N)) if N.size else 0
+    if N.size == 0:
+        return Verdict(
+            False,
+            "N of `all_solutions` is empty: a singular value that should be zero is computed as about 1e-16. Compare "
+            "with a small tolerance, or take `np.linalg.matrix_rank`.",
+            "zero compared exactly",
+        )
     if found < free:
         return Verdict(
             False,

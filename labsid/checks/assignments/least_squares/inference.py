@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
-from scipy.special import ndtri, stdtrit
+from scipy.special import ndtri, stdtr, stdtrit
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_theta, as_vector
@@ -71,6 +71,7 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         *((f"the quantile is {fixed:g}, whatever `level` and n - p are", fixed) for fixed in (1.96, 2.0, 3.0)),
         ("the quantile has n degrees of freedom", float(stdtrit(n, both))),
         ("the quantile has n - 1 degrees of freedom", float(stdtrit(n - 1, both))),
+        ("`cdf` stands where `ppf` belongs", float(stdtr(n - p, both))),
         ("there is no quantile", 1.0),
     )
     variances = (
@@ -78,6 +79,8 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         ("the SSE is divided by n", sse / n),
         ("the SSE is divided by n - 1", sse / (n - 1)),
         ("the SSE is not divided", sse),
+        ("`np.var` takes the mean off the residuals and divides by n", float(np.var(fit.residual))),
+        ("`np.var` takes the mean off the residuals and divides by n - 1", float(np.var(fit.residual, ddof=1))),
         ("sigma^2 is missing", 1.0),
         ("sigma stands where sigma^2 belongs", float(np.sqrt(sse / (n - p)))),
     )

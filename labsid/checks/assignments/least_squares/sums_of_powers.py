@@ -12,6 +12,7 @@ from labsid.checks.question import Ask, returned_parts
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.curve_fit import EXAMPLE_2_1, LINE, PARABOLA, fit_powers, power_regressors
+from labsid.least_squares.solve import solve_least_squares
 from labsid.plots.figure_values import AxesValue, CurveValue
 
 
@@ -80,6 +81,11 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
                 if len(powers) < EXAMPLE_2_1.x.size
             ),
             Slip(
+                "p^x for x^p",
+                "`fit_powers` makes the columns p**x: a column is x to the power p, `x ** p`.",
+                lambda: solve_least_squares(np.array([float(p) ** x for p in powers]).T, y).theta,
+            ),
+            Slip(
                 "x and y swapped", "`fit_powers` fits x to y; make Phi from x.", lambda: fit_powers(y, x, powers).theta
             ),
             Slip(
@@ -92,6 +98,12 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
     sse = 2 * fit.loss
     if _size(parts[1]) == 0:
         yield Verdict(False, "the SSE of `fit_powers` is empty: compute it from y - Phi theta.")
+    if _size(parts[1]) == n:
+        yield Verdict(
+            False,
+            "the second value of `fit_powers` holds the errors themselves: square them and add up.",
+            "errors not added up",
+        )
     mean = "the second value of `fit_powers` is a mean of the squared errors; return their sum."
     slips: list[Slip[float]] = [
         Slip(

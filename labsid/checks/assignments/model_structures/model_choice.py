@@ -25,13 +25,18 @@ def check_excitation(ask: Ask) -> Verdict:
     first, second = np.arange(len(made)).reshape(2, -1)
     trials = [made[i] for i in ask.rng.permutation([*first, *ask.rng.permutation(second)[:3]])]
     truth = [excitation_order(u, _LARGEST) for _, u in trials]
-    answers = [as_number("excitation(u, 8)", returned(ask, "excitation", u, _LARGEST)) for _, u in trials]
+    raw = [returned(ask, "excitation", u, _LARGEST) for _, u in trials]
+    answers = [as_number("excitation(u, 8)", one) for one in raw]
+    if all(isinstance(one, bool) for one in raw):
+        return Verdict(False, "`excitation` returns True or False: the order is a number.", "no number")
     if answers == truth:
         for largest in ask.rng.permutation([1, 3, 5]):
             few = as_number(f"excitation(u, {largest})", returned(ask, "excitation", made[second[-1]][1], int(largest)))
             if few != largest:
                 return Verdict(False, "`excitation` does not stop at `largest`.", "largest not used")
         return Verdict(True, "it counts what an input can teach.")
+    if [min(answer, _LARGEST) for answer in answers] == truth:
+        return Verdict(False, "`excitation` goes on beyond `largest`: stop there.", "largest not used")
     for slip, hint, rule in _WRONG_ORDERS:
         if answers == [rule(u) for _, u in trials]:
             return Verdict(False, f"`excitation` {hint}", slip)
@@ -42,7 +47,7 @@ def check_excitation(ask: Ask) -> Verdict:
             "order is 0.",
             "zero input",
         )
-    if all(right <= answer <= _LARGEST for answer, right in zip(answers, truth, strict=True)):
+    if all(answer == _LARGEST for answer, right in zip(answers, truth, strict=True) if right):
         return Verdict(
             False,
             "`excitation` finds full rank where there is none. Either zeros are filled in before the first sample, so "
@@ -51,6 +56,14 @@ def check_excitation(ask: Ask) -> Verdict:
             "full rank where there is none",
         )
     wrong = next(i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right)
+    if all(right <= answer <= _LARGEST for answer, right in zip(answers, truth, strict=True)):
+        return Verdict(
+            False,
+            f"`excitation` finds too high an order, {answers[wrong]:g} for {trials[wrong][0]}: write the first rows of "
+            "its matrix down, and count the independent columns. Often here: are rounding errors of about 1e-16 taken "
+            "for rank? Compare with a small tolerance.",
+            "full rank where there is none",
+        )
     return Verdict(False, f"`excitation` is wrong for {trials[wrong][0]}: write the first rows of its matrix down.")
 
 
@@ -165,6 +178,7 @@ def _judge_cancel(
     greedy = _poly(roots_P[~near.any(axis=1)]), _poly(roots_Q[~near.any(axis=0)])
     real = np.abs(roots_P.real[:, np.newaxis] - roots_Q.real) < within
     by_real_part = _poly(roots_P[~real.any(axis=1)]), _poly(roots_Q[~real.any(axis=0)])
+    both_ways = ((roots_P, roots_Q), (roots_P[::-1], roots_Q[::-1]))
     one_by_one = _cancelled(roots_P, roots_Q, lambda p, q: abs(p.real - q.real) < within)
     fixed = [_cancelled(roots_P, roots_Q, partial(_nearer_than, limit)) for limit in _OTHER_LIMITS]
     for slip, hint, matches in (
@@ -197,6 +211,16 @@ def _judge_cancel(
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(right[0], Q)),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(P, right[1])),
         (
+            "one root of a pair left",
+            f"cancels one of two roots: {_HALF}",
+            P.size - 1 == sizes[0] == right[0].size + 1 and Q.size - 1 == sizes[1] == right[1].size + 1,
+        ),
+        (
+            "list turned round",
+            "takes the roots of the list turned round, which are 1/z: pass it to `np.roots` as it is.",
+            are(*_cancelled(np.roots(P[::-1]), np.roots(Q[::-1]), partial(_nearer_than, within))),
+        ),
+        (
             "highest delay first",
             "returns its polynomials backwards: they begin with 1, the lowest delay.",
             are(right[0][::-1], right[1][::-1]),
@@ -211,12 +235,22 @@ def _judge_cancel(
             "cancels roots that lie farther apart than `within`.",
             monic and sizes[0] < right[0].size and sizes[1] < right[1].size,
         ),
+        (
+            "distance with its sign",
+            "compares p - q with its sign: a distance is `abs(p - q)`.",
+            any(are(*_cancelled(one, other, lambda p, q: (p - q).real < within)) for one, other in both_ways)
+            or any(are(*_cancelled(one, other, lambda p, q: (q - p).real < within)) for one, other in both_ways),
+        ),
     ):
         if matches:
             return Verdict(False, f"`cancel` {hint}", slip)
     return Verdict(False, "`cancel` does not leave the right polynomials: try the example above it.")
 
 
+_HALF = (
+    "of two complex roots that belong together, one is left. A loop over a list from which it removes skips the next "
+    "entry: loop over a copy, `list(roots)`."
+)
 _OTHER_LIMITS = (0.01, 1e-3, 0.1, 0.05, 1e-6)
 """Distances that a student may write into `cancel` instead of `within`."""
 
@@ -243,10 +277,15 @@ def _cancelled(
 def _real(value: Value) -> FloatArray:
     """A polynomial, from which no root is left as a number, or with imaginary parts of rounding."""
     array = np.asarray(value) if isinstance(value, (int, float, complex, np.ndarray)) else None
-    if array is not None and array.dtype.kind == "c" and np.all(np.abs(array.imag) < 1e-6):
+    if array is not None and array.dtype.kind == "c":
+        if np.any(np.abs(array.imag) > 1e-6):
+            raise NoAnswer(
+                f"`cancel` returns coefficients with large imaginary parts: {_HALF}",
+                "one root of a pair left",
+            )
         array = array.real
-    if array is None or array.dtype.kind == "c":
-        raise NoAnswer("`cancel` should return two polynomials with real coefficients: take `.real` at the end.")
+    if array is None:
+        raise NoAnswer("`cancel` should return two polynomials: arrays of their coefficients.")
     return np.atleast_1d(as_array("what cancel(P, Q, within) returns", array).squeeze())
 
 
@@ -292,6 +331,16 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 "not divided by the sum of squares",
                 "`autocorrelation` returns covariances: divide by the sum of squares, so that r(0) = 1.",
                 lambda: right * np.mean(centred**2),
+            ),
+            Slip(
+                "divided by the standard deviation",
+                "`autocorrelation` divides by the standard deviation: r(0) = 1 with the variance, its square.",
+                lambda: right * np.std(e),
+            ),
+            Slip(
+                "first lags of correlate",
+                "`autocorrelation` takes the first values of `np.correlate(e, e, 'full')`: lag 0 is in its middle.",
+                lambda: np.correlate(centred, centred, "full")[: lags + 1] / (centred @ centred),
             ),
             Slip(
                 "index wraps around",

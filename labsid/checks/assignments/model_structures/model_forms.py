@@ -41,11 +41,11 @@ def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:
     ahead = np.r_[num, np.zeros(n + 1 - num.size)] / den[0]
     c = b[1:] - b[0] * a[1:]
 
-    def form(a_: FloatArray, c_: FloatArray, d: float) -> StateSpaceValue:
-        """The canonical form with a1 .. an and with the entries of C, that of x_n first."""
+    def form(a_: FloatArray, c_: FloatArray, d: float, into: int = -1) -> StateSpaceValue:
+        """The canonical form with a1 .. an and with the entries of C, that of x_n first; u goes `into` a state."""
         A = np.eye(n, k=1)
         A[-1] = -a_[::-1]
-        return StateSpaceValue(A, np.eye(n)[:, -1:], c_[np.newaxis, ::-1], np.full((1, 1), d), 1.0)
+        return StateSpaceValue(A, np.eye(n)[:, [into]], c_[np.newaxis, ::-1], np.full((1, 1), d), 1.0)
 
     direct = float(b[0])
     divide = "`state_space` expects den[0] to be 1. If it is not, divide num *and* den by it."
@@ -55,7 +55,7 @@ def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:
         StateSpaceValue(G, H, C, D, 1.0),
         _SAME_SYSTEM,
         "it has the transfer function that went in.",
-        "`state_space` has another transfer function than num / den. Try it on SUSTech's second example.",
+        "`state_space` has another transfer function than num / den. Try it on the example by hand.",
         [
             Slip(
                 "sign of a",
@@ -92,6 +92,16 @@ def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:
                 "num padded on the wrong side",
                 "`state_space` pads a short num at its end: the zeros belong in front, with the high powers.",
                 lambda: form(a[1:], np.r_[num / den[0], np.zeros(n)][:n], 0),
+            ),
+            Slip(
+                "B in reverse order",
+                "B of `state_space` has its 1 in the first row: u goes into the last state.",
+                lambda: form(a[1:], c, direct, into=0),
+            ),
+            Slip(
+                "order of C and of the last row",
+                "both the last row of A and C are in reverse order: they begin with -a_n and b_n.",
+                lambda: form(a[:0:-1], c[::-1], direct),
             ),
             Slip(
                 "order of C",
@@ -188,6 +198,11 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
     start, k0 = N - Y.size, max(na, d + nb - 1)
     if nb == 0 and start == na:
         k0 = na
+    lag = f"the inputs of `{call}` have the wrong lags: the first is u(k-d), and d is {d} here."
+    for other in range(d if nb else 0):
+        model = Structure(na, nb, 0, other)
+        if start >= max(na, other + nb - 1) and _EXACT(Phi, build_equations(model, u, y, start=start).Phi):
+            return Verdict(False, lag, "delay not used")
     if start < k0:
         return Verdict(
             False,
@@ -214,7 +229,6 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
 
     right = rows(structure)
     past, inputs = right[:, :na], right[:, na:]
-    lag = f"the inputs of `{call}` have the wrong lags: the first is u(k-d), and d is {d} here."
     return judge(
         Phi,
         right,
@@ -249,14 +263,9 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
                 lambda: np.column_stack([past, -inputs]),
             ),
             *(
-                Slip("delay not used", lag, partial(rows, Structure(na, nb, 0, other)))
-                for other in (1, 0)
-                if nb and other != d
-            ),
-            *(
                 Slip("lag off by one", lag, partial(rows, Structure(na, nb, 0, other)))
-                for other in (d - 1, d + 1)
-                if nb and other >= 0
+                for other in sorted({d + 1, 1} - {d})
+                if nb
             ),
             Slip(
                 "lag off by one",

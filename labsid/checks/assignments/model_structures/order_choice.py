@@ -141,6 +141,14 @@ def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Iterator[
         "FPE of `criteria` is not right: work the example by hand.",
         [
             Slip("FPE upside down", "FPE has (1 + p/N) above and (1 - p/N) below.", lambda: V**2 / fpe),
+            *(
+                Slip(
+                    "brackets forgotten",
+                    "FPE lacks brackets: 1 + p/N and 1 - p/N each need a pair of their own, as `*` and `/` come first.",
+                    partial(np.copy, wrong),
+                )
+                for wrong in (V, V * (1 + p / N) - p / N, V + p / N / (1 - p / N), V * (1 + p / N) / 1 - p / N)
+            ),
             Slip("half of FPE", "FPE has two factors, one above and one below.", lambda: V * (1 + p / N)),
             Slip("half of FPE", "FPE has two factors, one above and one below.", lambda: V / (1 - p / N)),
             Slip("half of FPE", "FPE multiplies the loss V itself.", lambda: fpe / V),

@@ -1,6 +1,7 @@
 """Checks of what works on signals: a polynomial in q^-1, and the simulation of the whole family of structures."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -86,10 +87,13 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
                 "`apply` divides by P, as `lfilter([1], P, x)` does: P belongs in the numerator.",
                 lambda: free_run(PolynomialModel(P / P[0], 1 / P[:1], np.ones(1), 0), x),
             ),
-            Slip(
-                "first samples left at zero",
-                "`apply` leaves the first samples at zero. Only what lies *before* the signal is zero.",
-                lambda: np.where(np.arange(x.size) < n - 1, 0, apply(P, x)),
+            *(
+                Slip(
+                    "first samples left at zero",
+                    "`apply` leaves the first samples at zero. Only what lies *before* the signal is zero.",
+                    partial(np.where, np.arange(x.size) < start, 0, apply(P, x)),
+                )
+                for start in (n - 1, n)
             ),
             Slip(
                 "middle of the convolution",
@@ -156,6 +160,21 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                 "A not used",
                 "`simulate` lets nothing run through 1/A: past outputs are missing.",
                 lambda: run(a=np.ones(1)),
+            ),
+            Slip(
+                "noise added to the input",
+                "`simulate` sends e through B, as if it were added to the input: only C multiplies it.",
+                lambda: free_run(PolynomialModel(A, B, np.ones(1), 0), u + e),
+            ),
+            Slip(
+                "C for both",
+                "`simulate` sends the input through C as well: C multiplies e alone.",
+                lambda: free_run(PolynomialModel(A, C, np.ones(1), 0), apply(B, u) + e),
+            ),
+            Slip(
+                "multiplied by A",
+                "`simulate` multiplies B u + C e by A. In A y = B u + C e, y is what A multiplies: divide by A.",
+                lambda: apply(A, apply(B, u) + apply(C, e)),
             ),
             Slip(
                 "only the noise through 1/A",

@@ -82,6 +82,11 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             Slip("order of theta", "`example_3_1` returns b before a.", lambda: right[::-1]),
             Slip("order of theta", "`example_3_1` returns b before a, and -a at that.", lambda: right[::-1] * [1, -1]),
             Slip("u and y swapped", "`example_3_1` has u and y swapped: the input comes first.", lambda: _fit(y, u)),
+            Slip(
+                "lag off by one",
+                "`example_3_1` explains y(t) by itself: the row of y(t) holds y(t-1) and u(t-1).",
+                lambda: solve_least_squares(np.column_stack([-y, u]), y).theta,
+            ),
             *(
                 Slip("lag off by one", lag, lambda columns=columns, Y=Y: solve_least_squares(columns, Y).theta)  # type: ignore[misc]
                 for columns, Y in (
@@ -126,7 +131,8 @@ def check_predict(ask: Ask) -> Iterator[Verdict]:
         B = np.r_[np.zeros(delay), rng.uniform(0.5, 2, nb)]
         samples = int(rng.integers(18, 24))
         u, y = rng.uniform(1, 2, samples), rng.uniform(2, 5, samples)
-        yield from (_judge_prediction(ask, A, B, u, y), _judge_run(ask, A, B, u))
+        yield _judge_prediction(ask, A, B, u, y)
+        yield _judge_run(ask, A, B, u)
     right = _outputs(as_vector("theta_1", ask.known("theta_1"), 2))
     got = {name: as_vector(name, ask.value(name), 1000) for name in right}
     if _EXACT(got["y_hat"], right["y_sim"]) or _EXACT(got["y_sim"], right["y_hat"]):

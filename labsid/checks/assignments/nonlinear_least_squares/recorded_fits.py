@@ -1,6 +1,7 @@
 """Checks of the last two fits: a recorded step response with its standard errors, and output error."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -100,6 +101,12 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
     )
     spread = fit.stderr
     J = _step_jacobian(t, right, amplitude)
+    if np.shape(parts[1]) == (p, p) and close(3e-3)(np.diag(np.asarray(parts[1])), spread**2):  # type: ignore[arg-type]
+        yield Verdict(
+            False,
+            "`fit_step` returns the covariance: the standard errors are the roots of its diagonal.",
+            "variance for standard error",
+        )
     yield judge(
         as_vector("standard errors of fit_step(t, y, amplitude)", parts[1], 3),
         spread,
@@ -144,6 +151,14 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
                 "`fit_step` inverts the diagonal of J'J: invert the matrix first, then take its diagonal. What the "
                 "parameters have in common is lost otherwise.",
                 lambda: np.sqrt(fit.sse / (n - p) / np.diag(J.T @ J)),
+            ),
+            *(
+                Slip(
+                    "interval",
+                    "`fit_step` returns half widths of intervals: return the errors.",
+                    partial(np.multiply, spread, wide),
+                )
+                for wide in (1.96, 2.0)
             ),
             Slip("relative", "`fit_step` returns relative errors: do not divide by theta.", lambda: spread / right),
             Slip(

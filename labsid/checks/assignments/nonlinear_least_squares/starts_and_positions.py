@@ -72,6 +72,13 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
         return Verdict(
             False, "`fit_frequency` returns Hz: asked for is the angular frequency in rad/s.", "Hz for rad/s"
         )
+    if not low <= abs(w) <= high and w == int(w):
+        return Verdict(
+            False,
+            f"`fit_frequency` returns {w:g}, a whole number outside low and high. Often here: `np.argmin` gives the "
+            "*index* of the smallest value; the frequency is that entry.",
+            "index for frequency",
+        )
     if not low <= abs(w) <= high:
         return Verdict(
             False,
@@ -150,6 +157,10 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
         np.column_stack([-2 * beacons, np.ones(ranges.size)]), ranges**2 - np.sum(beacons**2, axis=1)
     ).theta[:2]
     differences = _less_their_mean(beacons - centre, ranges) + centre
+    no_step = (
+        "`locate` returns the centre of the beacons. If your search starts there, it has made no step: does it get an "
+        "error for each beacon? (`np.linalg.norm` without `axis=1` is one number for all.)"
+    )
     linear = (
         "`locate` solves the linear equations of the *squared* ranges: another criterion, which trusts far beacons "
         "too much. It is a good start; go on from there with the ranges themselves."
@@ -167,7 +178,7 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
             Slip("squared ranges", linear, lambda: differences),
             *(Slip("squared ranges", linear, partial(_less_one, beacons, ranges, i)) for i in (0, len(beacons) - 1)),
             Slip("squared ranges", linear, lambda: _fourth_power(beacons, ranges, fix.position)),
-            Slip("no step taken", "`locate` returns the centre of the beacons.", lambda: centre),
+            Slip("no step taken", no_step, lambda: centre),
         ],
     )
     apart = np.linalg.norm(other - fix.position) > 0.5

@@ -165,7 +165,7 @@ def check_figure_8(ask: Ask) -> Verdict:
     for name, wanted, other in (("first", first, second), ("second", second, first)):
         if not any(_is_near(number, wanted) for number in found_numbers):
             unexplained = [number for number in found_numbers if not _is_near(number, other)]
-            return Verdict(False, *_missing(name, wanted, unexplained, bool(axes.texts)))
+            return Verdict(False, *_missing(name, wanted, unexplained, axes.texts))
     for text in texts:
         names, errors = _names_and_errors(text, first, second)
         if len(names) == len(errors) > 0 and names != errors:
@@ -179,9 +179,14 @@ def check_figure_8(ask: Ask) -> Verdict:
     return Verdict(True, "Fig. 8 shows both models and their errors.")
 
 
-def _missing(name: str, wanted: float, numbers: list[float], has_text: bool) -> tuple[str, str]:
-    if not numbers and not has_text:
+def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, ...]) -> tuple[str, str]:
+    if not numbers and not texts:
         return ("Fig. 8 has no text yet: write both mean squared errors into it.", "no errors in the figure")
+    if any(re.search(r"\{\w*mse", text) for text in texts):
+        return (
+            'In Fig. 8 stands the name in braces and not its value: an `f` before the quotes, f"...", puts values in.',
+            "name in place of its value",
+        )
     roots = [number for number in numbers if _is_near(number, float(np.sqrt(wanted)))]
     if roots:
         return (

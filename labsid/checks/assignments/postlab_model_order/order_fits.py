@@ -88,6 +88,12 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
             "column of ones? The model has none, because the signals are offset-free.",
             "a constant fitted along",
         )
+    if got.size == n:
+        raise NoAnswer(
+            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}. Often here: were the "
+            "columns of y and of u added? `+` joins two lists, and adds two arrays entry by entry.",
+            "columns added",
+        )
     if got.size != 2 * n:
         slip = "order fixed" if got.size in (2, 4) else None
         raise NoAnswer(

@@ -210,7 +210,8 @@ def _off_by_one(name: str, cut_from: Callable[[int], FloatArray]) -> Slips:
     return [
         Slip(
             "off by one",
-            f"`{name}` has one sample too few: counted from 0, the first sample to keep is number 200.",
+            f"`{name}` has one sample too few: counted from 0, the first sample to keep is number 200, and a slice "
+            "leaves out its last index.",
             lambda: cut_from(CUT + 1),
         ),
         Slip(

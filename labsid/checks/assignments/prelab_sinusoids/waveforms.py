@@ -171,6 +171,8 @@ def _seen_rows(got: FloatArray, data: FloatArray, n: int) -> str:
     """What is wrong with the rows that came back, in the numbers of the trial."""
     if len(got) != len(data) - n:
         return f"of {len(data)} rows and n = {n} it returned {len(got)}; {len(data) - n} should stay."
+    if len(got) > 1 and np.allclose(got[1:], data[n + 1 :]):
+        return "only the first row has changed. `data[0]` is the first *row*; the first column is `data[:, 0]`."
     if not np.allclose(got[:, 1:], data[n:, 1:]):
         return "the signals, from the second column on, are not those of the rows that should stay."
     return f"the signals are right, but the first column begins with {got[0, 0]:.4g} and ends with {got[-1, 0]:.4g}."
@@ -198,7 +200,13 @@ def check_cut_off_data(ask: Ask) -> Verdict:
     axes = panels(ask.value("fig_1"))
     if len(axes) != 2:
         raise NoAnswer(f"`fig_1` should have two panels, one above the other; it has {len(axes)}.", "not two panels")
-    lower = axes[1]
+    upper, lower = axes
+    if not lower.curves and (shows(upper, y1_new, t_new) or shows(upper, y2_new, t_new)):
+        raise NoAnswer(
+            "The cut-off data are in Fig. 1(a): draw them with `ax_b.plot` and `ax_b.step`. Run the cell that makes "
+            "`fig_1` again, then this one: curves stay in their axes.",
+            "drawn into the upper axes",
+        )
     if (shows(lower, y1) or shows(lower, y2)) and (shows(lower, y1_new) or shows(lower, y2_new)):
         raise NoAnswer(
             "Fig. 1(b) shows the cut-off data and the original data: curves of an earlier run stay in "
@@ -223,7 +231,7 @@ def _vector(value: Value) -> FloatArray:
 
 
 def _signal(name: str, value: Value, size: int) -> FloatArray:
-    if isinstance(value, np.ndarray) and value.shape == (size, size):
+    if isinstance(value, np.ndarray) and value.ndim == 2 and len(value) == size and value.shape[1] > size // 2:
         raise NoAnswer(
             f"`{name}` has shape {value.shape}: flat noise was added to a column. Draw noise of the shape `t.shape`.",
             "flat noise added to a column",

@@ -60,6 +60,21 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
                 mend="What is added is the error y - theta, divided by n.",
             ),
             Slip(
+                "n - 1 for n",
+                "`update_mean` divides the new sum by n - 1: it holds n samples.",
+                lambda: ((n - 1) * theta + y) / (n - 1) if n > 1 else y,
+            ),
+            Slip(
+                "multiplied by n",
+                "`update_mean` multiplies the error by n: the more samples, the less a new one counts.",
+                lambda: theta + n * error,
+            ),
+            Slip(
+                "brackets forgotten",
+                "`update_mean` returns y/n: the two theta cancel, as only y is divided. Put y - theta in brackets.",
+                lambda: y / n,
+            ),
+            Slip(
                 "gain forgotten", "`update_mean` adds the whole error.", lambda: theta + error, mend="Divide it by n."
             ),
         ],

@@ -218,6 +218,16 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
                 "`rls` makes P anew for every row: make it once, before the loop.",
                 lambda: _made_anew(Phi, Y, lam, large),
             ),
+            Slip(
+                "first row left out",
+                "row 0 of `rls` is still zero: the loop begins with the second row of Phi. Begin it at 0.",
+                lambda: np.vstack([np.zeros(p), reference_run(Phi[1:], Y[1:], lam, large).theta]),
+            ),
+            Slip(
+                "P(0) full of LN",
+                "`rls` begins with LN in every entry of P: LN I has it on the diagonal only.",
+                lambda: wrong(full=True),
+            ),
             Slip("sign of the error", "`rls` moves away from the samples.", lambda: wrong(sign=-1.0)),
             Slip(
                 "start not used",

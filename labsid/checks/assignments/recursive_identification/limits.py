@@ -200,6 +200,12 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
                 lambda: _careless_wrong(Phi, Y, lam, LN, divided=True)[:60],
             ),
             Slip(
+                "number for outer product",
+                "`rls_careless` takes the number K'P phi from every entry of P: for flat arrays `K @ P_phi.T` is a "
+                "number. The matrix is `np.outer(K, P_phi)`.",
+                lambda: _careless_wrong(Phi, Y, lam, LN, divided=True, number=True)[:60],
+            ),
+            Slip(
                 "lambda not used",
                 "`rls_careless` runs with lambda = 1.",
                 lambda: reference_run(Phi, Y, 1.0, LN).theta[:60],
@@ -209,15 +215,18 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
     return verdict if not verdict.passed else _judge_growth(asymmetry, Phi, lam, LN)
 
 
-def _careless_wrong(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool) -> FloatArray:
+def _careless_wrong(
+    Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool, number: bool = False
+) -> FloatArray:
     p = Phi.shape[1]
     theta, P = np.zeros(p), LN * np.eye(p)
     history = np.empty(Phi.shape)
     for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
         P_phi = P @ phi
         denominator = lam + phi @ P_phi
-        P = (P - np.outer(P_phi, P_phi) / denominator) / (lam if divided else 1)
-        K = P @ phi / denominator if divided else P_phi / denominator
+        taken = P_phi @ P_phi if number else np.outer(P_phi, P_phi)
+        P = (P - taken / denominator) / (lam if divided else 1)
+        K = P @ phi / denominator if divided and not number else P_phi / denominator
         theta = theta + K * (y - phi @ theta)
         history[k] = theta
     return history

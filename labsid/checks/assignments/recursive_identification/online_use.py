@@ -192,6 +192,11 @@ def _one_error(ask: Ask) -> Verdict:
                 "theta(n) and not theta(n-1).",
                 lambda: (slope / (1 - lam)) ** 2 + variance,
             ),
+            Slip(
+                "brackets forgotten",
+                "`tracking_mse` lacks brackets in its lag: `slope * lam / 1 - lam` divides by 1 alone.",
+                lambda: (slope * lam - lam) ** 2 + variance,
+            ),
             Slip("lag forgotten", "`tracking_mse` leaves the lag out.", lambda: variance),
             Slip(
                 "root of the sum",

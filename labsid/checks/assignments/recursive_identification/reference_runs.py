@@ -34,10 +34,14 @@ def faulty_run(
     factor: float | None = None,
     old_gain: bool = False,
     sign: float = 1.0,
+    full: bool = False,
 ) -> FloatArray:
-    """History of a run with a mistake: another number than lambda, another factor than 1/lambda, or the old gain."""
+    """History of a run with a mistake: another number than lambda, another factor than 1/lambda, or the old gain.
+
+    Or a P that is `full` of LN at first.
+    """
     p = Phi.shape[1]
-    theta, P = np.zeros(p), LN * np.eye(p)
+    theta, P = np.zeros(p), LN * (np.ones((p, p)) if full else np.eye(p))
     history = np.empty(Phi.shape)
     for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
         P_phi = P @ phi

@@ -80,6 +80,12 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
                 lambda: blocks.transpose(0, 2, 1).reshape(N - n, columns),
             ),
             Slip(
+                "signals interleaved",
+                f"Phi of `{call}` has the inputs lag by lag: after the past of y_i come all lags of u_1, then those of "
+                "u_2.",
+                lambda: np.column_stack([right[:, :n], blocks[:, 1:].transpose(0, 2, 1).reshape(N - n, nu * n)]),
+            ),
+            Slip(
                 "inputs before outputs",
                 f"Phi of `{call}` has the inputs first; the past of y_i comes first.",
                 lambda: np.roll(right, -n, axis=1),
@@ -161,7 +167,8 @@ def _judge_theta(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> Verdict:
     if got.shape[0] != rows:
         return Verdict(
             False,
-            f"`{call}` has {got.shape[0]} rows; there are {rows} outputs, one row for each.",
+            f"`{call}` has {got.shape[0]} rows; there are {rows} outputs, one row for each."
+            + (" Often here: does a `return` inside the loop end it early?" if got.shape[0] == 1 else ""),
             "rows are not outputs",
         )
     fits = fit_arx_system(u, y, 1.0, n).equations

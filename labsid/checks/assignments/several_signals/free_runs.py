@@ -51,6 +51,14 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
         f"`{call}` is not the free run from rest. Work out the first two samples by hand, with n = 1.",
         [
             *(Slip("one input only", alone, partial(np.copy, part)) for part in parts.T),
+            *(
+                Slip(
+                    "further inputs left out",
+                    f"`{call}` uses {some} of its {nu} inputs: `u` has any number of columns, `u.shape[1]`.",
+                    partial(np.sum, parts[:, :some], axis=1),
+                )
+                for some in range(2, nu)
+            ),
             Slip(
                 "sign of a",
                 f"`{call}` has the wrong sign of a: theta holds -a, the denominator [1, a1, ...].",
@@ -72,6 +80,11 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 lambda: _run(np.r_[a, np.tile(b[-n:], nu)], u, n),
             ),
             Slip(
+                "all of b for each input",
+                f"`{call}` filters each input by the b's of all: that of input j is theta[n + j n : n + (j + 1) n].",
+                lambda: sum((_all_of_b(theta, column, n) for column in u.T), np.zeros(N)),
+            ),
+            Slip(
                 "lag off by one",
                 f"`{call}` lets u(k) move y(k). The first lag is 1: the numerator begins with a zero.",
                 lambda: _run(theta, np.vstack([u, np.zeros(nu)]), n)[1:],
@@ -80,6 +93,11 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 "oldest lag first",
                 f"`{call}` has the lags of its b's in reverse order.",
                 lambda: _run(np.r_[a, b.reshape(nu, n)[:, ::-1].ravel()], u, n),
+            ),
+            Slip(
+                "oldest lag first",
+                f"`{call}` has the oldest lag first: `y[k - n : k]` begins with y(k-n), and theta with the lag 1.",
+                lambda: _from_n(np.r_[a[::-1], b.reshape(nu, n)[:, ::-1].ravel()], u, n),
             ),
             Slip(
                 "first samples left at zero",
@@ -98,6 +116,12 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
             ),
         ],
     )
+
+
+def _all_of_b(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:
+    """The run of one input through all the b's, one lag after the other."""
+    later = np.column_stack([np.r_[np.zeros(k), u[: u.size - k]] for k in range(0, theta.size - n, n)])
+    return _run(theta, later, n)
 
 
 def _from_n(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:

@@ -46,9 +46,14 @@ def check_time(ask: Ask) -> Verdict:
                 "`share_t` are shares of the output. Hand `time_shares` the error `e`.",
                 lambda: _normed(np.sum(known_vector(ask, "y")[: e.size].reshape(PARTS, -1) ** 2, axis=1)),
             ),
+            Slip(
+                "held-out half only",
+                "`share_t` is made of the held-out half of the error: here the whole of `e` is cut into parts.",
+                lambda: _normed(np.sum(e[e.size // 2 :].reshape(PARTS, -1) ** 2, axis=1)),
+            ),
         ],
     )
-    return _worst(ask, energy, e.size // PARTS * ask.record.Ts) if verdict.passed else verdict
+    return _worst(ask, e, energy, e.size // PARTS * ask.record.Ts) if verdict.passed else verdict
 
 
 def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
@@ -60,6 +65,11 @@ def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
             "`time_shares` puts every n-th sample together. A stretch is a run of neighbours.",
             lambda: _normed(np.sum(e.reshape(-1, parts) ** 2, axis=0)),
             mend="`reshape(parts, -1)` has one in each row.",
+        ),
+        Slip(
+            "stretches overlap",
+            "`time_shares` begins each stretch one sample after the last one: stretch i begins at sample i n.",
+            lambda: np.array([np.sum(e[i : i + blocks.shape[1]] ** 2) for i in range(parts)]) / np.sum(e**2),
         ),
         Slip(
             "square of the sum",
@@ -82,7 +92,7 @@ def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
     ]
 
 
-def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
+def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdict:
     got = as_vector("worst", ask.value("worst"), 2)
     most, Ts = int(np.argmax(energy)), ask.record.Ts
     stretch = np.array([most, most + 1.0])
@@ -97,6 +107,16 @@ def _worst(ask: Ask, energy: FloatArray, length: float) -> Verdict:
                 "last sample of the stretch",
                 "`worst` ends with the last sample of the stretch; asked for is the time at which the next one begins.",
                 lambda: length * stretch - [0, Ts],
+            ),
+            Slip(
+                "the largest error",
+                "`worst` surrounds the largest single error: the stretch with the largest *share* is asked for.",
+                lambda: Ts * (float(np.argmax(np.abs(e))) + np.array([0.0, 1.0])),
+            ),
+            Slip(
+                "part for a sample",
+                "`worst` takes the number of a part for that of a sample: part i begins at sample i N/16.",
+                lambda: Ts * stretch,
             ),
             Slip("samples for seconds", "`worst` is in samples: times `Ts`.", lambda: length / Ts * stretch),
             Slip("numbers of the parts", "`worst` counts parts: give the times, in seconds.", lambda: stretch),
@@ -164,6 +184,16 @@ def _normed_cells(f: FloatArray, edges: FloatArray, weights: FloatArray) -> Floa
 def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) -> list[Slip[FloatArray]]:
     return [
         *_common_slips("band_shares", _sorted(f, edges, power), _sorted(f, edges, np.sqrt(power))),
+        Slip(
+            "frequencies counted",
+            "`band_shares` counts the frequencies of each band: each counts with its |E|^2, `weights=...`.",
+            lambda: _normed(_sorted(f, edges, np.ones(f.size))),
+        ),
+        Slip(
+            "decibels",
+            "`band_shares` adds up decibels. Those are logarithms; |E|^2 itself is shared out.",
+            lambda: _normed(_sorted(f, edges, 20 * np.log10(np.sqrt(power)))),
+        ),
         Slip(
             "frequencies without Ts",
             "`band_shares` leaves Ts out: `np.fft.rfftfreq(len(e), Ts)` is in Hz, without Ts in cycles a sample.",
@@ -240,14 +270,19 @@ def _own_cells(ask: Ask, name: str, x: FloatArray, other: FloatArray, e: FloatAr
     y_lin = known_vector(ask, "y_lin")
     offset = as_number("y_offset", ask.known("y_offset"))
 
-    def over(wrong: FloatArray, weights: FloatArray) -> FloatArray:
-        return _normed(_sorted(wrong, edges, weights))
-
     value = ask.value(name)
-    if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.any(np.isnan(value)):
+    shares = np.nan_to_num(value) if isinstance(value, np.ndarray) and value.dtype.kind in "fi" else np.ones(1)
+    of_all = shares.sum() < 1 - 1e-6
+
+    def over(wrong: FloatArray, weights: FloatArray, cells: FloatArray = edges) -> FloatArray:
+        """Shares of the sum over these cells or, where those handed in add up to less than 1, over all samples."""
+        inside = _sorted(wrong, cells, weights)
+        return np.asarray(inside / (weights.sum() if of_all else inside.sum()))
+
+    if not np.any(shares):
         raise NoAnswer(
-            f"`{name}` is nan: no sample lies between the edges, {edges[0]:.3g} to {edges[-1]:.3g} V, as those of "
-            f"`{signal}_act` do. Was it handed over first, with its offset?",
+            f"`{name}` has nothing in any cell: no sample lies between the edges, {edges[0]:.3g} to {edges[-1]:.3g} V, "
+            f"as those of `{signal}_act` do. Was it handed over first, with its offset?",
             "another signal sorted",
         )
     return judge(
@@ -273,6 +308,11 @@ def _own_cells(ask: Ask, name: str, x: FloatArray, other: FloatArray, e: FloatAr
                     partial(over, wrong, e**2),
                 )
                 for wrong in (y_lin, y_lin + offset)
+            ),
+            Slip(
+                "edges of the other signal",
+                f"`{name}` sorts `{signal}_act` into the cells of the other signal: hand over `edges_{signal}`.",
+                lambda: over(x, e**2, _edges(other)),
             ),
             Slip(
                 "offset-free signal sorted",
@@ -308,6 +348,11 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
             "last edge lost",
             "`cell_shares` loses the samples that lie on the last edge: they belong to the last cell.",
             lambda: _sorted(x[x < edges[-1]], edges, e[x < edges[-1]] ** 2) / np.sum(e**2),
+        ),
+        Slip(
+            "numbers of np.digitize",
+            "`cell_shares` is one cell late: `np.digitize` numbers the cells from 1.",
+            lambda: np.r_[0, _sorted(x, edges, e**2)[:-1] / np.sum(e**2)],
         ),
         Slip(
             "first edge lost",
@@ -356,7 +401,6 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
 
 def _common_slips(name: str, energy: FloatArray, absolute: FloatArray) -> list[Slip[FloatArray]]:
     return [
-        Slip("not shares", f"`{name}` does not divide by the sum over all: shares add up to 1.", lambda: energy),
         Slip("per cent", f"`{name}` returns per cent: shares add up to 1.", lambda: 100 * _normed(energy)),
         Slip(
             "errors not squared",
@@ -385,7 +429,14 @@ def _judge_shares(
         close(0, tolerance),
         "",
         f"`{name}` does not return the shares of the squared error, in order.",
-        slips,
+        [
+            *slips,
+            Slip(
+                "not shares",
+                f"what `{name}` returns adds up to {got.sum():.4g}. Shares add up to 1: divide by the sum over all.",
+                lambda: got.sum() * _normed(energy),
+            ),
+        ],
     )
 
 

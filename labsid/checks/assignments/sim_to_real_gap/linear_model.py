@@ -17,6 +17,7 @@ from labsid.lab.arx import arx_from_theta, fit_arx
 from labsid.lab.regressor import build_phi
 from labsid.lab.simulation import predict_one_step, simulate
 from labsid.least_squares.solve import solve_least_squares
+from labsid.records.record import Record
 
 LATEST_START = 60
 """Latest first row of the equations, in samples: the lab's notebook allows rows from "a little later" than k = 2."""
@@ -68,7 +69,7 @@ def check_linear(ask: Ask) -> Iterator[Verdict]:
             return float(np.sum((free_run(one, u[:half]) - y[:half]) ** 2))
 
     if not sse(theta) <= NEAREST * sse(nearest_free_run(u[:half], y[:half], Ts)):
-        yield _not_nearest(theta, u, y, half, Ts)
+        yield _not_nearest(theta, u, y, half, ask.record)
     model = arx_from_theta(theta, Ts)
     run = simulate(model, u)
     value = ask.value("y_lin")
@@ -97,6 +98,7 @@ def check_linear(ask: Ask) -> Iterator[Verdict]:
                 "`y_lin` is the free run of `theta_arx`; run `theta_hat`.",
                 lambda: simulate(arx_from_theta(as_vector("theta_arx", ask.value("theta_arx"), 4), Ts), u),
             ),
+            Slip("input with its offset", "`y_lin` is run on `u_act`: use `u`.", lambda: simulate(model, ask.record.u)),
             Slip("not a run at all", "`y_lin` is the measured output itself.", lambda: y),
             Slip(
                 "offset put back",
@@ -167,7 +169,8 @@ def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
 SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
 
 
-def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, Ts: float) -> Verdict:
+def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, record: Record) -> Verdict:
+    u_act, y_act, Ts = record.u, record.y, record.Ts
     span = 0.002 * float(np.std(y))
 
     def same(one: FloatArray, other: FloatArray) -> bool:
@@ -195,6 +198,11 @@ def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, Ts:
             "wrong half",
             "`theta_hat` is fitted on the second half, which is held out.",
             lambda: nearest_free_run(u[half:], y[half:], Ts),
+        ),
+        Slip(
+            "offset left in",
+            "`theta_hat` is fitted on signals with their offsets: hand `fit` the first halves of `u` and `y`.",
+            lambda: nearest_free_run(u_act[:half], y_act[:half], Ts),
         ),
     ]
     return judge(
@@ -234,6 +242,16 @@ def check_size(ask: Ask) -> Verdict:
                 "error on the fitted half",
                 "`gap_before` is taken over the half that was fitted. Use the other one, `e[half:]`.",
                 lambda: float(np.sqrt(np.mean(e[:half] ** 2))),
+            ),
+            Slip(
+                "offset left in",
+                "`gap_before` compares `y_act`, with its offset, and `y_lin`, without: use `e`.",
+                lambda: float(np.sqrt(np.mean((held_out + as_number("y_offset", ask.known("y_offset"))) ** 2))),
+            ),
+            Slip(
+                "divided by all samples",
+                "`gap_before` divides by N; the held-out half has N - N/2 samples.",
+                lambda: right * float(np.sqrt(held_out.size / e.size)),
             ),
             Slip("no root", "`gap_before` is the mean squared error: take its root.", lambda: right**2),
             *(

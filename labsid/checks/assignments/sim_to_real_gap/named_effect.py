@@ -209,7 +209,10 @@ def _named_effect(ask: Ask) -> str:
 def _text(name: str, ask: Ask) -> str:
     value = ask.value(name)
     if not isinstance(value, str):
-        raise NoAnswer(f'`{name}` should be a text in quotes, such as "input"; it is {kind_of(value)}.', "not a text")
+        example = "input" if name == "path" else "input-delay"
+        raise NoAnswer(
+            f'`{name}` should be one text in quotes, such as "{example}"; it is {kind_of(value)}.', "not a text"
+        )
     return value.strip().lower()
 
 

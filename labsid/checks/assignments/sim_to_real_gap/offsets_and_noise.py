@@ -1,6 +1,7 @@
 """Step 1 of the gap: the offsets at rest, and the noise."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -74,6 +75,7 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
                 "`y_offset` is the mean over the whole record. Average the rest only, before the input first changes.",
                 lambda: float(np.mean(record.y)),
             ),
+            *(Slip("a single sample", single, partial(float, one)) for one in record.y[: n + 1]),
             Slip(
                 "mean over the first half",
                 "`y_offset` is the mean over the first half. Average the rest only, before the input first changes.",
@@ -91,6 +93,10 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
 def _noise(ask: Ask, record: Record) -> Verdict:
     at_rest = record.y[: first_period_length(record.u)]
     sd = float(np.std(at_rest))
+    moving = (
+        "`noise_sd` is the standard deviation of the whole record, or of half of it. While the input moves, so does "
+        "the output: at rest the spread is noise alone."
+    )
     return judge(
         as_number("noise_sd", ask.value("noise_sd")),
         sd,
@@ -99,18 +105,8 @@ def _noise(ask: Ask, record: Record) -> Verdict:
         "`noise_sd` is not the standard deviation of the output over the rest.",
         [
             Slip("variance for standard deviation", "`noise_sd` is the variance: take its root.", lambda: sd**2),
-            Slip(
-                "spread of the whole record",
-                "`noise_sd` is the standard deviation of the whole record. While the input moves, so does "
-                "the output: at rest the spread is noise alone.",
-                lambda: float(np.std(record.y)),
-            ),
-            Slip(
-                "spread of the first half",
-                "`noise_sd` is the standard deviation of half the record. While the input moves, so does "
-                "the output: at rest the spread is noise alone.",
-                lambda: float(np.std(record.y[: record.y.size // 2])),
-            ),
+            Slip("spread of the whole record", moving, lambda: float(np.std(record.y))),
+            Slip("spread of the first half", moving, lambda: float(np.std(record.y[: record.y.size // 2]))),
             Slip(
                 "mean left in",
                 "`noise_sd` is the root mean square of the output: its mean must be taken off first, as `np.std` does.",

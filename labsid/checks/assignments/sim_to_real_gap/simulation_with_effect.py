@@ -114,6 +114,12 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
             "inside.",
             "input offset not taken off",
         )
+    if np.allclose(y_sim, without) and not np.allclose(y_sim, _played(ask, 2 * run.u)):
+        return (
+            "`simulate_better` takes off the mean of what it is handed, or another of its values, in place of "
+            "`u_offset`: an output then depends on the whole input.",
+            "mean for the offset",
+        )
     if np.allclose(y_sim, without):
         return (
             "`simulate_better` returns the same whatever it is handed: let it use its argument.",
@@ -124,6 +130,12 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
             "`simulate_better` returns the same for these voltages in any order, and another output for their "
             "deviations from rest: take `u_offset` off inside, before anything else is done to the input.",
             "input offset not taken off",
+        )
+    if abs(y_sim[0] - y_offset) > 0.1 * np.ptp(run.y):
+        return (
+            f"`simulate_better` begins with {y_sim[0]:.3g} V, and at rest the sensor shows {y_offset:.3g} V. A model "
+            "of deviations is handed `u_act - u_offset`, and `y_offset` is added to what it returns.",
+            "output offset left out",
         )
     return None
 
@@ -225,8 +237,15 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
     if value is None:
         raise NoAnswer("`share_closed` returns nothing: end it with `return` and the share.", "no return")
     if isinstance(value, float) and np.isnan(value):
+        if after > sigma**2:
+            raise NoAnswer(
+                "`share_closed` returns nan, the root of a negative number. Both mean squared errors are larger than "
+                "the variance of the noise here: is sigma squared?",
+                "sigma not squared",
+            )
         raise NoAnswer(
-            "`share_closed` returns nan: where the error after is below the noise, the root needs `max(..., 0)`.",
+            "`share_closed` returns nan: where the error after is below the noise, the root needs `max(..., 0)`. "
+            "(Of `np.max` the second argument is an axis.)",
             "max forgotten",
         )
     return judge(

@@ -1,6 +1,8 @@
 """Checks of steps 1, 3 and 5 of the appendix: step-response modelling (Fig. A1, A2)."""
 
 from collections.abc import Iterator
+from functools import partial
+from itertools import permutations
 
 import numpy as np
 from scipy.signal import lsim
@@ -35,6 +37,10 @@ def _recorded() -> tuple[FloatArray, FloatArray]:
     return t, second_order_response(second_order_example(), t, AMPLITUDE)
 
 
+def _response(t: FloatArray, K: float, tau: float, td: float, amplitude: float) -> FloatArray:
+    return first_order_response(FirstOrderDelay(K, tau, td), t, amplitude)
+
+
 def check_read(ask: Ask) -> Verdict:
     """Step 1: K, tau and td of the recorded response."""
     got = np.array([as_number(name, ask.value(name)) for name in PARAMETERS])
@@ -47,7 +53,7 @@ def check_approximation(ask: Ask) -> Verdict:
     t, y = _recorded()
     K, tau, td = (as_number(name, ask.known(name)) for name in PARAMETERS)
     got = as_vector("y_approx", ask.value("y_approx"), t.size)
-    right = first_order_response(FirstOrderDelay(K, tau, td), t, AMPLITUDE)
+    right = _response(t, K, tau, td, AMPLITUDE)
     if not _same(got, right):
         carried = own_answer(ask, "first_order_response", t, K, tau, td, AMPLITUDE)
         simulated = next((run for run in _delayed_steps(t, K, tau, td) if _same(got, run)), None)
@@ -64,6 +70,20 @@ def check_approximation(ask: Ask) -> Verdict:
                         "amplitude of one",
                         "`y_approx` is the response to a step of amplitude 1; the recorded step has amplitude 2.",
                         lambda: right / AMPLITUDE,
+                    ),
+                    *(
+                        Slip(
+                            "arguments in another order",
+                            "`y_approx`: the arguments are handed over in another order than that of "
+                            "`first_order_response(t, K, tau, td, amplitude)`.",
+                            partial(_response, t, *order),
+                        )
+                        for order in list(permutations((K, tau, td, AMPLITUDE)))[1:]
+                    ),
+                    Slip(
+                        "numbers of the process",
+                        "`y_approx` is made with the numbers of the process, 3, 5 and 1. Your model has K, tau and td.",
+                        partial(_response, t, 3.0, 5.0, 1.0, AMPLITUDE),
                     ),
                     Slip(
                         "the record itself",
@@ -172,7 +192,7 @@ def _trial_steps(rng: np.random.Generator) -> list[Step]:
         t: FloatArray = tau / 40 * np.arange(rng.integers(340, 420), dtype=np.float64)
         y = level * abs(change) * float(rng.uniform(2.3, 3.5)) + first_order_response(model, t, amplitude)
         y += noise * abs(change) * rng.standard_normal(t.size)
-        steps.append(Step(t, y, amplitude, 0.025))
+        steps.append(Step(t, y, amplitude, 0.015))
     return steps
 
 

@@ -46,7 +46,10 @@ def check_solve_two(ask: Ask) -> Verdict:
             return verdict
     row = ask.rng.integers(1, 5, 2).astype(float)
     try:
-        solved = ask.call("solve_two", np.array([row, 2 * row]), np.array([1.0, 3.0])) is not None
+        value = ask.call("solve_two", np.array([row, 2 * row]), np.array([1.0, 3.0]))
+        if isinstance(value, str):
+            return Verdict(False, f"`solve_two` returns the text {value!r}: `None` has no quotes.", "text for None")
+        solved = value is not None
     except NoAnswer:
         solved = True
     if solved:
@@ -107,7 +110,7 @@ def check_loss_function(ask: Ask) -> Verdict:
             _same,
             "half the sum of the squared errors.",
             "`loss` is not half the sum of the squared errors: see (A5).",
-            [*loss_slips(Phi, Y, theta), _zeros("loss", "this theta has errors", 0.0)],
+            [*loss_slips(Phi, Y, theta), _zeros("loss", "this theta has errors (in Python, `1//2` is 0)", 0.0)],
         )
 
     return _on_all(ask, one)

@@ -104,6 +104,8 @@ def _excess(model: FirstOrderDelay, step: Step, fit: StepResponseFit) -> float:
 
 def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     right, a, change = fit.reading, step.amplitude, fit.y_final - fit.y_initial
+    turned = "tau is negative: t_63 comes after t_28, so subtract t_28 from t_63."
+    yield _Suspect("t_28 minus t_63", "tau", -right.tau, 1.5 * float(step.t[1] - step.t[0]), turned)
     Ts = float(step.t[1] - step.t[0])
     grid = 1.5 * Ts
     both = "K has the wrong sign: keep the signs of the change of the output and of the amplitude."
@@ -123,18 +125,34 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
             yield _Suspect("initial level left in", "K", value, 0, f"K: {left_in}")
         for value in (crossed, crossed - right.td):
             yield _Suspect("initial level left in", "tau", value, grid, f"tau: {left_in}")
+    if change < 0:
+        largest = "K: the largest y is not the end of a response that falls: take the mean of the last samples."
+        for value in (0.0, (np.max(step.y) - fit.y_initial) / a):
+            yield _Suspect("largest value for the end", "K", float(value), 0.05 * abs(right.K), largest)
     divide = "K is the whole change of the output: divide it by the amplitude."
     yield _Suspect("amplitude not divided out", "K", change, 0, divide)
     yield _Suspect("gain inverted", "K", a / change, 0, "K is inverted: it is output over input.")
     for other in (2.0, 1.0):
         if abs(a) > 0 and abs(abs(a) - other) > 0.1:
-            fixed = f"K is the change over {other:g}, whatever the amplitude is: divide by the amplitude of this step."
+            fixed = (
+                f"K is the change over {other:g}, and this step has the amplitude {a:.3g}: is that what it is divided "
+                "by, or what is handed over?"
+            )
             yield _Suspect("amplitude of another step", "K", change / other, 0, fixed)
     absolute = "K is the absolute value: with its sign it tells whether the output falls when the input rises."
     if right.K < 0:
         yield _Suspect("absolute value of the gain", "K", abs(right.K), 0, absolute)
     early = "K was read at 63.2 % of the change; read it at the end."
     yield _Suspect("63.2 % taken for the end", "K", 0.632 * right.K, 0, early)
+    if abs(right.K - change) > 0.1 * abs(change):
+        of_change = (
+            f"the times are those to 63.2 % and 28.3 % of K, and the response goes on to {fit.y_final:.3g}: take "
+            "shares of its whole change."
+        )
+        t_63, t_28 = (_first_time(step, fit.y_initial + share * right.K) for share in (0.632, 0.283))
+        yield _Suspect("shares of K", "tau", 1.5 * (t_63 - t_28), grid, of_change)
+    upside_down = "tau is 2/3 of t_63 - t_28; by the text t_63 - t_28 is 2/3 of tau."
+    yield _Suspect("the factor 3/2 inverted", "tau", 2 / 3 * (fit.t_632 - fit.t_283), Ts, upside_down)
     two_thirds = "tau is t_63 - t_28, which is only two thirds of the time constant."
     yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
     way = (step.y - fit.y_initial) / change
