@@ -297,8 +297,10 @@ class Fitted:
         """
         if size < MAX_RANGES * self.range:
             return True
+        if not has_controller(self.data.u, self.data.y):
+            return False
         rest = (self.output - added)[self.data.rows]
-        return size < MAX_RANGES * float(np.ptp(rest)) and has_controller(self.data.u, self.data.y)
+        return size < MAX_RANGES * float(np.ptp(rest))
 
     @property
     def input_range(self) -> float:
