@@ -12,8 +12,8 @@ SWITCHES = 6  # in a row, over which the set point of a relay may be constant
 JUMP = 3.0  # times the size of other steps of the output: those at switches, from which the output jumps with the input
 MIN_SEPARATED = 0.4  # of such stretches: over 0.65 of relays whose set point moves at times, none of others
 PASSES = 4  # of the regression without what the law does not explain
-OUTLIER = 6.0  # robust standard deviations
-EXACT = 0.998  # share of the changes of the input that the law explains, of a controller: 0.999 and more
+OUTLIER = 12.0  # times the median error, of what a reference or a limit adds: noise has four times
+EXACT = 0.9999  # share of the changes of the input that the law explains, of a controller without a limit
 MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
 MOST_STILL = 0.5  # of the samples, at which the input keeps its value: one that is held is designed
 STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
@@ -101,9 +101,9 @@ def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
     """The law of a linear controller with a constant reference for most of the record; None without one.
 
     What a step of the reference does not change, the second difference of the input, is regressed on the differences of
-    the output of the same sample and two before. A rig that responds within the
-    sample, and its inverse, obey such a law only if they are static or have no static gain; one with negative feedback
-    is then told from them by the jumps of its reference, or by an input that nobody has designed.
+    the output of the same sample and two before. A rig with a direct term obeys such a law, too, if that dominates, if
+    it is static or if it has no static gain. A controller is told from it by the jumps of its reference; without them,
+    by the law of a PI controller, or by that of a P controller whose input nobody has designed.
 
     Parameters
     ----------
@@ -126,8 +126,8 @@ def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
     jumps = float(np.mean(~rows))
     if law[0] >= 0.0 or exact < EXACT or jumps > MOST_JUMPS:
         return None
-    is_gain = max(abs(law.sum()), abs(law[2])) < STATIC * abs(law[0])
-    if is_gain and jumps == 0.0 and _foretold(moved) > SMOOTH:
+    integrates, differentiates = np.abs([law.sum(), law[2]]) > STATIC * abs(law[0])
+    if jumps == 0.0 and (differentiates or (not integrates and _foretold(moved) > SMOOTH)):
         return None
     return ControlLaw(float(law[0]), exact, jumps)
 

@@ -183,7 +183,7 @@ def test_replacing_an_undriven_pole_returns_the_steps_without_and_with_the_drift
     assert point is not None
     fit = finish(data, hypothesis, point)
     assert has_undriven_pole(data, fit)
-    steps = replace_undriven_pole(data, fit)
+    steps = replace_undriven_pole(data, fit, -np.inf)
     assert steps is not None
     without, along = steps
     assert without.hypothesis == hypothesis
@@ -191,4 +191,4 @@ def test_replacing_an_undriven_pole_returns_the_steps_without_and_with_the_drift
     assert not has_undriven_pole(data, along)
     assert rms(data, without) > 5.0 * rms(data, along)
     assert along.bic < fit.bic + 10.0
-    assert replace_undriven_pole(data, along) is None
+    assert replace_undriven_pole(data, along, -np.inf) is None

@@ -62,7 +62,7 @@ def test_the_law_of_a_controller_is_found(ki: float) -> None:
 @given(seed=st.integers(0, 10**6), direct=st.floats(-2.0, 2.0), held=st.integers(1, 30), noise=st.floats(0.001, 0.2))
 def test_a_designed_input_follows_no_law(seed: int, direct: float, held: int, noise: float) -> None:
     """Of a rig with dynamics, with or without a direct term of either sign, steps or noise at its input."""
-    assume(abs(direct + 1.0) > 0.1)  # without a static gain, and noise at its input, it obeys a law
+    assume(abs(direct + 1.0) > 0.2)  # with hardly a static gain, and noise at its input, it obeys a law
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.standard_normal(600 // held + 1), held)[:600]
     y = lfilter([0.0, 0.3], [1.0, -0.7], u) + direct * u
