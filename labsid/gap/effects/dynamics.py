@@ -308,9 +308,9 @@ class Resonance(Placed):
         return [*beside, {"log_c": log_c, "log_k": log_k} | _mode(w, damped)]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a few cycles per record (a drift), no damping (a periodic disturbance), and that of further lags."""
+        """Reject a few cycles per record (a drift) and no damping (a periodic disturbance)."""
         swings = float(np.exp(fit.value("log_frequency"))) * fit.data.samples / (2.0 * np.pi)
-        return swings > MIN_CYCLES and LEAST_DAMPING < float(np.exp(fit.value("log_damping"))) < MOST_DAMPING
+        return swings > MIN_CYCLES and float(np.exp(fit.value("log_damping"))) > LEAST_DAMPING
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`frequency` in hertz, and `damping`."""

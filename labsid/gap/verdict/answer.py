@@ -32,7 +32,7 @@ from labsid.gap.verdict.decision import (
     evidence_in,
     of_regulated_record,
     without_curve_of_switch,
-    without_rate_of_equal_steps,
+    without_lags_as_others,
     without_stand_ins,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
@@ -348,7 +348,7 @@ def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Ans
     explanation, score, search = found.explanation, found.score, steps.search
     novelty = measure_novelty(explanation.data, explanation.path[0])
     decision = without_curve_of_switch(steps.named, explanation.data, explanation.best)
-    decision = without_rate_of_equal_steps(decision, explanation.data)
+    decision = without_lags_as_others(decision, explanation.data, explanation.best)
     decision = of_regulated_record(decision) if steps.regulated else decision
     decision = without_stand_ins(decision, explanation.best)
     corrected = corrected_share(explanation.data, explanation.best)

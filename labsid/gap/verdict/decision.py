@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from labsid.gap.effects.dynamics import ExtraLag
+from labsid.gap.effects.dynamics import MOST_DAMPING, ExtraLag, Resonance
 from labsid.gap.effects.families import names_where
 from labsid.gap.effects.input import RateLimit
 from labsid.gap.effects.inside import MISMATCH
@@ -169,18 +169,23 @@ def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decisio
     return replace(decision, probability=capped)
 
 
-def without_rate_of_equal_steps(decision: Decision, data: Data) -> Decision:
-    """The decision with no rate limit more likely than not, if the steps of the command have one size.
+def without_lags_as_others(decision: Decision, data: Data, fit: Fit) -> Decision:
+    """The decision with nothing more likely than not that further lags are taken for.
 
-    An actuator that is given a constant time for each of them, as a moving average or several lags do, moves alike.
+    A rate limit, if the steps of the command have one size: an actuator that takes a constant time for each of them, as
+    a moving average or several lags do, moves alike. A mode that is not lightly damped: it is a pair of lags.
     """
-    if RateLimit.name not in decision.names or not has_equal_steps(data):
+    parameters = [parameter.name for parameter in fit.hypothesis.parameters]
+    damped = "log_damping" in parameters and np.exp(fit.theta[parameters.index("log_damping")]) > MOST_DAMPING
+    other = {RateLimit.name: has_equal_steps(data), Resonance.name: damped}
+    lags = [name for name in decision.names if other.get(name, False)]
+    if not lags:
         return decision
-    p = min(decision.probability[RateLimit.name], SWITCH_PROBABILITY)
+    capped = {name: min(decision.probability[name], SWITCH_PROBABILITY) for name in lags}
     rivals = [name for name in (ExtraLag.name, *decision.ambiguous) if name not in decision.names]
     return replace(
         decision,
-        probability=decision.probability | {RateLimit.name: p},
+        probability=decision.probability | capped,
         ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS],
     )
 

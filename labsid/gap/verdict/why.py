@@ -236,13 +236,13 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
                 )
             )
     at_switch = decision.without_curve_of_switch(named, data, best)
-    at_rate = decision.without_rate_of_equal_steps(at_switch, data)
+    at_rate = decision.without_lags_as_others(at_switch, data, best)
     at_rest = decision.of_regulated_record(at_rate) if answer.steps.regulated else at_rate
     at_spring = decision.without_stand_ins(at_rest, best)
     switch = threshold_of(decision, "SWITCH_PROBABILITY")
     rules = (
         (named, at_switch, switch, "The fitted actuator only switches, which does not show the shape of a limit."),
-        (at_switch, at_rate, switch, "The steps of the command have one size: several lags move alike."),
+        (at_switch, at_rate, switch, "Several lags move alike."),
         (at_rate, at_rest, switch, "A controller with a constant reference gives the input."),
         (at_rest, at_spring, switch, "The rig is unstable: the spring may stand for a curve of the sensor."),
         (
