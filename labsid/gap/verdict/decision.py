@@ -1,7 +1,7 @@
 """Decide on the effects to name, with their probabilities and rivals, or on the verdict `unknown`."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true
 MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
 RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
 SEEN_STOP = 0.8  # probability of an effect that stops the output, if it pays and the record shows the limit
-SWITCH_PROBABILITY = 0.4  # of a shape of the input, where the fitted actuator only switches
+SWITCH_PROBABILITY = 0.4  # of an effect that the record does not tell from others, whatever its fit
 MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
 MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
 
@@ -165,8 +165,7 @@ def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decisio
     named = set(decision.names) & names_where("shape_of_input")
     if not named or not only_switches(data, fit):
         return decision
-    capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
-    return replace(decision, probability=capped)
+    return _less_likely_than_not(decision, named)
 
 
 def without_lags_as_others(decision: Decision, data: Data, fit: Fit) -> Decision:
@@ -178,16 +177,8 @@ def without_lags_as_others(decision: Decision, data: Data, fit: Fit) -> Decision
     parameters = [parameter.name for parameter in fit.hypothesis.parameters]
     damped = "log_damping" in parameters and np.exp(fit.theta[parameters.index("log_damping")]) > MOST_DAMPING
     other = {RateLimit.name: has_equal_steps(data), Resonance.name: damped}
-    lags = [name for name in decision.names if other.get(name, False)]
-    if not lags:
-        return decision
-    capped = {name: min(decision.probability[name], SWITCH_PROBABILITY) for name in lags}
-    rivals = [name for name in (ExtraLag.name, *decision.ambiguous) if name not in decision.names]
-    return replace(
-        decision,
-        probability=decision.probability | capped,
-        ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS],
-    )
+    lags = {name for name in decision.names if other.get(name, False)}
+    return _less_likely_than_not(decision, lags, (ExtraLag.name,)) if lags else decision
 
 
 def of_regulated_record(decision: Decision) -> Decision:
@@ -209,10 +200,16 @@ def without_stand_ins(decision: Decision, fit: Fit) -> Decision:
     named = set(decision.names) & names_where("spring")
     if decision.verdict != "partial" or not named or fit.hypothesis.feedback is None:
         return decision
-    capped = {name: min(p, SWITCH_PROBABILITY) if name in named else p for name, p in decision.probability.items()}
-    curves = sorted(names_where("bends_reading"))
-    rivals = [name for name in (*curves, *decision.ambiguous) if name not in decision.names]
-    return replace(decision, probability=capped, ambiguous=tuple(dict.fromkeys(rivals))[:MAX_RIVALS])
+    return _less_likely_than_not(decision, named, sorted(names_where("bends_reading")))
+
+
+def _less_likely_than_not(decision: Decision, limited: Set[str], rivals: Sequence[str] = ()) -> Decision:
+    """The decision with some names less likely than not, and what they may stand for as the first rivals."""
+    capped = {name: min(p, SWITCH_PROBABILITY) if name in limited else p for name, p in decision.probability.items()}
+    if not rivals:
+        return replace(decision, probability=capped)
+    others = [name for name in (*rivals, *decision.ambiguous) if name not in decision.names]
+    return replace(decision, probability=capped, ambiguous=tuple(dict.fromkeys(others))[:MAX_RIVALS])
 
 
 def decide_partial(search: HeldOutSearch, unknown: Decision, at_stop: bool = False) -> Decision:

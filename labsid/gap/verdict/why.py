@@ -243,7 +243,6 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
     rules = (
         (named, at_switch, switch, "The fitted actuator only switches, which does not show the shape of a limit."),
         (at_switch, at_rate, switch, "Several lags move alike."),
-        (at_rate, at_rest, switch, "A controller with a constant reference gives the input."),
         (at_rest, at_spring, switch, "The rig is unstable: the spring may stand for a curve of the sensor."),
         (
             at_spring,
@@ -255,7 +254,7 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
     )
     for before, after, limit, meaning in rules:
         for name, p in before.probability.items():
-            if after.probability.get(name, p) < p and name in last.names:
+            if after.probability[name] < p and name in last.names:
                 gates.append(
                     Gate(f"probability of {name}", p, "<=", limit, f"{meaning} It is lowered to the threshold.")
                 )
