@@ -50,7 +50,7 @@ from labsid.gap.simulations.baseline import (
     make_baseline,
     read_exported,
 )
-from labsid.gap.simulations.long_record import shorten_holdout, shorten_record, shorten_records
+from labsid.gap.simulations.long_record import at_readings, shorten_holdout, shorten_record, shorten_records
 from labsid.gap.simulations.model_check import check_model
 from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
@@ -402,8 +402,13 @@ def _prepare(
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     findings += _compared(record, simulation)
-    whole, shortened = record, shorten_record(record, simulation)
-    record, simulation, notes = shortened.record, shortened.simulation, shortened.notes
+    whole = record
+    slow: tuple[str, ...] = ()
+    if simulation is None and not gaps:
+        (record, *rest), slow = at_readings([record] if holdout is None else [record, holdout])
+        holdout = rest[0] if rest else None
+    shortened = shorten_record(record, simulation)
+    record, simulation, notes = shortened.record, shortened.simulation, slow + shortened.notes
     if holdout is not None:
         holdout, more = shorten_holdout(holdout, shortened.every)
         notes += more
@@ -446,7 +451,11 @@ def _prepare_several(
     gaps, records = zip(*map(_without_gaps, records), strict=True)
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
+    slow: tuple[str, ...] = ()
+    if simulation is None and not any(gaps):
+        records, slow = at_readings(records)
     parts, notes = shorten_records(records)
+    notes = slow + notes
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
     joined = join_records(parts, [_measured(part, times) for part, times in zip(parts, gaps, strict=True)])

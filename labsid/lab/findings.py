@@ -11,7 +11,7 @@ from labsid.lab.excitation import excitation_order, persistent_excitation
 from labsid.lab.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
 from labsid.lab.plateaus import Plateaus, repeated_plateaus
 from labsid.lab.regressor import build_phi
-from labsid.records.direction import gain_from_past
+from labsid.records.direction import feedback_statistic, gain_from_past
 from labsid.records.formats import RawRecord
 from labsid.records.record import is_sound
 from labsid.records.signal_quality import (
@@ -19,6 +19,7 @@ from labsid.records.signal_quality import (
     find_held,
     lattice_step,
     moving_mean_length,
+    refreshed_every,
     runs,
     scatter,
     shortest_hold,
@@ -142,16 +143,17 @@ def about_feedback(raw: RawRecord) -> Finding:
             "reaches both and a least-squares fit is biased; use it to verify a loop or a model."
         )
         return Finding("refused", "feedback", text)
+    has_levels = np.unique(raw.u).size <= _MAX_LEVELS
     # y is advanced by one sample, because a controller computes u from the y of the same sample.
-    gain = gain_from_past(raw.y[1:], raw.u[:-1])
+    gain = gain_from_past(raw.y[1:], raw.u[:-1]) if has_levels else feedback_statistic(raw.u, raw.y)
     if gain <= 10:
         return Finding("ok", "feedback", "none seen: the output does not help to predict the input.")
     text = f"the output up to the same sample helps to predict the input (F = {gain:.3g})."
-    if np.unique(raw.u).size <= _MAX_LEVELS:
+    if has_levels:
         return Finding("note", "feedback", f"{text} A periodic input has this effect, as has a relay in closed loop.")
     text += (
-        " Either the record was taken in closed loop, and a least-squares fit is biased, or the output responds "
-        "within one sample, which a strictly proper model cannot reproduce."
+        " The record was probably taken in closed loop, and a least-squares fit is then biased. A rig that is far from "
+        "linear looks like this, too, if its input is smooth."
     )
     return Finding("warning", "feedback", text)
 
@@ -222,6 +224,13 @@ def about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
         text = f"values lie on a lattice of {step:.5g}{_converter(step)}, {against}."
         findings.append(Finding("note" if step > 2 * noise else "ok", "converter", text))
     findings += about_clipping(y)
+    every, _ = refreshed_every(raw.u, sensor)
+    if every > 1:
+        text = (
+            f"y has a new value at one sample in {every} only: its sensor or its bus is slower than the logger. The "
+            "values between are repeated ones, and no measurements."
+        )
+        return [*findings, Finding("warning", "held values", text)]
     stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]
     found = find_held(sensor, step, shortest_hold(sensor)) if noise > 0 else ()
     held = [(k - 1, stop) for k, stop in found if sensor[k] not in stuck]

@@ -6,6 +6,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 from labsid._arrays import FloatArray
 
 LAGS = 8
+NOISE_LAGS = 12  # of both signals, by which the noise of the output is estimated
+OWN_LAGS = 20  # of a signal, by which it is predicted without that noise: as far back as the noise knows it
+LEAST_NOISE = 1e-6  # of the standard deviation of the output: below it, rounding is taken for noise
+DEPENDENT = 1e-9  # singular value of a regressor over the largest, below which it repeats others
 
 
 def gain_from_past(x: FloatArray, y: FloatArray) -> float:
@@ -36,6 +40,64 @@ def gain_from_past(x: FloatArray, y: FloatArray) -> float:
     # Rounding error of a perfect prediction; it keeps the ratio of two perfect predictions finite.
     floor = np.finfo(float).eps * float(np.sum(target**2)) + np.finfo(float).tiny
     return max(alone - together, 0.0) / LAGS / (max(together, floor) / (rows - both.shape[1]))
+
+
+def feedback_statistic(u: FloatArray, y: FloatArray) -> float:
+    """F statistic for feedback: do the past and the noise of the output both help to predict the input?
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (N,)
+        Input and output, sampled together.
+
+    Returns
+    -------
+    float
+        The smaller one of two statistics: of the past of `y`, `gain_from_past`; and of the past of the noise of `y`,
+        which is what the past of both signals and the input of the same sample do not foretell of it.
+
+    Notes
+    -----
+    The first alone is about 20 to 180 for many smooth inputs that nothing feeds back, such as a chirp or a sum of
+    sinusoids: their past is in the output, too. The second is below 4 on these. It is 1 in a loop whose controller
+    does not see the noise of the record; `gain_from_past` shows such a loop.
+    """
+    return min(gain_from_past(y, u), _gain_from_noise(u, y))
+
+
+def _gain_from_noise(u: FloatArray, y: FloatArray) -> float:
+    """F statistic of the past of the output's noise for the input; 0 of too short a record, or one without noise."""
+    first, rows = OWN_LAGS + LAGS, u.size - OWN_LAGS - LAGS
+    if rows < 2 * first:
+        return 0.0
+    noise = np.zeros(y.size)
+    at = np.arange(NOISE_LAGS, y.size)
+    past = [_lagged(y, at, NOISE_LAGS), _lagged(u, at, NOISE_LAGS), u[at, None] - np.mean(u)]
+    noise[at], _ = _left(np.column_stack(past), y[at])
+    if np.std(noise[at]) <= LEAST_NOISE * np.std(y):
+        return 0.0
+    at = np.arange(first, y.size)
+    own = _lagged(u, at, OWN_LAGS)
+    alone, fewer = _left(own, u[at])
+    together, more = _left(np.column_stack([own, _lagged(noise, at, LAGS)]), u[at])
+    if more == fewer:
+        return 0.0
+    error = max(float(together @ together), np.finfo(float).tiny) / (rows - more)
+    return max(float(alone @ alone - together @ together), 0.0) / (more - fewer) / error
+
+
+def _lagged(x: FloatArray, at: np.ndarray, lags: int) -> FloatArray:
+    """The `lags` samples of a signal before each index of `at`, less its mean."""
+    return np.column_stack([x[at - lag] for lag in range(1, lags + 1)]) - np.mean(x)
+
+
+def _left(columns: FloatArray, target: FloatArray) -> tuple[FloatArray, int]:
+    """What columns and a constant leave of a target, and the number of independent ones."""
+    X = np.column_stack([columns, np.ones(target.size)])
+    X /= np.maximum(np.linalg.norm(X, axis=0), np.finfo(float).tiny)
+    basis, singular, _ = np.linalg.svd(X, full_matrices=False)
+    basis = basis[:, singular > DEPENDENT * singular[0]]
+    return target - basis @ (basis.T @ target), basis.shape[1]
 
 
 def look_swapped(u: FloatArray, y: FloatArray) -> bool:

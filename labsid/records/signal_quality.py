@@ -9,6 +9,7 @@ RARE_REPEATS = 0.01  # share of values that occur twice in a row; above it, nois
 FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
 LARGE_MOVE = 4.0  # median changes between samples: a jump away from the sensor's limit
 SEVERAL_HOLDS = 3
+MIN_REFRESHES = 20  # changes of a signal: by chance, none is at a sample of its own in 1 of 2^19
 
 
 def digits_of(value: float, span: float, least: int = 4) -> str:
@@ -188,6 +189,26 @@ def shortest_hold(x: FloatArray) -> int:
     if repeats < RARE_REPEATS:
         return MIN_HOLD
     return max(MIN_HOLD, int(np.log(1e-3 / lengths.size) / np.log(repeats)) + 2)
+
+
+def refreshed_every(u: FloatArray, y: FloatArray) -> tuple[int, int]:
+    """Find a sensor that is slower than the logger: y changes only at every m-th sample.
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (N,)
+
+    Returns
+    -------
+    m, first : int
+        (1, 0) if y changes at other samples too, as seldom as u, or hardly at all; else the interval and the first
+        sample with a reading of its own.
+    """
+    changes = runs(y)[0][1:]
+    if changes.size < max(MIN_REFRESHES, 2 * runs(u)[0].size):
+        return 1, 0
+    every = int(np.gcd.reduce(np.diff(changes)))
+    return (every, int(changes[0] % every)) if every > 1 else (1, 0)
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:

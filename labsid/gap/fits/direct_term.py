@@ -8,7 +8,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.record.controllers import FEEDBACK_F
 from labsid.gap.record.data import Data, complete_rows, lagged_columns
-from labsid.records.direction import gain_from_past
+from labsid.records.direction import feedback_statistic
 
 LAGS = 12  # of both signals
 RATES = 8  # of filters of the input, from one over the record to one per sample: what twelve lags do not reach
@@ -61,7 +61,7 @@ def estimate_direct_term(data: Data) -> DirectTerm:
     """
     new_u, new_y, free = innovations(data)
     power = float(new_u @ new_u)
-    if power < DEPENDENT * new_u.size or free < LAGS or gain_from_past(data.y, data.u) > FEEDBACK_F:
+    if power < DEPENDENT * new_u.size or free < LAGS or feedback_statistic(data.u, data.y) > FEEDBACK_F:
         return DirectTerm(0.0, np.inf)
     jumps = np.abs(new_u) > JUMP * np.median(np.abs(new_u))
     if np.sum(new_u[jumps] ** 2) > 0.5 * power:

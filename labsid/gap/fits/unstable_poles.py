@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lstsq, pinvh
 
+from labsid._arrays import FloatArray
 from labsid.gap.dynamics.responses import denominator, section
 from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.fits.fitting import Fit
@@ -17,6 +18,7 @@ ITERATIONS = 12  # of the filter and the dynamics fitted behind it
 SLOWEST = 3.0  # poles of a filter decay by the exponential of at least this along the record
 GROWTH = 3.0  # an unstable pole that grows by less than the exponential of this along the record is no matter
 MOST_CORRECTED = 0.3  # of what the input moves the output: beside a larger correction no cause explains everything
+MOST_DIRECT = 0.5  # of the mean square error, left by a direct term: at least 0.9 in loops, at most 0.33 elsewhere
 SIGNIFICANT = 6.0  # standard errors: the error of the filtered equation is not white
 
 
@@ -79,6 +81,8 @@ def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None
     growth = best.fastest_growth
     if growth * data.longest < GROWTH or growth < SIGNIFICANT * best.stderr or best.gain == 0.0:
         return None
+    if _error_with_direct_term(data, *best.filter) < MOST_DIRECT * best.error:
+        return None  # a rig that responds within the sample, to an input that is as smooth as the output
     (c, k), (a1, a0) = best.filter, np.poly(best.poles).real[1:]
     gains = float(1.0 - a0 / k), float((c - a1) / k)
     feedback = OutputFeedback(gains=gains, closed=(c, k), about=float(data.y[0]))
@@ -112,11 +116,24 @@ def _fitted(data: Data, rate: float) -> FilteredEquation | None:
     return found
 
 
-def _equation(data: Data, c: float, k: float) -> FilteredEquation | None:
-    """The filtered equation with the filter s^2 + c s + k, by least squares."""
+def _columns(data: Data, c: float, k: float) -> tuple[FloatArray, FloatArray]:
+    """Regressors and target of the equation behind the filter s^2 + c s + k."""
     u, y = section(c, k, data.u - data.u[0]), section(c, k, data.y - data.y[0])
     X = np.column_stack([y[:, :2], u[:, :2], u[:, 2:], np.ones(data.samples)])[data.rows]
-    target = (data.y - data.y[0])[data.rows]
+    return X, (data.y - data.y[0])[data.rows]
+
+
+def _error_with_direct_term(data: Data, c: float, k: float) -> float:
+    """Mean square error of the equation that also has the input of the same sample."""
+    X, target = _columns(data, c, k)
+    X = np.column_stack([X, (data.u - data.u[0])[data.rows]])
+    error = target - X @ lstsq(X, target, lapack_driver="gelsy")[0]
+    return float(error @ error) / max(target.size - X.shape[1], 1)
+
+
+def _equation(data: Data, c: float, k: float) -> FilteredEquation | None:
+    """The filtered equation with the filter s^2 + c s + k, by least squares."""
+    X, target = _columns(data, c, k)
     theta = lstsq(X, target, lapack_driver="gelsy")[0]
     error = target - X @ theta
     d1, d2 = denominator(c, k)

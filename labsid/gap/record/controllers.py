@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.records.direction import gain_from_past
+from labsid.records.direction import feedback_statistic
 
-FEEDBACK_F = 10.0  # F statistic: 39 on the lab's closed loop, at most 5 on rigs in open loop
+FEEDBACK_F = 10.0  # F statistic: 11 to 130 in loops that pass on noise, at most 6 on rigs in open loop
 SWITCHES = 6  # in a row, over which the set point of a relay may be constant
 JUMP = 3.0  # times the size of other steps of the output: those at switches, from which the output jumps with the input
 MIN_SEPARATED = 0.4  # of such stretches: over 0.65 of relays whose set point moves at times, none of others
@@ -32,7 +32,7 @@ def has_controller(u: FloatArray, y: FloatArray) -> bool:
     ----------
     u, y : ndarray, shape (N,)
     """
-    return gain_from_past(y, u) > FEEDBACK_F or is_relay(u, y) or find_control_law(u, y) is not None
+    return feedback_statistic(u, y) > FEEDBACK_F or is_relay(u, y) or find_control_law(u, y) is not None
 
 
 def is_relay(u: FloatArray, y: FloatArray) -> bool:

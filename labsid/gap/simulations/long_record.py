@@ -8,7 +8,7 @@ import numpy as np
 from labsid.gap.simulations.baseline import Simulation
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
-from labsid.records.signal_quality import runs
+from labsid.records.signal_quality import refreshed_every, runs
 from labsid.simulators.simulator import Simulator
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
@@ -116,6 +116,31 @@ def shorten_holdout(holdout: Record, every: int, longest: int = MAX_SAMPLES) -> 
         return holdout, ()
     return part, (
         f"The diagnosis uses {len(part)} of the {len(holdout)} samples of the holdout, up to t = {part.t[-1]:g} s.",
+    )
+
+
+def at_readings(records: Sequence[Record]) -> tuple[list[Record], tuple[str, ...]]:
+    """The samples at which a sensor that is slower than the logger has a new reading.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Runs of one rig, without missing samples; nothing is left out where the first has a reading at every sample.
+
+    Returns
+    -------
+    list of Record and tuple of str
+        The records, and a sentence on what was left out.
+    """
+    found = [refreshed_every(record.u, record.y) for record in records]
+    every = found[0][0]
+    if every == 1:
+        return list(records), ()
+    starts = [first if its == every else 0 for its, first in found]
+    slow = [downsample(_cut(one, slice(start, None)), every) for one, start in zip(records, starts, strict=True)]
+    return slow, (
+        f"The output has a new value at one sample in {every} only: the diagnosis uses these, and the mean of the "
+        "input between them.",
     )
 
 

@@ -2,8 +2,17 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from labsid.records.signal_quality import find_held, lattice_step, moving_mean_length, runs, scatter, stuck_at_extreme
+from labsid.records.signal_quality import (
+    find_held,
+    lattice_step,
+    moving_mean_length,
+    refreshed_every,
+    runs,
+    scatter,
+    stuck_at_extreme,
+)
 
 WAVE = np.sin(np.arange(600) / 15)
 
@@ -88,3 +97,19 @@ def test_other_filters_are_no_moving_mean():
     assert moving_mean_length(x, np.convolve(x, [0.5, 0.3, 0.2])[: x.size]) is None
     assert moving_mean_length(x, np.round(np.convolve(x, np.ones(5) / 5)[: x.size], 4)) is None
     assert moving_mean_length(x, np.convolve(x, np.ones(30) / 30)[: x.size]) is None
+
+
+@pytest.mark.parametrize(("every", "first"), [(2, 1), (3, 0), (7, 5)])
+def test_a_sensor_slower_than_the_logger_is_seen(every, first):
+    rng = np.random.default_rng(every)
+    u = np.repeat(rng.uniform(-1, 1, 30), 20)
+    readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
+    y = readings[np.maximum((np.arange(u.size) - first) // every, 0) * every + first]
+    assert refreshed_every(u, y) == (every, first)
+    y[333:] = readings[333:]
+    assert refreshed_every(u, y) == (1, 0)
+
+
+def test_an_output_that_rests_between_steps_of_the_input_is_no_slow_sensor():
+    u = np.repeat(np.random.default_rng(0).uniform(-1, 1, 60), 10)
+    assert refreshed_every(u, 2 * u) == (1, 0)

@@ -11,6 +11,7 @@ from gap_search import searched
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_are
+from scipy.signal import chirp, lfilter
 
 from labsid import Record
 from labsid.gap import diagnose
@@ -177,6 +178,22 @@ def test_the_page_of_an_unstable_rig_says_that_its_simulation_is_corrected() -> 
     assert "a correction by its measured output" in page
     assert "free-running simulation, which receives" not in page
     assert "free-running simulation, which receives" in render_html(made_report("input-dead-zone"))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3, 0.02])
+@pytest.mark.parametrize("lines", [0, 6, 9, 20])
+def test_a_stable_rig_with_a_direct_term_is_not_unstable(lines: int, noise: float) -> None:
+    """A sum of sinusoids, or a chirp, is as smooth as the output, which therefore seems to come first."""
+    k = np.arange(900)
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        waves = zip(rng.uniform(0.002, 0.08, lines), rng.uniform(0, 6, lines), strict=True)
+        u = sum((np.sin(2 * np.pi * f * k + phase) for f, phase in waves), np.zeros(k.size))
+        u = u if lines else chirp(k, 0.001, k.size, rng.uniform(0.02, 0.2))
+        poles, zeros = np.exp(-1 / np.exp(rng.uniform(np.log(2), np.log(60), (2, 2))))
+        y = lfilter(np.poly(zeros), np.poly(poles), u)
+        y += noise * np.std(y) * rng.standard_normal(y.size)
+        assert find_stabilising_feedback(scaled(u, y, np.ones(k.size, bool), 1.0)) is None
 
 
 def test_past_its_end_the_feedback_holds_its_last_value() -> None:

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from labsid.gap import diagnosis
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.simulations.long_record import downsample, shorten_holdout, shorten_record
+from labsid.gap.simulations.long_record import at_readings, downsample, shorten_holdout, shorten_record
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
 from labsid.simulators.simulator import function_simulator
@@ -93,3 +94,18 @@ def test_the_report_states_the_samples_left_out(rig_record, monkeypatch):
     assert report["screen"][0].startswith("The diagnosis uses 200 of the 900 samples of the record, from t = ")
     assert report["screen"][1] == "The diagnosis uses 200 of the 700 samples of the holdout, up to t = 99.5 s."
     assert report["verdict"] == "none"
+
+
+def test_a_slow_sensor_is_diagnosed_at_its_readings():
+    rng = np.random.default_rng(2)
+    u = np.repeat(rng.uniform(0, 10, 30), 40)
+    readings = lfilter([0, 0.03], [1, -0.97], u) + 0.02 * rng.standard_normal(u.size)
+    y = readings[np.maximum((np.arange(u.size) - 2) // 5, 0) * 5 + 2]
+    run = Record(0.1 * np.arange(u.size), u, y, 0.1)
+    (slow,), (note,) = at_readings([run])
+    assert slow.Ts == pytest.approx(0.5)
+    np.testing.assert_array_equal(slow.y, readings[2::5][: len(slow)])
+    np.testing.assert_allclose(slow.u, u[2:-3].reshape(-1, 5).mean(axis=1))
+    report = diagnose(run).report
+    assert report["verdict"] == "none"
+    assert note in report["screen"]
