@@ -15,6 +15,7 @@ from labsid.gap.record.data import Data
 
 UNFILTERED = np.zeros(0)
 DIVERGED = 1e100  # of a scaled signal: its square is finite
+WEAK = 0.01  # of the error: a parameter that moves the output less by its unit is damped as one that moves it so far
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -244,11 +245,12 @@ def descend(problem: Problem, at: Point, iterations: int, tolerance: float = 1e-
         held[:searched] = ((at.theta <= lower) & (push < 0)) | ((at.theta >= upper) & (push > 0))
         gram[held, :] = gram[:, held] = slope[held] = 0.0
         ridge = np.where(held, 1.0, RIDGE)
+        weak = WEAK**2 * float(at.error @ at.error) / scale[:searched] ** 2
         for _ in range(6):
             lhs = gram.copy()
             diagonal = lhs.flat[:: gram.shape[0] + 1]
             diagonal += ridge
-            diagonal[:searched] += damping
+            diagonal[:searched] += damping * np.maximum(weak, 1.0)
             lhs.flat[:: gram.shape[0] + 1] = diagonal
             step = solve_positive_definite(lhs, slope) / scale
             new = np.clip(at.theta + step[:searched], lower, upper)

@@ -203,7 +203,7 @@ def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, 
 
 def is_rounding_of_log(data: Data, before: Fit, after: Fit) -> bool:
     """Whether the rounding of the log of the input leaves all of an error but the noise `after` the effects found."""
-    logged = log_rounding_error(data, before)
+    logged = log_rounding_error(data, before, after)
     return logged > 0.0 and mean_square(data, before) < logged + after.noise.sigma2
 
 

@@ -51,3 +51,12 @@ def test_what_it_leaves_under_a_chirp_is_no_change_of_the_rig():
     y = lfilter([0.0, 0.02, 0.019], [1.0, -1.84, 0.879], u)
     y = y + 0.001 * np.std(y) * np.random.default_rng(2).standard_normal(y.size)
     assert diagnose(Record(t, 0.2 * np.round(u / 0.2), y, 0.04)).report["verdict"] == "none"
+
+
+def test_an_error_much_smaller_than_that_of_rounding_shows_set_points_in_whole_numbers():
+    record = recorded(0.04)
+    y = lfilter([0.0, 0.05, 0.04], [1.0, -1.5, 0.56], record.u)
+    y = y + 0.001 * np.std(y) * np.random.default_rng(3).standard_normal(y.size)
+    for output, acted in ((record.y, False), (y, True)):
+        data = scaled(record.u, output, np.ones(y.size, bool), record.Ts)
+        assert (log_rounding_error(data, fit_baseline(data)) == 0.0) == acted
