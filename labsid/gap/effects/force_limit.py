@@ -14,6 +14,7 @@ from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.effects.sketch import Sketch, same
 
 MIN_LIMITED = 4  # samples
+FASTEST = 0.98  # quantile of the changes of the output, at which the loop is at its limit
 ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limits start
 
 
@@ -74,7 +75,7 @@ class ForceLimit(PlantEffect):
             starts.append({"limit": limit, "log_c+": faster} | slack)
             if faster and self.variant != "speed":
                 starts.append({"limit": limit, "log_c+": faster, "log_k+": 2.0 * faster})
-        return starts
+        return starts if self.variant == "speed" else [*starts, *_first_order_starts(context)]
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples at which the loop is at its limit."""
@@ -97,6 +98,23 @@ class ForceLimit(PlantEffect):
     def _error(self, fit: Fitted) -> np.ndarray:
         """Error of the loop, in scaled units of the input."""
         return fit.hypothesis.plant.loop_error(fit.plant_theta, fit.actuator)
+
+
+def _first_order_starts(context: Context) -> list[dict[str, float]]:
+    """Limits of a loop of first order, as of a speed, by the fastest change of the output.
+
+    A linear model of a loop that is mostly at its limit has other poles, or none that the record shows.
+    """
+    data, (c, k) = context.data, context.rates
+    y = data.y * data.y_scale.unit / data.u_scale.unit
+    error = np.abs(data.u - np.mean(data.u) - (y - np.mean(y)))
+    ahead = max(data.samples // 500, 4)
+    fastest = float(np.quantile(np.abs(y[ahead:] - y[:-ahead]), FASTEST)) / ahead
+    starts = []
+    for share in ERROR_QUANTILES:
+        limit = float(np.clip(np.quantile(error, share), 0.01, 20.0))
+        starts.append({"limit": limit, "log_c+": -np.log(c), "log_k+": float(np.log(fastest / limit / k))})
+    return starts if fastest > 0.0 else []
 
 
 def _loop_error(context: Context, variant: str) -> np.ndarray:

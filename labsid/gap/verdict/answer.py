@@ -15,7 +15,7 @@ from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
 from labsid.gap.fits.unstable_poles import MOST_CORRECTED, corrected_share
 from labsid.gap.record.data import Data
 from labsid.gap.record.record_findings import plateau_gap
-from labsid.gap.search.beam_search import Progress
+from labsid.gap.search.beam_search import Progress, residual_is_white
 from labsid.gap.search.explanation import Explanation, is_rounding_of_log
 from labsid.gap.simulations.baseline import Baseline, check_bounded
 from labsid.gap.verdict.baseline_choice import OUTPUT_ERROR, LinearModel, choose_linear_model
@@ -331,7 +331,10 @@ def _before(
     """
     held_out = hold_out(explanation.data, setting.other, onset, setting.measured, setting.start, setting.further)
     start = held_out.refit(explanation.path[0])
-    linear = None if setting.base.given else choose_linear_model(held_out, start)
+    linear = None
+    if not setting.base.given:
+        alone = len(explanation.path) == 1 and residual_is_white(explanation.data, explanation.best)
+        linear = choose_linear_model(held_out, start, alone)
     if as_fitted and linear is not None:
         linear = replace(linear, method=OUTPUT_ERROR, fit=start)
     fit = setting.given or (start if linear is None else linear.fit)

@@ -42,19 +42,22 @@ class LinearModel:
     errors: dict[str, float]
 
 
-def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
+def choose_linear_model(held_out: HeldOut, output_error: Fit, leaves_noise: bool = False) -> LinearModel:
     """Choose the linear model with the smallest free-run error on held-out samples.
 
     Output error of the given order is kept unless another model is clearly better. A model whose slowest pole has a
     time constant of more than a sixth of the record is not chosen, because the record is too short to show that pole;
     unless every other model leaves several times its error, as for a rig that integrates its input, or the held-out
-    samples are in records that no fit has seen: there a pole that stands for a drift does not predict.
+    samples are in records that no fit has seen: there a pole that stands for a drift does not predict. Where the model
+    leaves nothing but noise, no drift is there for a pole to stand for.
 
     Parameters
     ----------
     held_out : HeldOut
     output_error : Fit
         Output-error fit of the given order to the rows that are not held out.
+    leaves_noise : bool
+        Whether that fit to all rows leaves white noise.
     """
     data = held_out.data
     methods: dict[str, Refit | None] = {OUTPUT_ERROR: None, FIRST_ORDER: fit_first_order, LEAST_SQUARES: fit_arx_poles}
@@ -65,7 +68,7 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit) -> LinearModel:
     observed = {method: is_observed(data, fit) for method, fit in fits.items()}
 
     def order(method: str) -> tuple[bool, float]:
-        return not (observed[method] or held_out.elsewhere), errors[method] * (
+        return not (observed[method] or held_out.elsewhere or leaves_noise), errors[method] * (
             PREFERENCE if method == OUTPUT_ERROR else 1.0
         )
 
