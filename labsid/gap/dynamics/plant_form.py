@@ -126,6 +126,7 @@ GRAVITY = (  # scaled: radians per position, angle in radians
     Parameter("angle", -60.0, 60.0, 1e-3, leap=0.3),
 )
 LIMIT = Parameter("limit", 1e-3, 50.0, 1e-3, leap=0.05)  # scaled: error at which a loop saturates
+SPRUNG_SHARE = Parameter("sprung_share", 0.2, 1.0, 1e-3, start=0.95)  # of the stiffness, which the loop gives
 DAMPED_SHARE = Parameter("damped_share", 0.0, 1.0, 1e-3, start=0.9)  # of the damping, which the loop gives
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
@@ -179,8 +180,8 @@ class PlantForm:
     follows : bool
         Whether the position is in the unit of the command, which it follows: the gain is that of the units.
     limit : str
-        Which loop of a drive saturates: "position" of a mass, "damped" if that gives a share of the damping, too, or
-        "speed" of a mass or a motor; empty if none does.
+        Which loop of a drive saturates: "position" of a mass, "damped" if that gives a share of the damping, too,
+        "loaded" if it gives a share of the stiffness, or "speed" of a mass or a motor; empty if none does.
     stops : tuple of str
         Mechanical stops of a mass, of "low" and "high".
     slow : bool
@@ -271,10 +272,10 @@ class PlantForm:
             own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
             own += GRAVITY if self.gravity else ()
             own += [LIMIT] if self.limit else []
-            own += [DAMPED_SHARE] if self.limit == "damped" else []
+            own += [DAMPED_SHARE] if self.limit == "damped" else [SPRUNG_SHARE] if self.limit == "loaded" else []
             if self.cubic:
                 own += [Parameter("cubic", -0.3, 50.0)]
-            if self.cubic or self.drift_degree or self.unsprung:
+            if self.cubic or self.drift_degree or self.unsprung or self.limit == "loaded":
                 own += [Parameter("centre", -8.0, 8.0)]
         elif self.kind == "speed":
             own += [replace(one, start=GIVEN_WAY) if one is GIVE else one for one in FRICTION_LAWS[self.friction]]

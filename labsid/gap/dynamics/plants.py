@@ -22,6 +22,7 @@ from labsid.gap.dynamics.responses import (
     real_rates,
     response,
     section,
+    sprung_share,
 )
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
@@ -154,7 +155,7 @@ class Plant(PlantForm):
         (c, k), motion = self.linear_rates(theta), self.motion(theta, w)
         unit = force_unit(c, k)
         drive = w - own.get("centre", float(w[0]))
-        error = drive if self.limit == "speed" else drive - k / unit * motion[:, 0]
+        error = drive - sprung_share(self, own) * k / unit * motion[:, 0]
         return np.asarray(error - damped_share(self, own) * c / unit * motion[:, 1])
 
     def load_response(self, theta: FloatArray, signal: FloatArray) -> FloatArray:

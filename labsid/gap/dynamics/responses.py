@@ -249,7 +249,7 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     drag = own.get("drag", 0.0) * unit
     stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit
     z0 = min(max(z0, stops[0]), stops[1])
-    limit = own.get("limit", np.inf), float(plant.limit != "speed"), damped_share(plant, own)
+    limit = own.get("limit", np.inf), sprung_share(plant, own), damped_share(plant, own)
     joint = (*limit, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0), bristles)
     return (
         _states.simulate_mass(
@@ -257,6 +257,11 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
         )
         * unit
     )
+
+
+def sprung_share(plant: PlantForm, own: Named) -> float:
+    """Share of the stiffness that the loop of the drive gives, so that it ends at the limit."""
+    return own["sprung_share"] if plant.limit == "loaded" else float(plant.limit != "speed")
 
 
 def damped_share(plant: PlantForm, own: Named) -> float:

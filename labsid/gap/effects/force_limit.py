@@ -21,8 +21,9 @@ ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limi
 class ForceLimit(PlantEffect):
     """The error of a loop is bounded before it becomes a force.
 
-    `variant` "position" of a position loop, "damped" of one whose damping is of the same loop, "speed" of a speed loop
-    whose output is the position.
+    `variant` "position" of a position loop, "damped" of one whose damping is of the same loop, "loaded" of one whose
+    load rises with the output, as friction does with the speed that a loop of first order controls, "speed" of a speed
+    loop whose output is the position.
     """
 
     name = "force-limit"
@@ -51,7 +52,7 @@ class ForceLimit(PlantEffect):
             reach=lambda p, seen: (-2.0 * p["limit"], 2.0 * p["limit"]),
         ),
     )
-    variants: ClassVar[tuple[str, ...]] = ("position", "damped", "speed")
+    variants: ClassVar[tuple[str, ...]] = ("position", "damped", "loaded", "speed")
     absent: ClassVar[Mapping[str, float]] = {"limit": 50.0}
     planted_variants = ("position",)
 
@@ -67,6 +68,8 @@ class ForceLimit(PlantEffect):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Limits that the error of the parent's loop exceeds seldom and often, with faster dynamics for the latter."""
+        if self.variant == "loaded":
+            return _first_order_starts(context)
         slack = {"log_k+": SLACK_LOG_STIFFNESS} if self.variant == "speed" else {}
         error = np.abs(_loop_error(context, self.variant))
         starts = []

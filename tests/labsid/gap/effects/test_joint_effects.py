@@ -154,6 +154,25 @@ def test_a_limit_in_the_loop_is_named(goal: FloatArray, damped: float) -> None:
     assert effect["parameters"]["limit"]["value"] == pytest.approx(25.0 / 60.0, rel=0.03)
 
 
+@pytest.mark.parametrize("load", [0.0, 0.02])
+def test_the_limit_of_a_loop_of_first_order_is_named(load: float) -> None:
+    """A speed of 0.1 w' = clip(0.3 (u - w), 6) - load w, mostly at its limit: a linear model finds no pole of it."""
+    u = np.repeat(np.random.default_rng(5).uniform(20.0, 180.0, 16), 75)
+    w, steps = np.empty(u.size), 20
+    speed = 100.0
+    for n, goal in enumerate(u):
+        w[n] = speed
+        for _ in range(steps):
+            torque = min(max(0.3 * (goal - speed), -6.0), 6.0)
+            speed += TS / steps * (torque - load * speed) / 0.1
+    y = w + 0.2 * np.random.default_rng(6).standard_normal(u.size)
+    report = diagnose(record_of(u, y)).report
+    (effect,) = report["effects"]
+    assert (report["verdict"], effect["name"]) == ("effect", "force-limit")
+    assert effect["parameters"]["limit"]["value"] == pytest.approx(20.0, rel=0.05)
+    assert report["gap"]["after"] < 0.25
+
+
 def test_a_set_finds_the_three_effects_of_a_joint(goal: FloatArray) -> None:
     y = servo(goal, gravity=50.0, friction=8.0, limit=45.0)
     record = record_of(goal, y)

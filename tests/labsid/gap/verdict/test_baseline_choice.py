@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
+from labsid.gap.diagnosis import diagnose
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.linear_fits import fit_baseline
@@ -21,6 +22,7 @@ from labsid.gap.verdict.baseline_choice import (
     fit_first_order,
 )
 from labsid.gap.verdict.held_out_errors import hold_out
+from labsid.records.record import Record
 
 TWO_POLES = np.poly([0.9, 0.7])
 
@@ -190,3 +192,14 @@ def test_beside_another_record_the_model_that_predicts_it_best_is_chosen() -> No
     assert not model.observed
     assert model.errors[model.method] == min(model.errors.values())
     assert model.method == OUTPUT_ERROR
+
+
+def test_a_rig_with_an_integrator_and_a_pole_is_reported_with_its_own_noise() -> None:
+    """As of a battery: a model of first order leaves several times the noise, though its pole shows."""
+    u = levels(1200, 25, 7)
+    y = np.cumsum(u) / 3000.0 + lfilter([0.0, 0.008], [1.0, -0.96], u) + 0.05 * u
+    y = y + 0.002 * noise(1200, 8)
+    report = diagnose(Record(np.arange(1200.0), u, y, 1.0)).report
+    assert report["verdict"] == "none"
+    assert report["gap"]["before"] == pytest.approx(0.002, rel=0.1)
+    assert report["gap"]["noise_floor"] == pytest.approx(0.002, rel=0.1)
