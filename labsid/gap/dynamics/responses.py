@@ -146,12 +146,12 @@ def _offset_ramp(c: float, k: float, samples: int, span: int) -> FloatArray:
 
     Such an offset is not a constant of the output: after an integrator it is a ramp.
     """
-    if _comes_to_rest(c, k, span):
+    if comes_to_rest(c, k, span):
         return np.zeros((samples, 1))
     return section(c, k, np.ones(samples))[:, :1]
 
 
-def _comes_to_rest(c: float, k: float, span: int) -> bool:
+def comes_to_rest(c: float, k: float, span: int) -> bool:
     return real_rates(c, k)[0] * span > REST_TIME_CONSTANTS
 
 
@@ -323,7 +323,7 @@ def _leak(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: flo
     c2, k2 = _rates.changed_rates(c, unit, own["share_c"], change)
     turned = own["turn"] * own["share_c"] * c  # the part of c inside the derivative
     # If the plant settles, the load and constant columns already include the response to a constant force.
-    constant = np.full(w.size, 0.0 if _comes_to_rest(c1, k1, span) else 1.0)
+    constant = np.full(w.size, 0.0 if comes_to_rest(c1, k1, span) else 1.0)
     forces = np.column_stack([w - reference, constant])
     out = _rates.simulate_stepped(forces, (c1, c2), (k1, k2), own["onset"] * span, turned * change, turned / unit)
     return beside([out[:, :3] * unit, out[:, 4:5] * unit, out[:, [6, 8]]])

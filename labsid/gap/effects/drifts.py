@@ -5,9 +5,10 @@ from typing import ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics._rates import changed_rates
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import chebyshev_course, section
+from labsid.gap.dynamics.responses import chebyshev_course, comes_to_rest, decay_rates, section
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
@@ -24,6 +25,7 @@ class PoleDrift(PlantEffect):
         path="dynamics",
         noun="a drift of the parameters",
         clauses=(
+            "The gain of the rig changes by {drift:%} and its speed of response by {pole:%} over the record",
             "The gain of the rig changes by {drift:%} over the record",
             "The speed of response changes by {pole:%} over the record",
             "The parameters of the rig change slowly over the record",
@@ -73,15 +75,30 @@ class PoleDrift(PlantEffect):
         return [{way: size} for way in ways for size in (0.1, -0.1)]
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`pole`: relative change of the restoring rate over the record."""
-        shape = np.array([fit.value("drift"), *(fit.value(f"bend{n}") for n in range(1, int(self.variant)))])
-        course = chebyshev_course(shape, 101, 101)
-        return {"pole": Value(float(np.exp(course[-1] - course[0])) - 1.0, "1")}
+        """`pole` and `drift`: relative changes of the speed and of the gain; beside a nonlinearity, of a spring.
 
-    def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """A restoring rate that rises or falls by this factor."""
-        half = 0.5 * float(np.log1p(share))
-        return [Planted("pole", {"drift": sign * half, "share_c": 1.0}) for sign in (1.0, -1.0)]
+        The speed is one over the mean delay of the response, on which a pole that a zero cancels has no influence; of
+        an oscillation the slowest rate. The gain is that at rest; of a rig that comes to no rest, of its rate to the
+        input.
+        """
+        shape = np.array([fit.value("drift"), *(fit.value(f"bend{n}") for n in range(1, int(self.variant)))])
+        ends = chebyshev_course(shape, 101, 101)[[0, -1]]
+        if fit.hypothesis.plant.kind != "varying":
+            return {"pole": Value(float(np.exp(ends[1] - ends[0])) - 1.0, "1")}
+        c, k = (float(np.exp(fit.value(name))) for name in ("log_c", "log_k"))
+        rates = np.array([changed_rates(c, k, fit.value("share_c"), float(np.expm1(at))) for at in ends])
+        rests = all(comes_to_rest(float(c), float(k), fit.data.samples) for c, k in rates)
+        position, speed = (fit.gains[n] + fit.gains[n + 2] * ends for n in (0, 1))
+        gains = position / rates[:, int(rests)]
+        turns = gains[0] * gains[1] <= 0.0
+        found = {} if turns else {"drift": Value(float(gains[1] / gains[0]) - 1.0, "1")}
+        if rests or turns:
+            oscillates = turns or fit.hypothesis.plant.feedthrough or (rates[:, 0] ** 2 < 4.0 * rates[:, 1]).any()
+            slowest = np.array([decay_rates(float(c), float(k))[0] for c, k in rates])
+            delay = 1.0 / slowest if oscillates else rates[:, 0] / rates[:, 1] - speed / position
+            delay = delay if delay.min() > 0.0 else 1.0 / slowest
+            found["pole"] = Value(float(delay[0] / delay[1]) - 1.0, "1")
+        return found
 
 
 class InnerPoleDrift(PoleDrift):

@@ -351,8 +351,6 @@ def test_values_are_in_the_units_of_the_record(
         ),
         # A spring whose force is x + 0.2 x^3 in scaled input; the output is 2 x of 3 units: per y that is 0.2 / 36.
         (dynamics.CubicStiffness(), {"cubic": 0.2}, {"cubic": (0.2 / 36.0, "1/y^2")}),
-        (drifts.PoleDrift("1"), {"drift": 0.2}, {"pole": (np.exp(0.4) - 1.0, "1")}),
-        (drifts.PoleDrift("4"), {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}, {"pole": (np.exp(0.2) - 1.0, "1")}),
         (
             disturbance.Leak("leak"),
             {"onset": 0.25, "drift": 0.2},
@@ -369,6 +367,20 @@ def test_values_of_the_dynamics_are_in_the_units_of_the_record(
     for name, (value, unit) in expected.items():
         assert found[name][0] == pytest.approx(value, rel=1e-4)
         assert found[name][1] == unit
+
+
+@pytest.mark.parametrize(("share", "faster"), [(0.0, np.exp(0.4)), (1.0, 1.0)])
+@pytest.mark.parametrize("degree", ["1", "4"])
+def test_a_drift_of_the_rates_is_reported_by_what_it_changes(degree: str, share: float, faster: float) -> None:
+    """Its speed by the mean delay of z'' + c z' + k z = w, which is c/k, and its gain, here (3 + course)/k."""
+    effect = drifts.PoleDrift(degree)
+    hypothesis = Hypothesis((effect,))
+    numbers = {"drift": 0.2, "share_c": share, "log_c": np.log(0.6), "log_k": np.log(0.05)}
+    theta = np.array([numbers.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
+    gains = np.array([3.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    found = effect.values(Fitted(hypothesis, theta, gains, data_of(np.arange(1800.0))))
+    assert found["pole"].value == pytest.approx(faster - 1.0, abs=1e-6)
+    assert found["drift"].value == pytest.approx(3.2 / 2.8 * np.exp(-0.4) - 1.0, rel=1e-6)
 
 
 def test_a_pole_drift_on_a_nonlinear_state_is_reported_as_on_linear_dynamics() -> None:
