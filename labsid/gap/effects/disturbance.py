@@ -23,6 +23,7 @@ MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
 RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator
 FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator
+LOAD_COLUMN = 3  # of the columns of the dynamics with a leak: the response to a constant load
 PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95  # of loads whose visibility is asked for
 MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
 
@@ -186,8 +187,12 @@ class Leak(StepLoad, PlantEffect):
         ]
 
     def _size(self, fit: Fitted) -> Value:
-        """Relative change of the restoring rate."""
-        return Value(float(np.expm1(fit.value("drift"))), "1")
+        """Relative change of the restoring rate; final change of the output if a constant load changes it by more."""
+        faster = float(np.expm1(fit.value("drift")))
+        load = float(fit.gains[LOAD_COLUMN]) / (1.0 + faster)
+        if abs(faster) * fit.range < abs(load) < MAX_EXTRAPOLATION * fit.range:
+            return Value(load * fit.data.y_scale.unit, "y")
+        return Value(faster, "1")
 
 
 class InnerLoad(StepLoad, PlantEffect):
