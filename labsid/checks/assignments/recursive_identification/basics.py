@@ -65,6 +65,11 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
                 lambda: ((n - 1) * theta + y) / (n - 1) if n > 1 else y,
             ),
             Slip(
+                "old mean for the old sum",
+                "`update_mean` divides theta + y by n: theta is a mean already, and n - 1 samples stand behind it.",
+                lambda: (theta + y) / n,
+            ),
+            Slip(
                 "multiplied by n",
                 "`update_mean` multiplies the error by n: the more samples, the less a new one counts.",
                 lambda: theta + n * error,

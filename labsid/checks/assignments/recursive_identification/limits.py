@@ -94,7 +94,8 @@ _WRONG_RULES = (
     (
         "forgetting never",
         "never",
-        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed.",
+        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed. (Is its condition "
+        "turned round?)",
     ),
     (
         "sample skipped",
@@ -206,6 +207,11 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
                 lambda: _careless_wrong(Phi, Y, lam, LN, divided=True, number=True)[:60],
             ),
             Slip(
+                "1 in the denominator",
+                "`rls_careless` has 1 + phi'P phi under its gain: with forgetting it is lambda + phi'P phi.",
+                lambda: _careless_wrong(Phi, Y, lam, LN, divided=True, one=True)[:60],
+            ),
+            Slip(
                 "lambda not used",
                 "`rls_careless` runs with lambda = 1.",
                 lambda: reference_run(Phi, Y, 1.0, LN).theta[:60],
@@ -216,17 +222,17 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
 
 
 def _careless_wrong(
-    Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool, number: bool = False
+    Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool, number: bool = False, one: bool = False
 ) -> FloatArray:
     p = Phi.shape[1]
     theta, P = np.zeros(p), LN * np.eye(p)
     history = np.empty(Phi.shape)
     for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
         P_phi = P @ phi
-        denominator = lam + phi @ P_phi
+        denominator = (1 if one else lam) + phi @ P_phi
         taken = P_phi @ P_phi if number else np.outer(P_phi, P_phi)
         P = (P - taken / denominator) / (lam if divided else 1)
-        K = P @ phi / denominator if divided and not number else P_phi / denominator
+        K = P @ phi / denominator if divided and not number and not one else P_phi / denominator
         theta = theta + K * (y - phi @ theta)
         history[k] = theta
     return history
