@@ -238,4 +238,42 @@ TRIES = (
         read().replace("t_step[np.argmax(y_step >= 0.632 * y_end)]", "t_step[y_step == 0.632 * y_end]"),
         "did no entry meet",
     ),
+    Try(READ, "tau = t63, delay from it", read(tau="t_63"), "td is zero.*the delay is in it"),
+    Try(
+        READ,
+        "no delay",
+        "K, td = y_step[-1] / amplitude, 0\ntau = t_step[np.argmax(y_step >= 0.5 * y_step[-1])]",
+        "td is zero|50 %",
+        never="the delay is in it",
+    ),
+    Try(
+        MSE,
+        "norm over N",
+        "y_approx = first_order_response(t_step, K, tau, td, amplitude)\n"
+        "mse_approx = np.linalg.norm(y_step - y_approx) / len(y_step)",
+        "norm of the error over N",
+    ),
+    Try(
+        MSE,
+        "over the root of N",
+        "y_approx = first_order_response(t_step, K, tau, td, amplitude)\n"
+        "mse_approx = np.sum((y_step - y_approx) ** 2) / np.sqrt(len(y_step))",
+        "over the root of N",
+    ),
+    Try(
+        LOSS,
+        "E E'",
+        fun("loss", A, "E = (Y - Phi @ theta).reshape(-1, 1)\n    return 0.5 * E @ E.T"),
+        "the table 1/2 E E'",
+    ),
+    Try(GRAD, "Phi Y", fun("gradient", A, "return Phi.T @ Phi @ theta - Phi @ Y"), "multiplies Y by Phi;"),
+    Try(GRAD, "Phi E", fun("gradient", A, "return Phi @ (Phi @ theta - Y)"), "transpos", never="multiplies Y by Phi;"),
+    Try(MIN, "Y without Phi'", fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) @ Y"), "by Y itself"),
+    Try(
+        MIN,
+        "Phi for Phi'",
+        fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) @ Phi @ Y"),
+        "multiplies Y by Phi;",
+        never="by Y itself",
+    ),
 )

@@ -221,7 +221,14 @@ def check_first_period(ask: Ask) -> Verdict:
             list(right * ask.record.Ts),
         ),
     ]
-    if got[0] == right[0] and not np.all(got == got[0]):
+    at_own_level = [u - u[0] + ask.record.u[0] for u in trials[1:]] if got[0] == right[0] else []
+    shifted = [_counted(ask, u.reshape(-1, 1) if is_column else u) for u in at_own_level]
+    if shifted and np.array_equal(shifted, right[1:]) and not np.array_equal(got, right):
+        otherwise = (
+            f"It is right for inputs that begin with {ask.record.u[0]:g}, as your record does, and wrong for others: "
+            "compare with `u[0]`, and not with that value."
+        )
+    elif got[0] == right[0] and not np.all(got == got[0]):
         otherwise = "It is right for this record, but wrong for another input. Try it on short inputs of your own."
     else:
         otherwise = (

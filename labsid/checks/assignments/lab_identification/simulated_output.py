@@ -1,6 +1,6 @@
 """Checks of simulated outputs: free runs of the model, and known mistakes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain
 
@@ -37,14 +37,17 @@ def read_output(name: str, value: Value) -> FloatArray:
     if isinstance(value, np.ndarray) and value.ndim == 2 and 1 in value.shape:
         value = value.reshape(-1)
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[0] == 2:
-        raise NoAnswer(f"`{name}` contains time and output: take only the output.", "response instead of its output")
+        what = "contains time and output" if np.all(np.diff(value[0]) > 0) else "has two rows, as `.states` has"
+        raise NoAnswer(f"`{name}` {what}: take only the output, `.outputs`.", "response instead of its output")
     if value is None:
         raise NoAnswer(f"`{name}` is {kind_of(value)}.")
     return as_vector(name, value)
 
 
-def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
-    """Judge the free run over the entire input, from rest or from the first measured samples."""
+def judge_entire_run(
+    ask: Ask, name: str, data: LabData, model: ArxModel, more: Iterable[Slip[FloatArray]] = ()
+) -> Verdict:
+    """Judge the free run over the entire input, from rest or from the first measured samples; see `judge_mse`."""
     value = ask.value(name)
     got = read_output(name, value)
     right = simulate(model, data.u)
@@ -83,6 +86,14 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
         ),
         _predictions_elsewhere(name, data, model, "whole record, from `u` alone"),
         _slips(name, data, model, 0, _is_column(value)),
+        (
+            Slip(
+                "step response",
+                f"`{name}` is the response to a unit step. Simulate with the input of the record: hand over `u`.",
+                lambda: simulate(model, np.ones(got.size)),
+            ),
+        ),
+        more,
     )
     return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
 
@@ -186,6 +197,11 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             np.var(e),
         ),
         slip("norm of the error", "is the norm of the error: take the mean of the squares.", np.sqrt(np.sum(squared))),
+        slip(
+            "norm of the error",
+            "is the norm of the error over N: the norm is a root. Square it before you divide.",
+            np.sqrt(np.sum(squared)) / e.size,
+        ),
         slip(
             "column minus flat",
             "is averaged over an N-by-N matrix, the difference of a column (N, 1) and a flat array (N,). Flatten "

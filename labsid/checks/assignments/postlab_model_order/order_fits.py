@@ -1,6 +1,7 @@
 """Judging `fit_order`: a fit of any order, tried on data that it has not seen."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -136,6 +137,9 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield Slip(
             "arguments not used", hint, lambda: fit_arx(u[: data.half], y[: data.half], data.Ts, n, k).model.theta
         )
+    for half in {y.size // 2, -(-y.size // 2)}:
+        hint = "It fits only the first half of what it is given: `u` and `y` are the half already, so use all of them."
+        yield Slip("only half of the arguments", hint, partial(_first_part, u, y, data.Ts, n, k, half))
     right = fit_arx(u, y, data.Ts, n, k).model.theta
     yield from rounded(right, "It rounds theta: keep all digits.")
     itself = "The row for y(k) holds y(k) itself, which explains it perfectly: theta is [1, 0, ...]. Lag 1 comes first."
@@ -165,6 +169,10 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield lag("The lags of y are off by one: the row for y(k) begins with y(k-1).", late_y, past_u)
         yield lag("The lags of u are off by one: after y's, the row for y(k) has u(k-1) first.", past_y, late_u)
         yield lag("All lags are off by one: the row for y(k) begins with y(k-1).", late_y, late_u)
+
+
+def _first_part(u: FloatArray, y: FloatArray, Ts: float, n: int, k: int, stop: int) -> FloatArray:
+    return fit_arx(u, y, Ts, n, k, stop).model.theta
 
 
 def _alike(a: FloatArray, b: FloatArray) -> bool:

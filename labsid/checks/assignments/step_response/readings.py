@@ -77,7 +77,9 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
         nearest = min((match for match in matches if match[1].parameter == first), key=lambda match: match[0])[1]
-        return Verdict(False, where + nearest.hint, nearest.slip)
+        both = nearest.slip == "no delay" and any(one.slip == "tau measured from the step" for _, one in matches)
+        in_tau = " Here tau is the whole time to 63.2 %, so the delay is in it: tau begins at t_d." if both else ""
+        return Verdict(False, where + nearest.hint + in_tau, nearest.slip)
     return Verdict(False, where + _deviation(values, fit, right_gain))
 
 
