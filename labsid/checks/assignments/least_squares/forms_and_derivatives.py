@@ -156,6 +156,28 @@ def _of_determinant_and_corner(tolerance: float, corner: Callable[[float, float]
     return answer
 
 
+def _of_minors(zero: float, alternating: bool) -> Callable[[FloatArray], str]:
+    """The rule by the leading minors, whose signs alternate for a negative definite matrix, or do not in this one."""
+
+    def answer(M: FloatArray) -> str:
+        S = (M + M.T) / 2
+        minors = np.array([np.linalg.det(S[:i, :i]) for i in range(1, len(S) + 1)])
+        minors[np.abs(minors) <= zero] = 0
+        for sign, turned in (("positive", 1.0), ("negative", -1.0)):
+            if np.all(minors * (turned ** np.arange(1, len(S) + 1) if alternating else turned) > 0):
+                return f"{sign} definite"
+        for sign, turned in (("positive", 1.0), ("negative", -1.0)):
+            if np.all(minors * (turned ** np.arange(1, len(S) + 1) if alternating else turned) >= 0):
+                return f"{sign} semidefinite"
+        return "indefinite"
+
+    return answer
+
+
+_MINORS = (
+    "uses the leading minors. {}If one of them is zero they do not decide: use the signs of the eigenvalues, which do."
+)
+
 _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
     (
         "eigenvalues of M itself",
@@ -207,6 +229,14 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         for tolerance in (0.0, 1e-6)
         for corner in (gt, ge)
     ),
+    *(
+        ("leading minors", _MINORS.format(said), _of_minors(zero, alternating))
+        for zero in (0.0, 1e-6)
+        for alternating, said in (
+            (False, "Of a negative definite matrix their signs alternate; they are not all negative. "),
+            (True, ""),
+        )
+    ),
 )
 
 
@@ -243,7 +273,7 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
         )
     right = _rows(u, n)
     return judge(
-        as_matrix(call, value, (samples, n)),
+        as_matrix(call, value, (samples, n), right),
         right,
         _EXACT,
         "one row per sample, one column per lag.",
