@@ -276,4 +276,33 @@ TRIES = (
         "has log\\(2 pi\\) alone",
     ),
     Try(COV, "c everywhere", cov("var_e * ((1 + c**2 - c) * np.eye(N) + c * np.ones((N, N)))"), "between all samples"),
+    Try(LIM, "variance of System 2", limit(end="[a - c * var_e / 4.704, b]"), "variance of y of System 2"),
+    Try(LIM, "b pulled, too", limit(end="[a - c * var_e / var_y, b + c * var_e / var_u]"), "b has no bias"),
+    Try(
+        COV,
+        "1 + c",
+        cov("var_e * ((1 + c) * np.eye(N) + c * (np.eye(N, k=1) + np.eye(N, k=-1)))"),
+        "1 \\+ c on the diagonal",
+    ),
+    Try(
+        COV,
+        "2c beside",
+        cov("var_e * ((1 + c**2) * np.eye(N) + 2 * c * (np.eye(N, k=1) + np.eye(N, k=-1)))"),
+        "2c beside",
+        never="on the diagonal",
+    ),
+    Try(ARMAX, "share of theta added", armax(move="theta + share * new"), "adds a share of the new theta"),
+    Try(
+        ARMAX,
+        "share of theta",
+        armax(move="share * new"),
+        "takes a share of the new theta|not renewed",
+        never="adds a share",
+    ),
+    Try(
+        F14,
+        "rows of the history",
+        "fig_14, ax = plt.subplots()\nfor row, name in zip(theta_rels, 'abc'):\n    ax.plot(row, label=name)",
+        r"3 points in place of 1000.*first \*row\*",
+    ),
 )

@@ -276,7 +276,7 @@ TRIES = (
     Try(LOG, "e^a", logarithm(end="np.exp(a), np.exp(c)"), "a of `fit_logarithm` is e\\^a"),
     Try(LOG, "x over ln y", logarithm("x", H="np.log(y), np.ones(len(y))"), "fits x to ln y"),
     Try(JAC, "b, a", jac().replace("a, b = theta", "b, a = theta"), "in the order b, a"),
-    Try(JAC, "one number", jac(grad="e @ e"), "should hold 2 numbers"),
+    Try(JAC, "SSE for its gradient", jac(grad="e @ e"), "the SSE itself"),
     Try(
         EXP,
         "squares handed over",
@@ -302,4 +302,17 @@ TRIES = (
     ),
     Try(STEP, "covariance", step(cov="s2 * np.linalg.inv(fit.jac.T @ fit.jac)"), "returns the covariance"),
     Try(STEP, "1.96", step(cov="1.96 * np.sqrt(np.diag(s2 * np.linalg.inv(fit.jac.T @ fit.jac)))"), "half widths"),
+    Try(
+        EXP,
+        "squares handed over",
+        exp("return scipy.optimize.least_squares(lambda th: (th[1] * np.exp(th[0] * x) - y) ** 2, [0.0, 1.0]).x"),
+        r"the \*squared\* errors",
+    ),
+    Try(
+        EXP,
+        "absolute errors handed over",
+        exp("return scipy.optimize.least_squares(lambda th: abs(th[1] * np.exp(th[0] * x) - y), [0.0, 1.0]).x"),
+        "",
+        ACCEPTED,
+    ),
 )

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.assignments.nonlinear_least_squares.estimates import SQUARED, as_estimate, fit_of_squares, within
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
 from labsid.checks.figures import legend_text, one_figure, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
@@ -162,8 +162,13 @@ def _jacobian(ask: Ask, x: FloatArray, theta: FloatArray) -> Verdict:
 def _gradient(ask: Ask, x: FloatArray, y: FloatArray, theta: FloatArray) -> Verdict:
     J = jacobian_exponential(x, theta)
     e = y - evaluate_exponential(x, theta[0], theta[1])
+    value = returned(ask, "sse_gradient", x, y, theta)
+    if as_array("sse_gradient(x, y, theta)", value).size == 1 and SAME(np.ravel(value), [e @ e]):  # type: ignore[arg-type]
+        return Verdict(
+            False, "`sse_gradient` returns the SSE itself: asked for are its two derivatives.", "SSE for its gradient"
+        )
     return judge(
-        as_vector("sse_gradient(x, y, theta)", returned(ask, "sse_gradient", x, y, theta), 2),
+        as_vector("sse_gradient(x, y, theta)", value, 2),
         -2 * J.T @ e,
         SAME,
         "",
@@ -243,6 +248,16 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
                 "`fit_exponential` is the line through the logarithms of the positive points: it may start from there, "
                 "but then the curve itself is to be fitted.",
                 lambda: _by_logarithm(x[k], y[k]),
+            ),
+            Slip(
+                "squares handed over",
+                f"`fit_exponential` {SQUARED}",
+                lambda: fit_of_squares(
+                    lambda th: evaluate_exponential(x, th[0], th[1]),
+                    lambda th: jacobian_exponential(x, th),
+                    y,
+                    fit.theta,
+                ),
             ),
             Slip(
                 "absolute values",
