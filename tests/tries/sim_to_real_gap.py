@@ -362,4 +362,11 @@ TRIES = (
     ),
     Try(TIME, "part for a sample", time(RIGHT, worst="(t[i], t[i + 1])"), "number of a part for that of a sample"),
     Try(LIN, "u_act", linear(run="free_run(theta_hat, u_act)"), "is run on `u_act`"),
+    Try(REST, "mean of the first half", rest("np.mean(y_act[:half])"), "mean over the first half"),
+    Try(
+        PARS,
+        "other names",
+        named("input-saturation", "{'lower': 1.2, 'upper': 3.4}"),
+        "names lower, upper; the list gives low, high",
+    ),
 )

@@ -43,7 +43,16 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
         return Verdict(
             False, f"Phi of `{call}` has the past of one input: all {nu} of them move the output.", "one input only"
         )
+    some = next((k for k in range(2, nu) if Phi.ndim == 2 and Phi.shape[1] == n + k * n), 0)
+    if some:
+        return Verdict(
+            False,
+            f"Phi of `{call}` has the past of {some} of the {nu} inputs: `u` has any number of columns, `u.shape[1]`.",
+            "inputs left out",
+        )
     Phi = as_matrix(f"Phi of {call}", parts[0], (None, columns))
+    if ny > 1 and np.shape(as_array(f"Y of {call}", parts[1])) == (len(Phi), ny):
+        return Verdict(False, f"Y of `{call}` holds all {ny} outputs: take column i of y.", "all outputs in Y")
     Y = as_vector(f"Y of {call}", parts[1])
     if Phi.shape[0] != Y.size:
         return Verdict(

@@ -87,6 +87,7 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
                 lambda: mid_range(record.y),
             ),
         ],
+        exactly=close(0, 1e-9),
     )
 
 
