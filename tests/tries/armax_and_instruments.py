@@ -305,4 +305,5 @@ TRIES = (
         "fig_14, ax = plt.subplots()\nfor row, name in zip(theta_rels, 'abc'):\n    ax.plot(row, label=name)",
         r"3 points in place of 1000.*first \*row\*",
     ),
+    Try(LIM, "0 for b", limit(end="[a - c * var_e / var_y, 0]"), "returns 0 for b", never="changes b"),
 )

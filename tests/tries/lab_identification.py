@@ -435,4 +435,11 @@ TRIES = (
         "instants and the input 160 samples",
         never="comes second",
     ),
+    Try(HALF, "step response", "y_sim_half = ct.step_response(G, len(u[half:])).outputs", "unit step"),
+    Try(
+        MSE,
+        "difference of squares",
+        "mse_half = np.mean(y[half:] ** 2 - y_sim_half ** 2)\nmse_all = np.mean((y - y_sim) ** 2)",
+        "take the difference first",
+    ),
 )

@@ -491,4 +491,11 @@ TRIES = (
     ),
     Try(CAY, "c_1 to c_n", f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:] / c[-1]"), "begins with c_1"),
     Try(CAY, "eigenvalues", f("inverse_weights(A)", "return 1 / np.linalg.eigvals(A)"), "eigenvalues of the inverse"),
+    Try(
+        KIND,
+        "determinant alone",
+        "def kind(M):\n    d = np.linalg.det(M)\n    if d > 0: return 'positive definite'\n"
+        "    return 'indefinite' if d < 0 else 'positive semidefinite'\n",
+        "uses the determinant, the product",
+    ),
 )

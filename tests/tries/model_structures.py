@@ -406,4 +406,11 @@ TRIES = (
         "BIC is N ln p:",
         never="is p:",
     ),
+    Try(
+        SIM,
+        "first order only",
+        "def simulate(A, B, C, u, e):\n    y = np.zeros(len(u))\n    for k in range(1, len(u)):\n"
+        "        y[k] = -A[1] * y[k - 1] + B[1] * u[k - 1] + e[k]\n    return y\n",
+        r"only A\[1\] and B\[1\]",
+    ),
 )

@@ -208,4 +208,12 @@ TRIES = (
         "not exact enough",
         never="let the code",
     ),
+    Try(FIT, "past outputs alone", fit(Y_LAGS), "uses past outputs alone"),
+    Try(
+        RUN,
+        "second order twice",
+        "G_2 = ct.tf(theta_2[2:], [1, -theta_2[0], -theta_2[1]], Ts)\n"
+        "y_sim_1 = y_sim_2 = ct.forced_response(G_2, inputs=u).outputs",
+        "run of the second-order model",
+    ),
 )

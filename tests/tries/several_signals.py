@@ -303,4 +303,17 @@ TRIES = (
         loop("Z = np.column_stack([r[:-2], r[1:-1]]); return np.linalg.solve(Z.T @ Z, Z.T @ y[2:])"),
         "regresses on Z",
     ),
+    Try(
+        PHI,
+        "two lags always",
+        phi("c = [x[n - l : N - l] for x in (y[:, i], *u.T) for l in (1, 2)]\n    return np.column_stack(c), y[n:, i]"),
+        "2 for each signal: n is 3",
+        never="one input",
+    ),
+    Try(
+        RUN,
+        "b from the first number",
+        run(f"return sum({FILTERS.replace('n + j * n : n + (j + 1) * n', 'j * n : (j + 1) * n')}range(u.shape[1])])"),
+        "the first n numbers of theta are -a",
+    ),
 )

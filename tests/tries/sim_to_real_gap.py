@@ -369,4 +369,17 @@ TRIES = (
         named("input-saturation", "{'lower': 1.2, 'upper': 3.4}"),
         "names lower, upper; the list gives low, high",
     ),
+    Try(
+        REST,
+        "mean of two rests",
+        rest("np.mean(y_act[: 2 * n])"),
+        "mean of the first .* samples, and the input",
+        never="one sample",
+    ),
+    Try(
+        PARS,
+        "units in the text",
+        named("input-saturation", "{'low': '1.2 V', 'high': '3.4 V'}"),
+        "is text: give the number",
+    ),
 )

@@ -98,6 +98,11 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 "arguments.",
                 lambda: pulled(c * var_e / 4.704),
             ),
+            Slip(
+                "zero for b",
+                "`limit_of_least_squares` returns 0 for b: it is the *bias* of b that is zero.",
+                lambda: pulled(c * var_e / var_y) * [1, 0],
+            ),
             *(
                 Slip(
                     "b pulled as well",

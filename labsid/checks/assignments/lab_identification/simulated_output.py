@@ -86,13 +86,7 @@ def judge_entire_run(
         ),
         _predictions_elsewhere(name, data, model, "whole record, from `u` alone"),
         _slips(name, data, model, 0, _is_column(value)),
-        (
-            Slip(
-                "step response",
-                f"`{name}` is the response to a unit step. Simulate with the input of the record: hand over `u`.",
-                lambda: simulate(model, np.ones(got.size)),
-            ),
-        ),
+        _step_response(name, got, model, "`u`"),
         more,
     )
     return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
@@ -142,9 +136,15 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
         *_predictions_elsewhere(name, data, model, "second half, from `u[half:]` alone"),
         *_slips(name, data, model, half, _is_column(value)),
+        *_step_response(name, got, model, "`u[half:]`"),
     ]
     right = simulate(model, u)
     return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+
+
+def _step_response(name: str, got: FloatArray, model: ArxModel, asked: str) -> Iterator[Slip[FloatArray]]:
+    hint = f"`{name}` is the response to a unit step. Simulate with the input of the record: hand over {asked}."
+    yield Slip("step response", hint, lambda: simulate(model, np.ones(got.size)))
 
 
 def _predictions_elsewhere(name: str, data: LabData, model: ArxModel, asked: str) -> Iterator[Slip[FloatArray]]:
@@ -195,6 +195,11 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             "variance of the error",
             "is the variance of the error, from which its mean is subtracted. Use the mean of the squares.",
             np.var(e),
+        ),
+        slip(
+            "difference of squares",
+            "is the mean of y^2 less that of y_sim^2: take the difference first, then square.",
+            np.mean(y**2) - np.mean(y_sim**2),
         ),
         slip("norm of the error", "is the norm of the error: take the mean of the squares.", np.sqrt(np.sum(squared))),
         slip(

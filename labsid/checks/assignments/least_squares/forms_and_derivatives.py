@@ -109,11 +109,16 @@ def kind_of_form(M: FloatArray) -> str:
     return definiteness(np.diag(np.where(np.abs(eigenvalues) < 1e-9, 0, eigenvalues))).kind
 
 
-def _of_determinant(M: FloatArray) -> str:
-    determinant = np.linalg.det(M + M.T)
-    if abs(determinant) < 1e-6:
-        return "positive semidefinite"
-    return "positive definite" if determinant > 0 else "negative definite"
+def _of_determinant(of_symmetric: bool, zero: float, below: str) -> Callable[[FloatArray], str]:
+    """The rule by the determinant alone, whose zero is a trough; `below` is what it calls a negative one."""
+
+    def answer(M: FloatArray) -> str:
+        determinant = np.linalg.det(M + M.T if of_symmetric else M)
+        if abs(determinant) <= zero:
+            return "positive semidefinite"
+        return "positive definite" if determinant > 0 else below
+
+    return answer
 
 
 _OPPOSITE = {"positive": "negative", "negative": "positive"}
@@ -214,10 +219,15 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         "uses only the diagonal of M. The other entries matter too: see the saddle with a positive diagonal.",
         _rounded(np.diag),
     ),
-    (
-        "determinant only",
-        "uses the determinant, the product of all eigenvalues: two negative ones make it positive.",
-        _of_determinant,
+    *(
+        (
+            "determinant only",
+            "uses the determinant, the product of all eigenvalues: two negative ones make it positive.",
+            _of_determinant(of_symmetric, zero, below),
+        )
+        for of_symmetric in (True, False)
+        for zero in (0.0, 1e-6)
+        for below in ("negative definite", "indefinite")
     ),
     *(
         (

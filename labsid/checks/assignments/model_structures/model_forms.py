@@ -220,8 +220,8 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
     if start > k0:
         return Verdict(
             False,
-            f"`{call}` has {Y.size} rows, and begins later than it has to: from k0 = max(na, d + nb - 1) on all lags "
-            "are there.",
+            f"`{call}` has {Y.size} rows, and begins later than it has to: from k0 = "
+            f"{'max(na, d + nb - 1)' if nb else 'na'} on all lags are there.",
             "first rows left out",
         )
     if not _EXACT(Y, y[start:]):

@@ -166,6 +166,16 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                 lambda: behind() + free_run(PolynomialModel(C, np.ones(1), np.ones(1), 0), e),
             ),
             Slip("noise left out", "`simulate` leaves the noise out.", behind),
+            *(
+                Slip(
+                    "first order only",
+                    f"`simulate` uses only A[1] and B[1] of its {A.size} and {B.size} coefficients: go through all of "
+                    "them.",
+                    partial(run, A[:2], np.array([0.0, *B[1:2]]), c, noise),
+                )
+                for c in (C, C[:2], np.ones(1))
+                for noise in (e, np.r_[0.0, e[1:]])
+            ),
             Slip("input left out", "`simulate` leaves the input out.", lambda: run(b=np.zeros(1))),
             Slip(
                 "A not used",

@@ -1,6 +1,7 @@
 """Checks of the exponential: through the logarithm, its Jacobian, and the fit itself with its picture."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -90,6 +91,14 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
                 "`fit_logarithm` fits a line to y itself: take the logarithm of y first.",
                 lambda: fit_powers(x, y, LINE).theta * [1, 0] + [0, np.exp(fit_powers(x, y, LINE).theta[1])],
             ),
+            *(
+                Slip(
+                    "parabola for the line",
+                    "`fit_logarithm` fits a parabola to the logarithms, of which a line is asked: degree 1.",
+                    partial(_of_parabola, x, y, first, last),
+                )
+                for first, last in ((0, 1), (0, 2), (1, 2))
+            ),
             Slip(
                 "line through the origin",
                 "`fit_logarithm` has no column of ones: the line needs its constant, ln b.",
@@ -97,6 +106,11 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
             ),
         ],
     )
+
+
+def _of_parabola(x: FloatArray, y: FloatArray, first: int, last: int) -> FloatArray:
+    theta = fit_powers(x, np.log(y), (2, 1, 0)).theta
+    return np.array([theta[first], np.exp(theta[last])])
 
 
 @first_failure

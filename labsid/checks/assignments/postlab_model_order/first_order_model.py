@@ -117,7 +117,11 @@ def check_simulations(ask: Ask) -> Verdict:
     got = [read_output(name, ask.value(name)) for name in ("y_sim_1", "y_sim_2")]
     if SAME(got[0], simulate(second, data.u)) and SAME(got[1], simulate(first, data.u)):
         return Verdict(False, "`y_sim_1` and `y_sim_2` are swapped.", "models swapped")
-    verdict = judge_entire_run(ask, "y_sim_1", data, first)
+    second_for_first = (
+        "`y_sim_1` is the run of the second-order model: the first-order one has the parameters of `theta_1`."
+    )
+    mixed = Slip("models swapped", second_for_first, lambda: simulate(second, data.u))
+    verdict = judge_entire_run(ask, "y_sim_1", data, first, [mixed])
     if not verdict.passed:
         return verdict
     verdict = judge_entire_run(ask, "y_sim_2", data, second, _of_theta_2(known_vector(ask, "theta_2"), first, data.u))

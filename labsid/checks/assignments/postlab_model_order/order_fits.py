@@ -89,6 +89,11 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
             "column of ones? The model has none, because the signals are offset-free.",
             "a constant fitted along",
         )
+    if got.size == n and any(_close(got, _of_past_outputs(y, n, k), EXACT_WITHIN) for k in range(n, n + 3)):
+        raise NoAnswer(
+            f"`fit_order(u, y, {n})` uses past outputs alone: a row holds y(k-1) to y(k-{n}) and u(k-1) to u(k-{n}).",
+            "past inputs left out",
+        )
     if got.size == n:
         raise NoAnswer(
             f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}. Often here: were the "
@@ -169,6 +174,11 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield lag("The lags of y are off by one: the row for y(k) begins with y(k-1).", late_y, past_u)
         yield lag("The lags of u are off by one: after y's, the row for y(k) has u(k-1) first.", past_y, late_u)
         yield lag("All lags are off by one: the row for y(k) begins with y(k-1).", late_y, late_u)
+
+
+def _of_past_outputs(y: FloatArray, n: int, k: int) -> FloatArray:
+    """The fit without inputs."""
+    return solve_least_squares(build_phi(np.zeros_like(y), y, n, k).Phi[:, :n], y[k:]).theta
 
 
 def _first_part(u: FloatArray, y: FloatArray, Ts: float, n: int, k: int, stop: int) -> FloatArray:

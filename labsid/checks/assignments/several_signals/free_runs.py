@@ -85,6 +85,11 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 lambda: sum((_all_of_b(theta, column, n) for column in u.T), np.zeros(N)),
             ),
             Slip(
+                "a taken for b",
+                f"`{call}` begins the b's at theta[0]: the first n numbers of theta are -a.",
+                lambda: _run(np.r_[a, theta[: nu * n]], u, n),
+            ),
+            Slip(
                 "blocks that overlap",
                 f"`{call}` begins the b's of input j at n + j; each has n of them, so they begin at n + j n.",
                 lambda: _run(np.r_[a, np.concatenate([theta[n + j : 2 * n + j] for j in range(nu)])], u, n),

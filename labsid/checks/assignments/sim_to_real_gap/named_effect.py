@@ -92,6 +92,12 @@ def check_parameters(ask: Ask) -> Verdict:
     wanted = EFFECT_PARAMETERS[_named_effect(ask) if rig is None else rig.effect]
     # a note of the unit beside the numbers is no parameter
     if {name for name, part in value.items() if not isinstance(part, str)} != set(wanted):
+        texts = [name for name in wanted if isinstance(value.get(name), str)]
+        if texts and rig is None:
+            raise NoAnswer(
+                f'`parameters["{texts[0]}"]` is text: give the number alone, without quotes and unit.',
+                "text for a number",
+            )
         if rig is None:
             names = ", ".join(map(str, value)) or "(none)"
             raise NoAnswer(

@@ -144,6 +144,11 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
             "`gradient` multiplies Y by Phi; the derivative of theta'Phi'Y is Phi'Y.",
             lambda: of_theta - Phi @ Y,
         ),
+        Slip(
+            "Phi Phi' for Phi'Phi",
+            "`gradient` has Phi Phi', N by N, where Phi'Phi, p by p, belongs.",
+            lambda: Phi @ Phi.T @ theta - of_y,
+        ),
         Slip("transposed Phi", f"`gradient` {_TRANSPOSED}", lambda: loss_gradient(Phi.T, Y, theta)),
         Slip("transposed Phi", f"`gradient` {_TRANSPOSED}", lambda: Phi @ (Phi @ theta - Y)),
     ]
