@@ -442,4 +442,10 @@ TRIES = (
         "mse_half = np.mean(y[half:] ** 2 - y_sim_half ** 2)\nmse_all = np.mean((y - y_sim) ** 2)",
         "take the difference first",
     ),
+    Try(
+        LOOP,
+        "tolerance",
+        loop("n = 1\n    while abs(u[n] - u[0]) < 0.15:\n        n = n + 1\n    return n"),
+        "does not see a small change",
+    ),
 )

@@ -498,4 +498,10 @@ TRIES = (
         "    return 'indefinite' if d < 0 else 'positive semidefinite'\n",
         "uses the determinant, the product",
     ),
+    Try(
+        CAY,
+        "one weight short",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:-1][::-1] / c[-1]"),
+        "returns 1 number for 2 powers",
+    ),
 )

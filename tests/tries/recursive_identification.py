@@ -317,4 +317,20 @@ TRIES = (
         "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return history, a\n",
         "1 \\+ phi'P phi under its gain",
     ),
+    Try(
+        MEAN,
+        "n - 1 without brackets",
+        f("update_mean(theta, n, y)", "return (n - 1 * theta + y) / n"),
+        "put n - 1 in brackets",
+    ),
+    Try(
+        CAR,
+        "gain undivided",
+        "def rls_careless(Phi, Y, lam, LN):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    history, a = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n        phi = Phi[k]\n"
+        "        K = P @ phi\n        theta = theta + K * (Y[k] - phi @ theta)\n"
+        "        P = (P - np.outer(K, P @ phi)) / lam\n        history[k] = theta\n"
+        "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return history, a\n",
+        "is P phi, undivided",
+    ),
 )

@@ -210,6 +210,15 @@ def check_first_period(ask: Ask) -> Verdict:
         slip(
             "changes in one direction only", "It does not detect a change downwards: compare with `!=` or `==`.", rise
         ),
+        *(
+            slip(
+                "small changes not seen",
+                "It does not see a small change: the input is held exactly, so compare with `==` or `!=`, without a "
+                "tolerance.",
+                [float(np.argmax(np.abs(u - u[0]) > least)) for u in trials],
+            )
+            for least in (0.01, 0.1, 0.25, 0.35)
+        ),
         slip(
             "length of the input",
             "It returns the length of the input: the loop never stops at the change.",

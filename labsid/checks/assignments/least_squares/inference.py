@@ -188,6 +188,13 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
         return Verdict(
             False, "`inverse_weights` returns a matrix: return the n weights of the powers of A.", "matrix returned"
         )
+    if shape == (n - 1,):
+        return Verdict(
+            False,
+            f"`inverse_weights` returns {n - 1} number{'s' * (n > 2)} for {n} powers, I to A^(n-1): the coefficient 1 "
+            "of A^n makes a weight, too.",
+            "a weight left out",
+        )
     if shape == (n + 1,):
         return Verdict(
             False,

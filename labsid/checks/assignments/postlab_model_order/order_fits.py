@@ -91,7 +91,7 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
         )
     if got.size == n and any(_close(got, _of_past_outputs(y, n, k), EXACT_WITHIN) for k in range(n, n + 3)):
         raise NoAnswer(
-            f"`fit_order(u, y, {n})` uses past outputs alone: a row holds y(k-1) to y(k-{n}) and u(k-1) to u(k-{n}).",
+            f"`fit_order(u, y, {n})` uses past outputs alone: a row holds {n} past y and {n} past u.",
             "past inputs left out",
         )
     if got.size == n:

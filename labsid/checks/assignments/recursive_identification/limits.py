@@ -173,6 +173,13 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
     Phi = size * ask.rng.standard_normal((n, p))
     Y = size * ask.rng.uniform(-3, 3, n)
     parts = returned_parts(ask, "rls_careless", "the history of theta and that of the asymmetry", 2, Phi, Y, lam, LN)
+    if np.shape(parts[0]) == (n, p) and SAME(np.asarray(parts[0], float)[0], LN * Phi[0] * Y[0]):  # type: ignore[arg-type]
+        return Verdict(
+            False,
+            "the gain of `rls_careless` is P phi, undivided: K = P phi / (lambda + phi'P phi), with the P before the "
+            "sample.",
+            "gain not divided",
+        )
     theta = as_history("theta of rls_careless", parts[0], n, p)
     asymmetry = as_vector("asymmetry of rls_careless", parts[1], n)
     right = reference_run(Phi, Y, lam, LN).theta
