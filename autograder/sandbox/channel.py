@@ -155,7 +155,7 @@ def _decode_record(kind: type, fields: dict[str, Any]) -> Value:
     for name, value in fields.items():
         if name == "dt":
             checked[name] = None if value is None else float(value)
-        elif name in ("title", "xlabel", "ylabel", "label", "where", "kind"):
+        elif name in ("title", "xlabel", "ylabel", "label", "where", "style", "kind"):
             checked[name] = str(value)[:1000]
         elif name in ("grid", "steps", "joined"):
             checked[name] = value is True

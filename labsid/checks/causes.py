@@ -145,10 +145,14 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
             f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
             "corner is `np.zeros((rows, columns))`."
         )
-    for thing in stop.things.values():
-        if thing.lengths and len(set(thing.lengths)) > 1:
-            said += f" Here these are {', '.join(map(str, thing.lengths))}."
-            break
+    lengths = [length for thing in stop.things.values() for length in thing.lengths or ()]
+    if len(set(lengths)) > 1:
+        said += f" Here these are {', '.join(map(str, lengths))}."
+    if 0 in lengths:
+        return (
+            f"{said} One is empty. Often here: does its slice `x[a:b]` begin below zero? A negative a counts from the "
+            "end: print it."
+        )
     if ":" not in stop.line:
         return said
     return (
@@ -156,6 +160,20 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
         f"no zeros and no other cut "
         "make up for them?"
     )
+
+
+def time_and_input(stop: Stop, _: re.Match[str]) -> str | None:
+    """A time and an input of different lengths, handed to a function that simulates."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and len(node.args) > 2:
+            time, given = (stop.shape(part) for part in node.args[1:3])
+            if time and given and time[-1] != given[-1]:
+                name = ast.unparse(node.args[2])
+                return (
+                    f"The time has {time[-1]} instants and the input {given[-1]} samples: each sample needs its own, "
+                    f"such as `np.arange(len({name})) * Ts`."
+                )
+    return None
 
 
 def truth_of_an_array(stop: Stop, _: re.Match[str]) -> str | None:

@@ -59,8 +59,13 @@ def as_array(name: str, value: Value) -> FloatArray:
     return _real_array(name, value, "numbers")
 
 
-def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> FloatArray:
-    """Read a real matrix; None in `shape` accepts any size. Raise `NoAnswer` for another shape."""
+def as_matrix(
+    name: str, value: Value, shape: tuple[int | None, int | None], right: FloatArray | None = None
+) -> FloatArray:
+    """Read a real matrix; None in `shape` accepts any size. Raise `NoAnswer` for another shape.
+
+    With the `right` matrix, the message says which column is missing or too many.
+    """
     array = _real_array(name, value, "a matrix")
     wanted = ", ".join("any" if size is None else str(size) for size in shape)
     if array.ndim == 2 and array.shape != shape and _fits(array.T.shape, shape) and not _fits(array.shape, shape):
@@ -85,9 +90,24 @@ def as_matrix(name: str, value: Value, shape: tuple[int | None, int | None]) -> 
         beside = ""
         if array.ndim == 2 and shape[1] is not None and abs(array.shape[1] - shape[1]) == 1:
             much = "too many" if array.shape[1] > shape[1] else "too few"
-            beside = f" One column {much}: does a `range` begin or end elsewhere? (It leaves out its end.)"
+            beside = _odd_column(array, right) or (
+                f" One column {much}: does a `range` begin or end elsewhere? (It leaves out its end.)"
+            )
         raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.{beside}")
     return array
+
+
+def _odd_column(array: FloatArray, right: FloatArray | None) -> str:
+    """Which column is too many or missing, where the others are right; empty if that cannot be told."""
+    if right is None or array.shape[0] != right.shape[0]:
+        return ""
+    longer, shorter = (array, right) if array.shape[1] > right.shape[1] else (right, array)
+    found = [j for j in range(longer.shape[1]) if np.allclose(np.delete(longer, j, axis=1), shorter)]
+    if not found:
+        return ""
+    if longer is array:
+        return f" Column `[:, {found[-1]}]` is one too many: without it, the matrix is right."
+    return f" One column is missing, the one that should be `[:, {found[-1]}]`: the others are right."
 
 
 def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:

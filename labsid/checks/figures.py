@@ -91,6 +91,14 @@ def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice:
     if samples > 1 and len(axes.curves) >= samples - 1 and all(curve.y.size < samples for curve in axes.curves):
         text = f"In {where} there is a curve for each *row* of the table: each column is a curve, over all samples."
         return NoAnswer(text, "rows drawn")
+    few = (curve.y for curve in axes.curves if 1 < curve.y.size <= samples / 10)
+    row = next((y for y in few if np.isin(y[y != 0], wanted).any()), None)
+    if row is not None:
+        text = (
+            f"In {where} no curve shows {what}: one has {row.size} points in place of {samples}. Of a table, `[0]` is "
+            "the first *row* and `[:, 0]` the first column."
+        )
+        return NoAnswer(text, "rows drawn")
     related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
     related += " Often here: is an offset still in it?" if "constant added" in related else ""
     near = f"In {where} no curve shows {what}, but one is near to it. {related}"

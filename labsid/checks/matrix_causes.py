@@ -143,6 +143,11 @@ def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
             shapes = {stop.shape(part) for part in ast.walk(node.args[0]) if isinstance(part, ast.expr)} - {None}
             if (1, 1) in shapes and shapes <= {(1, 1), (1,)}:
                 return f"`{ast.unparse(node.args[0])}` is a single number, and it is zero: print what it is made of."
+    if not _without_inverse(stop) and ".jac" in stop.line:
+        return (
+            "Where the search ended, the output does not depend on each of the parameters. Often here: does the model "
+            "lack one, so that no value of the others fits, or does the search begin far from the data?"
+        )
     return _without_inverse(stop) or (
         "The matrix has no inverse: its columns are dependent. Often here: is a column of Phi "
         "zero, or there twice, or is "

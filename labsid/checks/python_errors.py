@@ -15,6 +15,7 @@ from labsid.checks.causes import (
     reshaped,
     rows_by_a_vector,
     several_indices,
+    time_and_input,
     too_many_indices,
     truth_of_an_array,
     unequal_columns,
@@ -200,6 +201,7 @@ TABLE: tuple[Translation, ...] = (
         "Each frequency or sample needs one weight. `np.fft.rfft(e)` has len(e) // 2 + 1 values, as many as "
         "`np.fft.rfftfreq(len(e), Ts)`.",
     ),
+    Translation("ValueError", "Parameter `?[TU]`?", time_and_input),
     Translation(
         "ValueError",
         "Parameter `?[TU]`?",

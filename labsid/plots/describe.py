@@ -122,6 +122,7 @@ def _describe_lines(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
             label=labels[id(line)],
             where=style.removeprefix("steps").removeprefix("-") or "pre" if steps else "",
             joined=str(line.get_linestyle()).lower() not in ("none", "", " "),
+            style=f"{line.get_linestyle()} {line.get_marker()} {line.get_linewidth():g}",
         )
 
 

@@ -22,6 +22,8 @@ class CurveValue:
         Where a step changes, as in ``step``: "pre", "mid" or "post"; "" if it is not drawn in steps.
     joined : bool
         Whether lines join its points.
+    style : str
+        Line style, marker and width, as matplotlib has them; "" if it is no line.
     """
 
     x: FloatArray
@@ -31,6 +33,7 @@ class CurveValue:
     label: str
     where: str = ""
     joined: bool = False
+    style: str = ""
 
     def __post_init__(self) -> None:
         freeze(self, x=self.x, y=self.y)

@@ -336,7 +336,7 @@ TRIES = (
         CAY,
         "other end",
         f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:][::-1] / c[-1]"),
-        "weight of I|c_n|order|wrong",
+        "c_n as the weight of I",
     ),
     Try(
         KIND,
@@ -400,7 +400,7 @@ TRIES = (
         DEL,
         "n + 1",
         f("delayed_inputs(u, n)", lags("np.r_[np.zeros(i), u[: len(u) - i]]", "n + 1")),
-        "too many: does a",
+        "one too many",
     ),
     Try(FITS, "p to the x", fits("[float(p)**x for p in powers]"), r"columns p\*\*x"),
     Try(
@@ -430,5 +430,78 @@ TRIES = (
         "not shifted",
         f("delayed_inputs(u, n)", lags("np.r_[np.zeros(i), u[i:]]", "n")),
         "u\\(t\\) itself with its first i entries zero",
+    ),
+    Try(
+        KIND,
+        "leading minors",
+        kind("np.array([np.linalg.det(((M + M.T) / 2)[:i, :i]) for i in range(1, len(M) + 1)])"),
+        "leading minors. Of a negative definite",
+    ),
+    Try(
+        KIND,
+        "leading minors, alternating",
+        "def kind(M):\n    S, n = (M + M.T) / 2, len(M)\n"
+        "    d = np.array([np.linalg.det(S[:i, :i]) for i in range(1, n + 1)])\n"
+        "    e = d * (-1.0) ** np.arange(1, n + 1)\n"
+        "    if np.all(d > 0): return 'positive definite'\n    if np.all(e > 0): return 'negative definite'\n"
+        "    if np.all(d >= 0): return 'positive semidefinite'\n"
+        "    if np.all(e >= 0): return 'negative semidefinite'\n    return 'indefinite'\n",
+        "leading minors. If one",
+    ),
+    Try(
+        DEL,
+        "a column of lag n",
+        f("delayed_inputs(u, n)", lags("np.r_[np.zeros(i), u[: len(u) - i]]", "n + 1")),
+        "one too many",
+    ),
+    Try(
+        DEL,
+        "a column of lag -1",
+        f(
+            "delayed_inputs(u, n)",
+            "return np.column_stack([np.r_[u[1:], 0]] + [np.r_[np.zeros(i), u[: len(u) - i]] for i in range(n)])",
+        ),
+        r"Column `\[:, 0\]` is one too many",
+    ),
+    Try(
+        DEL,
+        "other columns, and too many",
+        f("delayed_inputs(u, n)", "return np.column_stack([u * i for i in range(n + 1)])"),
+        "One column too many",
+        never="without it",
+    ),
+    Try(
+        KNOWN,
+        "twenty samples",
+        f("example_1(u, y)", "u, y = u[:20], y[:20]\n    " + known()[known().index("return") :].strip()),
+        "first 20 of the 35 samples",
+    ),
+    Try(
+        CAY,
+        "determinant",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return -c[:-1][::-1] / np.linalg.det(A)"),
+        "right for 2 by 2.*determinant",
+    ),
+    Try(
+        CAY,
+        "sign",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return c[:-1][::-1] / c[-1]"),
+        "has the wrong sign",
+        never="determinant",
+    ),
+    Try(CAY, "c_1 to c_n", f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:] / c[-1]"), "begins with c_1"),
+    Try(CAY, "eigenvalues", f("inverse_weights(A)", "return 1 / np.linalg.eigvals(A)"), "eigenvalues of the inverse"),
+    Try(
+        KIND,
+        "determinant alone",
+        "def kind(M):\n    d = np.linalg.det(M)\n    if d > 0: return 'positive definite'\n"
+        "    return 'indefinite' if d < 0 else 'positive semidefinite'\n",
+        "uses the determinant, the product",
+    ),
+    Try(
+        CAY,
+        "one weight short",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:-1][::-1] / c[-1]"),
+        "returns 1 number for 2 powers",
     ),
 )

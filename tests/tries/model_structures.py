@@ -315,7 +315,9 @@ TRIES = (
         EX, "same samples", ex("return np.linalg.lstsq(np.column_stack([-y, u]), y)[0]"), "explains y\\(t\\) by itself"
     ),
     Try(EXC, "true or false", f("excitation(u, largest)", f"return {RANK} == largest"), "True or False"),
-    Try(EXC, "lines of the spectrum", f("excitation(u, largest)", SPECTRUM), "too high an order", never="filled in"),
+    Try(
+        EXC, "lines of the spectrum", f("excitation(u, largest)", SPECTRUM), "counts the frequencies", never="filled in"
+    ),
     Try(ORD, "no brackets", order(crit=CRITERIA.format("V*1 + p/N/1 - p/N")), "FPE lacks brackets"),
     Try(ORD, "brackets above", order(crit=CRITERIA.format("V * (1 + p/N) / 1 - p/N")), "FPE lacks brackets"),
     Try(ORD, "half", order(crit=CRITERIA.format("V * (1 + p/N)")), "two factors", never="brackets"),
@@ -339,5 +341,76 @@ TRIES = (
             f"n = 0\n    while {RANK.replace('largest', '(n + 1)')} == n + 1: n += 1\n    return n",
         ),
         "goes on beyond `largest`",
+    ),
+    Try(SHIFT, "polyval", f("apply(P, x)", "return np.polyval(P, x)"), "as `np.polyval` does"),
+    Try(EQ, "lags of no inputs", eq(k0="max(na, d + nb - 1)"), "With nb = 0 there are no inputs"),
+    Try(
+        EQ,
+        "begins late without inputs",
+        eq(k0="max(na, d + nb - 1) if nb else na + 1"),
+        "later than it has to",
+        never="nb = 0",
+    ),
+    Try(EQ, "delay not in k0", eq(k0="max(na, nb)"), "One is empty.*begin below zero"),
+    Try(
+        SIM,
+        "divided by C",
+        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, A, u) + scipy.signal.lfilter([1], C, e)"),
+        "divides the noise by C",
+    ),
+    Try(
+        SIM,
+        "C at the output",
+        f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, A, u) + scipy.signal.lfilter(C, [1], e)"),
+        "behind the plant",
+        never="divides the noise",
+    ),
+    Try(PRED, "simulation plus y", pred("scipy.signal.lfilter(B, A, u) + y"), r"adds the measured y\(k\)"),
+    Try(PRED, "A[1] and B[1]", pred("np.r_[0, -A[1] * y[:-1] + B[1] * u[:-1]]"), "only the first two coefficients"),
+    Try(
+        PRED,
+        "run of A[1] and B[1]",
+        pred(
+            "scipy.signal.lfilter(B, [1], u) - scipy.signal.lfilter(A, [1], y) + y",
+            "scipy.signal.lfilter(B[:2], A[:2], u)",
+        ),
+        "`free_run` uses only the first two",
+    ),
+    Try(
+        PRED,
+        "u(k) early",
+        pred("scipy.signal.lfilter(B[1:], [1], u) - scipy.signal.lfilter(A, [1], y) + y"),
+        "one sample early",
+        never="coefficients",
+    ),
+    Try(
+        EXC,
+        "two for each frequency",
+        f(
+            "excitation(u, largest)",
+            "U = np.abs(np.fft.rfft(u))\n    return min(largest, 2 * int(np.sum(U > 1e-6 * U.max())))",
+        ),
+        "counts the frequencies",
+    ),
+    Try(ORD, "rows left out twice", order(start="n + max(orders)"), r"begins at sample n already"),
+    Try(
+        ORD,
+        "AIC of p",
+        order(crit="N * np.log(V) + p, N * np.log(V) + p * np.log(N), V * (1 + p / N) / (1 - p / N)"),
+        "AIC is p:",
+    ),
+    Try(
+        ORD,
+        "BIC of N ln p",
+        order(crit="N * np.log(V) + 2 * p, N * np.log(V) + N * np.log(p), V * (1 + p / N) / (1 - p / N)"),
+        "BIC is N ln p:",
+        never="is p:",
+    ),
+    Try(
+        SIM,
+        "first order only",
+        "def simulate(A, B, C, u, e):\n    y = np.zeros(len(u))\n    for k in range(1, len(u)):\n"
+        "        y[k] = -A[1] * y[k - 1] + B[1] * u[k - 1] + e[k]\n    return y\n",
+        r"only A\[1\] and B\[1\]",
     ),
 )

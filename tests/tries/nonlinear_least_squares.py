@@ -276,7 +276,7 @@ TRIES = (
     Try(LOG, "e^a", logarithm(end="np.exp(a), np.exp(c)"), "a of `fit_logarithm` is e\\^a"),
     Try(LOG, "x over ln y", logarithm("x", H="np.log(y), np.ones(len(y))"), "fits x to ln y"),
     Try(JAC, "b, a", jac().replace("a, b = theta", "b, a = theta"), "in the order b, a"),
-    Try(JAC, "one number", jac(grad="e @ e"), "should hold 2 numbers"),
+    Try(JAC, "SSE for its gradient", jac(grad="e @ e"), "the SSE itself"),
     Try(
         EXP,
         "squares handed over",
@@ -302,4 +302,54 @@ TRIES = (
     ),
     Try(STEP, "covariance", step(cov="s2 * np.linalg.inv(fit.jac.T @ fit.jac)"), "returns the covariance"),
     Try(STEP, "1.96", step(cov="1.96 * np.sqrt(np.diag(s2 * np.linalg.inv(fit.jac.T @ fit.jac)))"), "half widths"),
+    Try(
+        EXP,
+        "squares handed over",
+        exp("return scipy.optimize.least_squares(lambda th: (th[1] * np.exp(th[0] * x) - y) ** 2, [0.0, 1.0]).x"),
+        r"the \*squared\* errors",
+    ),
+    Try(
+        EXP,
+        "absolute errors handed over",
+        exp("return scipy.optimize.least_squares(lambda th: abs(th[1] * np.exp(th[0] * x) - y), [0.0, 1.0]).x"),
+        "",
+        ACCEPTED,
+    ),
+    Try(
+        STEP,
+        "y0 left out",
+        f(
+            "fit_step(t, y, amplitude)",
+            "fit = scipy.optimize.least_squares(lambda th: th[0] * amplitude * (1 - np.exp(-t / th[1])) - y, "
+            "[y[-1] / amplitude, t[-1] / 5])\n"
+            "    return fit.x, np.sqrt(np.diag(2 * fit.cost / len(y) * np.linalg.inv(fit.jac.T @ fit.jac)))",
+        ),
+        "does the model lack one",
+    ),
+    Try(
+        STEP,
+        "J J'",
+        step(cov="np.sqrt(np.diag(s2 * np.linalg.inv(fit.jac @ fit.jac.T)))"),
+        "holds nan",
+        never="lack one",
+    ),
+    Try(
+        LOG,
+        "parabola",
+        f("fit_logarithm(x, y)", "c = np.polyfit(x, np.log(y), 2)\n    return c[0], np.exp(c[1])"),
+        "fits a parabola",
+    ),
+    Try(
+        LOC,
+        "squares handed over",
+        f(
+            "locate(beacons, ranges)",
+            "c, r = beacons.mean(axis=0), ranges.mean()\n"
+            "    starts = [c + r * np.array([np.cos(v), np.sin(v)]) for v in np.arange(8)]\n"
+            "    e = lambda th: (np.linalg.norm(beacons - th, axis=1) - ranges) ** 2\n"
+            "    fits = [scipy.optimize.least_squares(e, s, xtol=1e-12, ftol=1e-12, gtol=1e-12) for s in starts]\n"
+            "    return min(fits, key=lambda fit: fit.cost).x",
+        ),
+        r"the \*squared\* errors",
+    ),
 )

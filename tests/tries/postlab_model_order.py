@@ -146,4 +146,74 @@ TRIES = (
         "an `f` before the quotes",
     ),
     Try(THETA, "no transpose", "theta_1 = np.linalg.inv(Phi_1.T @ Phi_1) @ Y_1", "Is `Phi_1.T @` before `Y_1` meant"),
+    Try(
+        FIT,
+        "half of the half",
+        "def fit_order(u, y, n):\n    N = len(y) // 2\n"
+        f"    Phi = np.column_stack({Y_LAGS} + {U_LAGS})\n    return np.linalg.lstsq(Phi, y[n:N])[0]\n\n\n"
+        "theta_2 = fit_order(u[:half], y[:half], 2)",
+        "only the first half of what it is given",
+    ),
+    Try(
+        FIT,
+        "half of the record",
+        "def fit_order(u, y, n):\n    N = min(len(y), half)\n"
+        f"    Phi = np.column_stack({Y_LAGS} + {U_LAGS})\n    return np.linalg.lstsq(Phi, y[n:N])[0]\n\n\n"
+        "theta_2 = fit_order(u[:half], y[:half], 2)",
+        "first `half` samples",
+        never="first half of what",
+    ),
+    Try(
+        RUN,
+        "first order twice",
+        "y_sim_1 = y_sim_2 = ct.forced_response(G_1, inputs=u).outputs",
+        "`y_sim_1` again",
+    ),
+    Try(
+        RUN,
+        "theta_2 pair by pair",
+        "y_sim_1 = ct.forced_response(G_1, inputs=u).outputs\n"
+        "y_sim_2 = scipy.signal.lfilter([0, theta_2[1], theta_2[3]], [1, -theta_2[0], -theta_2[2]], u)",
+        "for -a1, b1, -a2, b2",
+    ),
+    Try(
+        RUN,
+        "b before a",
+        "y_sim_1 = ct.forced_response(G_1, inputs=u).outputs\n"
+        "y_sim_2 = scipy.signal.lfilter([0, theta_2[0], theta_2[1]], [1, -theta_2[2], -theta_2[3]], u)",
+        "for b1, b2, -a1, -a2",
+        never="b1, -a2",
+    ),
+    Try(
+        MSE,
+        "norm over N",
+        "mse_1, mse_2 = (np.linalg.norm(y - s) / len(y) for s in (y_sim_1, y_sim_2))",
+        "norm of the error over N",
+    ),
+    Try(
+        F8,
+        "numbers of the course's record",
+        "fig_8, ax = plt.subplots()\nax.plot(t, y, label='actual')\nax.plot(t, y_sim_1, label='first')\n"
+        "ax.plot(t, y_sim_2, label='second')\nax.set(xlabel='Time (s)', ylabel='Output (V)')\nax.legend()\n"
+        "ax.text(0, 0, f'order 1: {1.07 * mse_1:.2e}, order 2: {1.07 * mse_2:.2e}')",
+        "let the code write the value",
+        never="not exact enough",
+    ),
+    Try(
+        F8,
+        "two digits",
+        "fig_8, ax = plt.subplots()\nax.plot(t, y, label='actual')\nax.plot(t, y_sim_1, label='first')\n"
+        "ax.plot(t, y_sim_2, label='second')\nax.set(xlabel='Time (s)', ylabel='Output (V)')\nax.legend()\n"
+        "ax.text(0, 0, f'order 1: {mse_1:.0e}, order 2: {mse_2:.0e}')",
+        "not exact enough",
+        never="let the code",
+    ),
+    Try(FIT, "past outputs alone", fit(Y_LAGS), "uses past outputs alone"),
+    Try(
+        RUN,
+        "second order twice",
+        "G_2 = ct.tf(theta_2[2:], [1, -theta_2[0], -theta_2[1]], Ts)\n"
+        "y_sim_1 = y_sim_2 = ct.forced_response(G_2, inputs=u).outputs",
+        "run of the second-order model",
+    ),
 )

@@ -152,4 +152,6 @@ TRIES = (
         r"the first column is `data\[:, 0\]`",
     ),
     Try(N, "1000 flat numbers", waves("np.sin(2 * np.pi * t / 100)", "rng.uniform(-0.2, 0.2, 1000)"), "flat noise"),
+    Try(M, "columns in an array, transposed", "data_new = np.array([t_new, y1_new, y2_new]).T", "turns all three"),
+    Try(M, "columns in an array", "data_new = np.array([t_new, y1_new, y2_new])", "along a new one", never="turns all"),
 )

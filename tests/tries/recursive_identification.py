@@ -1,6 +1,6 @@
 """First tries at the recursive lecture."""
 
-from tries import Try
+from tries import ACCEPTED, Try
 
 MEAN, INF, STEP, REG, FOR, FIG, ONL, DRI, WIN, CAR = (
     "ri-1-mean", "ri-2-information", "ri-3-step", "ri-4-regressors", "ri-5-forgetting", "ri-6-figures", "ri-7-online",
@@ -258,5 +258,79 @@ TRIES = (
             "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return h, a",
         ),
         r"`np\.outer\(K, P_phi\)`",
+    ),
+    Try(MEAN, "mean for the sum", f("update_mean(theta, n, y)", "return (theta + y) / n"), "theta is a mean already"),
+    Try(REG, "u(t-2) as well", reg("-y[1:-1], -y[:-2], u[1:-1], u[:-2]"), r"Column `\[:, 3\]` is one too many"),
+    Try(REG, "no y(t-2)", reg("-y[1:-1], u[1:-1]"), r"missing, the one that should be `\[:, 1\]`"),
+    Try(
+        REG,
+        "index below zero",
+        f("regressors(u, y)", "return np.array([[-y[t - 1], -y[t - 2], u[t - 1]] for t in range(len(y))]), y")
+        + "\n\nPhi_61, Y_61 = regressors(u_61, y_61)",
+        "an index below zero",
+    ),
+    Try(FOR, "P(0) = I/LN", rls(start="np.eye(p) / LN"), "begins with P = I/LN"),
+    Try(FOR, "P(0) = I", rls(start="np.eye(p)"), "begins with P = I, whatever", never="I/LN"),
+    Try(
+        FIG,
+        "rows, with the truth",
+        "fig_9, ax = plt.subplots()\nax.plot(theta_1[0])\nax.plot(theta_true, '--')\n"
+        "fig_10, ax = plt.subplots()\nax.plot(theta_099[0])",
+        r"3 points in place of 998.*first \*row\*",
+    ),
+    Try(
+        FIG,
+        "truth drawn alike",
+        "def draw(h):\n    fig, ax = plt.subplots()\n    ax.plot(h, label=['a1', 'a2', 'b1'])\n"
+        "    ax.plot(theta_true)\n    ax.set(xlabel='t', ylabel='theta')\n    ax.legend()\n    return fig\n\n\n"
+        "fig_9, fig_10 = draw(theta_1), draw(theta_099)",
+        "line style of its estimate",
+    ),
+    Try(
+        FIG,
+        "truth in thin lines",
+        "def draw(h):\n    fig, ax = plt.subplots()\n    ax.plot(h, label=['a1', 'a2', 'b1'])\n"
+        "    ax.plot(theta_true, 'k', linewidth=0.5)\n    ax.set(xlabel='t', ylabel='theta')\n    ax.legend()\n"
+        "    return fig\n\n\nfig_9, fig_10 = draw(theta_1), draw(theta_099)",
+        "",
+        ACCEPTED,
+    ),
+    Try(DRI, "lag upside down", drift(lag="slope * (1 - lam) / lam"), "is upside down"),
+    Try(
+        WIN,
+        "condition turned round",
+        "def rls_bounded(Phi, Y, lam, LN, bound):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    history, traces = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n"
+        "        phi, now = Phi[k], lam if np.trace(P) / lam > bound else 1.0\n        q = P @ phi\n"
+        "        P = (P - np.outer(q, q) / (now + phi @ q)) / now\n"
+        "        theta = theta + P @ phi * (Y[k] - phi @ theta)\n"
+        "        history[k], traces[k] = theta, np.trace(P)\n    return history, traces\n",
+        "turned round",
+    ),
+    Try(
+        CAR,
+        "1 in the gain",
+        "def rls_careless(Phi, Y, lam, LN):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    history, a = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n        phi = Phi[k]\n"
+        "        q = P @ phi\n        K = q / (1 + phi @ q)\n        theta = theta + K * (Y[k] - phi @ theta)\n"
+        "        P = (P - np.outer(K, q)) / lam\n        history[k] = theta\n"
+        "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return history, a\n",
+        "1 \\+ phi'P phi under its gain",
+    ),
+    Try(
+        MEAN,
+        "n - 1 without brackets",
+        f("update_mean(theta, n, y)", "return (n - 1 * theta + y) / n"),
+        "put n - 1 in brackets",
+    ),
+    Try(
+        CAR,
+        "gain undivided",
+        "def rls_careless(Phi, Y, lam, LN):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    history, a = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n        phi = Phi[k]\n"
+        "        K = P @ phi\n        theta = theta + K * (Y[k] - phi @ theta)\n"
+        "        P = (P - np.outer(K, P @ phi)) / lam\n        history[k] = theta\n"
+        "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return history, a\n",
+        "is P phi, undivided",
     ),
 )

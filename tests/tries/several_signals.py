@@ -254,4 +254,66 @@ TRIES = (
         ),
         "oldest lag first",
     ),
+    Try(
+        READ,
+        "all times",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u, record.y, record.t"),
+        "`Ts` holds all times",
+    ),
+    Try(
+        OFF,
+        "all have moved",
+        off("n = np.argmax(np.all(u != u[0], axis=1))\n    return u - u[0], y - y[:n].mean(axis=0)"),
+        "when the last input moves, or one",
+    ),
+    Try(
+        OFF,
+        "entries counted",
+        off("n = np.argmax(u != u[0])\n    return u - u[0], y - y[:n].mean(axis=0)"),
+        "counts entries of the table",
+        never="last input",
+    ),
+    Try(
+        PHI,
+        "two inputs",
+        phi(
+            "c = [x[n - l : N - l] for x in (y[:, i], u[:, 0], u[:, 1]) for l in range(1, n + 1)]\n"
+            "    return np.column_stack(c), y[n:, i]"
+        ),
+        "past of 2 of the 3 inputs",
+    ),
+    Try(
+        PHI,
+        "all outputs in Y",
+        phi(
+            "c = [x[n - l : N - l] for x in (y[:, i], *u.T) for l in range(1, n + 1)]\n"
+            "    return np.column_stack(c), y[n:]"
+        ),
+        "holds all 2 outputs",
+    ),
+    Try(
+        RUN,
+        "blocks that overlap",
+        run(f"return sum({FILTERS.replace('n + j * n : n + (j + 1) * n', 'n + j : 2 * n + j')}range(u.shape[1])])"),
+        "begins the b's of input j at n \\+ j;",
+    ),
+    Try(
+        LOOP,
+        "regressed on Z, later lag first",
+        loop("Z = np.column_stack([r[:-2], r[1:-1]]); return np.linalg.solve(Z.T @ Z, Z.T @ y[2:])"),
+        "regresses on Z",
+    ),
+    Try(
+        PHI,
+        "two lags always",
+        phi("c = [x[n - l : N - l] for x in (y[:, i], *u.T) for l in (1, 2)]\n    return np.column_stack(c), y[n:, i]"),
+        "2 for each signal: n is 3",
+        never="one input",
+    ),
+    Try(
+        RUN,
+        "b from the first number",
+        run(f"return sum({FILTERS.replace('n + j * n : n + (j + 1) * n', 'j * n : (j + 1) * n')}range(u.shape[1])])"),
+        "the first n numbers of theta are -a",
+    ),
 )

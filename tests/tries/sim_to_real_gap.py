@@ -362,4 +362,24 @@ TRIES = (
     ),
     Try(TIME, "part for a sample", time(RIGHT, worst="(t[i], t[i + 1])"), "number of a part for that of a sample"),
     Try(LIN, "u_act", linear(run="free_run(theta_hat, u_act)"), "is run on `u_act`"),
+    Try(REST, "mean of the first half", rest("np.mean(y_act[:half])"), "mean over the first half"),
+    Try(
+        PARS,
+        "other names",
+        named("input-saturation", "{'lower': 1.2, 'upper': 3.4}"),
+        "names lower, upper; the list gives low, high",
+    ),
+    Try(
+        REST,
+        "mean of two rests",
+        rest("np.mean(y_act[: 2 * n])"),
+        "mean of the first .* samples, and the input",
+        never="one sample",
+    ),
+    Try(
+        PARS,
+        "units in the text",
+        named("input-saturation", "{'low': '1.2 V', 'high': '3.4 V'}"),
+        "is text: give the number",
+    ),
 )

@@ -220,7 +220,7 @@ TRIES = (
     Try(READ, "t_28 - t_63", read(tau="1.5 * (t_28 - t_63)"), "tau is negative"),
     Try(MSE, "numbers of the process", "y_approx = first_order_response(t_step, 3, 5, 1, amplitude)", "3, 5 and 1"),
     Try(FUN, "largest value", reader().replace("np.mean(y[-20:])", "np.max(y)"), "largest y is not the end"),
-    Try(FUN, "a third for 28.3 %", reader().replace("0.283", "1 / 3"), "reaches 28.3 % .* too late"),
+    Try(FUN, "a third for 28.3 %", reader().replace("0.283", "1 / 3"), "from 33.3 % to 63.2 %"),
     Try(FUN, "exact shares", reader().replace("0.283", "1 - np.exp(-1 / 3)"), "", ACCEPTED),
     Try(
         MODEL, "amplitude of part A", "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)", "handed over"
@@ -238,4 +238,44 @@ TRIES = (
         read().replace("t_step[np.argmax(y_step >= 0.632 * y_end)]", "t_step[y_step == 0.632 * y_end]"),
         "did no entry meet",
     ),
+    Try(READ, "tau = t63, delay from it", read(tau="t_63"), "td is zero.*the delay is in it"),
+    Try(
+        READ,
+        "no delay",
+        "K, td = y_step[-1] / amplitude, 0\ntau = t_step[np.argmax(y_step >= 0.5 * y_step[-1])]",
+        "td is zero|50 %",
+        never="the delay is in it",
+    ),
+    Try(
+        MSE,
+        "norm over N",
+        "y_approx = first_order_response(t_step, K, tau, td, amplitude)\n"
+        "mse_approx = np.linalg.norm(y_step - y_approx) / len(y_step)",
+        "norm of the error over N",
+    ),
+    Try(
+        MSE,
+        "over the root of N",
+        "y_approx = first_order_response(t_step, K, tau, td, amplitude)\n"
+        "mse_approx = np.sum((y_step - y_approx) ** 2) / np.sqrt(len(y_step))",
+        "over the root of N",
+    ),
+    Try(
+        LOSS,
+        "E E'",
+        fun("loss", A, "E = (Y - Phi @ theta).reshape(-1, 1)\n    return 0.5 * E @ E.T"),
+        "the table 1/2 E E'",
+    ),
+    Try(GRAD, "Phi Y", fun("gradient", A, "return Phi.T @ Phi @ theta - Phi @ Y"), "multiplies Y by Phi;"),
+    Try(GRAD, "Phi E", fun("gradient", A, "return Phi @ (Phi @ theta - Y)"), "transpos", never="multiplies Y by Phi;"),
+    Try(MIN, "Y without Phi'", fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) @ Y"), "by Y itself"),
+    Try(
+        MIN,
+        "Phi for Phi'",
+        fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) @ Phi @ Y"),
+        "multiplies Y by Phi;",
+        never="by Y itself",
+    ),
+    Try(FUN, "half for 63.2 %", reader().replace("way >= 0.632", "way >= 0.5"), "50 %|28.3 %", VAGUE, never="33.3 %"),
+    Try(GRAD, "Phi Phi'", fun("gradient", A, "return Phi @ Phi.T @ theta - Phi.T @ Y"), "Phi Phi', N by N"),
 )

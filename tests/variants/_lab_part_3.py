@@ -300,7 +300,7 @@ VARIANTS: list[Right | Wrong] = [
         FIGURE_7,
         "simulation of the half cut from the whole",
         panels("fig_7", FIG_7A.replace("y_sim_half", "y_sim[half:]"), FIG_7B, legend=FIG_7_LEGENDS),
-        "no curve",
+        "state carried over",
         "no curve shows `y_sim_half`",
     ),
     wrong(

@@ -29,7 +29,7 @@ def states(
 
 
 def equations(
-    k0: str = "max(na, d + nb - 1)",
+    k0: str = "max(na, d + nb - 1) if nb else na",
     past: str = "-y[k - i]",
     inputs: str = "u[k - i]",
     lags: str = "range(d, d + nb)",

@@ -126,13 +126,20 @@ VARIANTS: list[Right | Wrong] = [
     # 4. equations
     right(EQUATIONS, "an index array", equations()),
     right(EQUATIONS, "no input lags without inputs", equations(k0="max([na] + list(range(d, d + nb)))")),
+    wrong(
+        EQUATIONS,
+        "input lags without inputs",
+        equations(k0="max(na, d + nb - 1)"),
+        "lags of inputs that are not there",
+        "no inputs",
+    ),
     wrong(EQUATIONS, "one row short", equations(k0="max(na, d + nb)"), "first rows left out", "begins later"),
     right(
         EQUATIONS,
         "row by row, Y a column",
         define(
             "equations(u, y, na, nb, d)",
-            "k0 = max(na, d + nb - 1)\nrows = [[-y[k - i] for i in range(1, na + 1)]\n"
+            "k0 = max(na, d + nb - 1) if nb else na\nrows = [[-y[k - i] for i in range(1, na + 1)]\n"
             "        + [u[k - d - i] for i in range(nb)] for k in range(k0, len(y))]\n"
             "return np.array(rows), y[k0:].reshape(-1, 1)",
         ),

@@ -385,6 +385,14 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(FIGURES, "swapped", figures("theta_099", "theta_1"), "figures swapped", "Fig. 9 is lambda = 1"),
     wrong(FIGURES, "twice the same", figures(second="theta_1"), "figures swapped", "Fig. 10 shows"),
+    right(FIGURES, "truth as points", figures(truth="ax.plot(theta_true[:, i], 'k.')")),
+    wrong(
+        FIGURES,
+        "truth drawn alike",
+        figures(truth="ax.plot(theta_true[:, i], 'k')"),
+        "truth in the same style",
+        "line style",
+    ),
     wrong(FIGURES, "no truth", figures(truth="pass"), "truth missing", "true"),
     wrong(FIGURES, "legend in another order", figures(names="b_1 a_1 a_2"), "legend entries swapped", "another name"),
     wrong(

@@ -107,17 +107,20 @@ def rounds_of(
     renew: bool = True,
     from_zero: bool = False,
     keep: float = 1.0,
+    whole: bool = False,
 ) -> FloatArray:
     """Pseudo-linear regression as in the notebook; with `renew` off the first errors are kept.
 
-    `keep` is what stays of the old theta where a share of the step is taken: all of it is right.
+    `keep` is what stays of the old theta where a share of the step is taken: all of it is right. With `whole` a share
+    of the new theta is added, and not one of the step.
     """
     first = np.append(np.zeros(2) if from_zero else fit_structure(ARX, u, y, start=start).model.theta, 0.0)
     theta = first
     for _ in range(rounds):
         e = prediction_errors(model_from_theta(ARMAX, theta if renew else first), u, y)
         equations = build_equations(ARMAX, u, y, e, start=start)
-        theta = keep * theta + share * (solve_least_squares(equations.Phi, equations.Y).theta - keep * theta)
+        new = solve_least_squares(equations.Phi, equations.Y).theta
+        theta = keep * theta + share * (new - (0 if whole else keep) * theta)
     return theta
 
 
@@ -153,6 +156,12 @@ def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: 
                 "share of the result",
                 f"`{call}` takes a share of the new theta: a share of the *step* is added to the old one.",
                 partial(rounds_of, u, y, share, rounds, keep=0.0),
+            ),
+            Slip(
+                "share of the result",
+                f"`{call}` adds a share of the new theta to the old one: what is added is a share of the step, "
+                "theta_new - theta.",
+                partial(rounds_of, u, y, share, rounds, whole=True),
             ),
             Slip(
                 "errors not renewed",

@@ -93,6 +93,26 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 lambda: pulled(c * var_e / (var_y * short / (1 + a**2))),
             ),
             Slip(
+                "variance of System 2",
+                "`limit_of_least_squares` divides by 4.704, the variance of y of System 2: compute it from its "
+                "arguments.",
+                lambda: pulled(c * var_e / 4.704),
+            ),
+            Slip(
+                "zero for b",
+                "`limit_of_least_squares` returns 0 for b: it is the *bias* of b that is zero.",
+                lambda: pulled(c * var_e / var_y) * [1, 0],
+            ),
+            *(
+                Slip(
+                    "b pulled as well",
+                    "`limit_of_least_squares` changes b: u(t-1) is uncorrelated with v(t) and with y(t-1), so b has no "
+                    "bias.",
+                    partial(np.add, pulled(c * var_e / var_y), np.array([0, sign * c * var_e / var_u])),
+                )
+                for sign in (1, -1)
+            ),
+            Slip(
                 "root of the variance",
                 "`limit_of_least_squares` divides by the standard deviation of y; it is the variance.",
                 lambda: pulled(c * var_e / var_y**0.5),
@@ -172,6 +192,17 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
                 "`covariance` has 1 on the diagonal of E(vv').",
                 lambda: sandwich(diagonal + c * beside),
                 mend="v(t) is a sum of two, with variance 1 + c^2.",
+            ),
+            Slip(
+                "diagonal without a square",
+                "`covariance` has 1 + c on the diagonal of E(vv'): v(t) is e(t) + c e(t-1), and variances take the "
+                "squares.",
+                lambda: sandwich((1 + c) * diagonal + c * beside),
+            ),
+            Slip(
+                "2c beside the diagonal",
+                "`covariance` has 2c beside the diagonal of E(vv'): v(t) and v(t-1) share e(t-1) alone.",
+                lambda: sandwich((1 + c**2) * diagonal + 2 * c * beside),
             ),
             Slip(
                 "c on one side only",

@@ -210,6 +210,15 @@ def check_first_period(ask: Ask) -> Verdict:
         slip(
             "changes in one direction only", "It does not detect a change downwards: compare with `!=` or `==`.", rise
         ),
+        *(
+            slip(
+                "small changes not seen",
+                "It does not see a small change: the input is held exactly, so compare with `==` or `!=`, without a "
+                "tolerance.",
+                [float(np.argmax(np.abs(u - u[0]) > least)) for u in trials],
+            )
+            for least in (0.01, 0.1, 0.25, 0.35)
+        ),
         slip(
             "length of the input",
             "It returns the length of the input: the loop never stops at the change.",
@@ -221,7 +230,14 @@ def check_first_period(ask: Ask) -> Verdict:
             list(right * ask.record.Ts),
         ),
     ]
-    if got[0] == right[0] and not np.all(got == got[0]):
+    at_own_level = [u - u[0] + ask.record.u[0] for u in trials[1:]] if got[0] == right[0] else []
+    shifted = [_counted(ask, u.reshape(-1, 1) if is_column else u) for u in at_own_level]
+    if shifted and np.array_equal(shifted, right[1:]) and not np.array_equal(got, right):
+        otherwise = (
+            f"It is right for inputs that begin with {ask.record.u[0]:g}, as your record does, and wrong for others: "
+            "compare with `u[0]`, and not with that value."
+        )
+    elif got[0] == right[0] and not np.all(got == got[0]):
         otherwise = "It is right for this record, but wrong for another input. Try it on short inputs of your own."
     else:
         otherwise = (

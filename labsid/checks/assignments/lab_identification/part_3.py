@@ -96,6 +96,11 @@ def check_errors(ask: Ask) -> Verdict:
             for part in (slice(1, None), slice(None, -1))
         ),
     )
+    whole = Slip(
+        "divided by all samples",
+        "`mse_half` is divided by the number of *all* samples: the sum is over the second half.",
+        lambda: mse(y_half, y_sim_half) * half / y.size,
+    )
     raw = {name: known_vector(ask, name) for name in ("y_act", "y_actm")}
 
     def unlike(name: str, samples: int, simulated: FloatArray) -> list[Slip[float]]:
@@ -109,7 +114,7 @@ def check_errors(ask: Ask) -> Verdict:
         ]
 
     verdict = judge_mse(
-        "mse_half", got["mse_half"], y_half, y_sim_half, [*slips, *unlike("mse_half", half, y_sim_half)]
+        "mse_half", got["mse_half"], y_half, y_sim_half, [*slips, whole, *unlike("mse_half", half, y_sim_half)]
     )
     if not verdict.passed:
         return verdict
@@ -130,11 +135,18 @@ def check_figure_7(ask: Ask) -> Verdict:
     upper = Panel("the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half,), CALLS)
     lower = Panel("the lower panel of Fig. 7", {"y": y, "y_sim": y_sim}, (t,), CALLS)
     fig_7 = ask.value("fig_7")
-    if isinstance(fig_7, FigureValue) and fig_7.axes and find_curve(fig_7.axes[0], y_half, t[: y_half.size]):
-        raise NoAnswer(
-            "In the upper panel of Fig. 7 the second half is drawn against the times of the first: use `t[half:]`.",
-            "time of the first half",
-        )
+    if isinstance(fig_7, FigureValue) and fig_7.axes:
+        axes = fig_7.axes[0]
+        if find_curve(axes, y_half, t[: y_half.size]):
+            raise NoAnswer(
+                "In the upper panel of Fig. 7 the second half is drawn against the times of the first: use `t[half:]`.",
+                "time of the first half",
+            )
+        if find_curve(axes, y_sim[-y_half.size :]) and not find_curve(axes, y_sim_half):
+            raise NoAnswer(
+                "In the upper panel of Fig. 7 no curve shows `y_sim_half`, but one shows the second half of `y_sim`.",
+                "state carried over",
+            )
     require_panels("fig_7", fig_7, (upper, lower))
     return Verdict(True, "Fig. 7 shows both comparisons.")
 

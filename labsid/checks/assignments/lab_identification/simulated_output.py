@@ -1,6 +1,6 @@
 """Checks of simulated outputs: free runs of the model, and known mistakes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain
 
@@ -37,14 +37,17 @@ def read_output(name: str, value: Value) -> FloatArray:
     if isinstance(value, np.ndarray) and value.ndim == 2 and 1 in value.shape:
         value = value.reshape(-1)
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[0] == 2:
-        raise NoAnswer(f"`{name}` contains time and output: take only the output.", "response instead of its output")
+        what = "contains time and output" if np.all(np.diff(value[0]) > 0) else "has two rows, as `.states` has"
+        raise NoAnswer(f"`{name}` {what}: take only the output, `.outputs`.", "response instead of its output")
     if value is None:
         raise NoAnswer(f"`{name}` is {kind_of(value)}.")
     return as_vector(name, value)
 
 
-def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
-    """Judge the free run over the entire input, from rest or from the first measured samples."""
+def judge_entire_run(
+    ask: Ask, name: str, data: LabData, model: ArxModel, more: Iterable[Slip[FloatArray]] = ()
+) -> Verdict:
+    """Judge the free run over the entire input, from rest or from the first measured samples; see `judge_mse`."""
     value = ask.value(name)
     got = read_output(name, value)
     right = simulate(model, data.u)
@@ -83,6 +86,8 @@ def judge_entire_run(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ver
         ),
         _predictions_elsewhere(name, data, model, "whole record, from `u` alone"),
         _slips(name, data, model, 0, _is_column(value)),
+        _step_response(name, got, model, "`u`"),
+        more,
     )
     return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
 
@@ -131,9 +136,15 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
         *_predictions_elsewhere(name, data, model, "second half, from `u[half:]` alone"),
         *_slips(name, data, model, half, _is_column(value)),
+        *_step_response(name, got, model, "`u[half:]`"),
     ]
     right = simulate(model, u)
     return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+
+
+def _step_response(name: str, got: FloatArray, model: ArxModel, asked: str) -> Iterator[Slip[FloatArray]]:
+    hint = f"`{name}` is the response to a unit step. Simulate with the input of the record: hand over {asked}."
+    yield Slip("step response", hint, lambda: simulate(model, np.ones(got.size)))
 
 
 def _predictions_elsewhere(name: str, data: LabData, model: ArxModel, asked: str) -> Iterator[Slip[FloatArray]]:
@@ -185,7 +196,17 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             "is the variance of the error, from which its mean is subtracted. Use the mean of the squares.",
             np.var(e),
         ),
+        slip(
+            "difference of squares",
+            "is the mean of y^2 less that of y_sim^2: take the difference first, then square.",
+            np.mean(y**2) - np.mean(y_sim**2),
+        ),
         slip("norm of the error", "is the norm of the error: take the mean of the squares.", np.sqrt(np.sum(squared))),
+        slip(
+            "norm of the error",
+            "is the norm of the error over N: the norm is a root. Square it before you divide.",
+            np.sqrt(np.sum(squared)) / e.size,
+        ),
         slip(
             "column minus flat",
             "is averaged over an N-by-N matrix, the difference of a column (N, 1) and a flat array (N,). Flatten "

@@ -103,6 +103,15 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 for first, lags in product((0, 3), _WRONG_LAGS)
             ),
             *(Slip("rows before k0", rows, partial(np.copy, wrong)) for wrong in early),
+            *(
+                Slip(
+                    "number of samples fixed",
+                    f"`example_1` uses the first {fixed} of the {u.size} samples that it is handed: take `len(y)`.",
+                    partial(_lagged_fit, u[:fixed], y[:fixed], (2, 1, 3), 3),
+                )
+                for fixed in (20, 21)
+                if fixed < u.size
+            ),
         ],
     )
 

@@ -109,11 +109,16 @@ def kind_of_form(M: FloatArray) -> str:
     return definiteness(np.diag(np.where(np.abs(eigenvalues) < 1e-9, 0, eigenvalues))).kind
 
 
-def _of_determinant(M: FloatArray) -> str:
-    determinant = np.linalg.det(M + M.T)
-    if abs(determinant) < 1e-6:
-        return "positive semidefinite"
-    return "positive definite" if determinant > 0 else "negative definite"
+def _of_determinant(of_symmetric: bool, zero: float, below: str) -> Callable[[FloatArray], str]:
+    """The rule by the determinant alone, whose zero is a trough; `below` is what it calls a negative one."""
+
+    def answer(M: FloatArray) -> str:
+        determinant = np.linalg.det(M + M.T if of_symmetric else M)
+        if abs(determinant) <= zero:
+            return "positive semidefinite"
+        return "positive definite" if determinant > 0 else below
+
+    return answer
 
 
 _OPPOSITE = {"positive": "negative", "negative": "positive"}
@@ -156,6 +161,28 @@ def _of_determinant_and_corner(tolerance: float, corner: Callable[[float, float]
     return answer
 
 
+def _of_minors(zero: float, alternating: bool) -> Callable[[FloatArray], str]:
+    """The rule by the leading minors, whose signs alternate for a negative definite matrix, or do not in this one."""
+
+    def answer(M: FloatArray) -> str:
+        S = (M + M.T) / 2
+        minors = np.array([np.linalg.det(S[:i, :i]) for i in range(1, len(S) + 1)])
+        minors[np.abs(minors) <= zero] = 0
+        for sign, turned in (("positive", 1.0), ("negative", -1.0)):
+            if np.all(minors * (turned ** np.arange(1, len(S) + 1) if alternating else turned) > 0):
+                return f"{sign} definite"
+        for sign, turned in (("positive", 1.0), ("negative", -1.0)):
+            if np.all(minors * (turned ** np.arange(1, len(S) + 1) if alternating else turned) >= 0):
+                return f"{sign} semidefinite"
+        return "indefinite"
+
+    return answer
+
+
+_MINORS = (
+    "uses the leading minors. {}If one of them is zero they do not decide: use the signs of the eigenvalues, which do."
+)
+
 _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
     (
         "eigenvalues of M itself",
@@ -192,10 +219,15 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         "uses only the diagonal of M. The other entries matter too: see the saddle with a positive diagonal.",
         _rounded(np.diag),
     ),
-    (
-        "determinant only",
-        "uses the determinant, the product of all eigenvalues: two negative ones make it positive.",
-        _of_determinant,
+    *(
+        (
+            "determinant only",
+            "uses the determinant, the product of all eigenvalues: two negative ones make it positive.",
+            _of_determinant(of_symmetric, zero, below),
+        )
+        for of_symmetric in (True, False)
+        for zero in (0.0, 1e-6)
+        for below in ("negative definite", "indefinite")
     ),
     *(
         (
@@ -206,6 +238,14 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
         )
         for tolerance in (0.0, 1e-6)
         for corner in (gt, ge)
+    ),
+    *(
+        ("leading minors", _MINORS.format(said), _of_minors(zero, alternating))
+        for zero in (0.0, 1e-6)
+        for alternating, said in (
+            (False, "Of a negative definite matrix their signs alternate; they are not all negative. "),
+            (True, ""),
+        )
     ),
 )
 
@@ -243,7 +283,7 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
         )
     right = _rows(u, n)
     return judge(
-        as_matrix(call, value, (samples, n)),
+        as_matrix(call, value, (samples, n), right),
         right,
         _EXACT,
         "one row per sample, one column per lag.",

@@ -207,8 +207,8 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
     if found < free:
         return Verdict(
             False,
-            f"N of `all_solutions` has {found} independent columns; the null space of this Phi has dimension p - "
-            f"rank = {free}.",
+            f"N of `all_solutions` has {found} independent column{'s' * (found != 1)}; the null space of this Phi has "
+            f"dimension p - rank = {free}.",
             "directions missing",
         )
     return Verdict(True, "")

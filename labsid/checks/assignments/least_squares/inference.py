@@ -188,6 +188,13 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
         return Verdict(
             False, "`inverse_weights` returns a matrix: return the n weights of the powers of A.", "matrix returned"
         )
+    if shape == (n - 1,):
+        return Verdict(
+            False,
+            f"`inverse_weights` returns {n - 1} number{'s' * (n > 2)} for {n} powers, I to A^(n-1): the coefficient 1 "
+            "of A^n makes a weight, too.",
+            "a weight left out",
+        )
     if shape == (n + 1,):
         return Verdict(
             False,
@@ -212,7 +219,10 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
             ),
             Slip(
                 "sign of the weights",
-                "`inverse_weights` has the wrong sign.",
+                "`inverse_weights` has the wrong sign."
+                if n == 2  # the first size that is tried
+                else f"`inverse_weights` is right for 2 by 2, and for {n} by {n} its sign is wrong. Often here: c_n is "
+                "(-1)^n times the determinant of A, and not the determinant.",
                 lambda: c[::-1] / last,
                 mend="Move c_n I to the other side.",
             ),
@@ -222,6 +232,17 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
                 "`inverse_weights` has c_n as the weight of I: multiplying by the inverse of A lowers each power by "
                 "one.",
                 lambda: -np.concatenate([[last], c[:0:-1]]) / last,
+            ),
+            Slip(
+                "powers off by one",
+                "`inverse_weights` begins with c_1, and its last is c_n over itself: c_n I is the term that is divided "
+                "by, and the coefficient 1 of A^n is left out.",
+                lambda: -np.concatenate([c[1:], [last]]) / last,
+            ),
+            Slip(
+                "eigenvalues of the inverse",
+                "`inverse_weights` returns the eigenvalues of the inverse: asked for are the weights of I, A, A^2, ...",
+                lambda: np.real(1 / np.linalg.eigvals(A)),
             ),
             Slip(
                 "divided by the first coefficient",

@@ -103,6 +103,11 @@ def _distinct(u: FloatArray) -> int:
     return min(np.unique(np.round(u, 9)).size, _LARGEST)
 
 
+def _frequencies(each: int, share: float, u: FloatArray) -> int:
+    size = np.abs(np.fft.rfft(u))
+    return min(each * int(np.sum(size > share * np.max(size))), _LARGEST)
+
+
 _WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
     (
         "order one too high",
@@ -123,6 +128,16 @@ _WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
         "mean taken off",
         "takes the mean off the input. A constant is an input, too, and counts 1.",
         lambda u: _order_of(u - u.mean()),
+    ),
+    *(
+        (
+            "frequencies counted",
+            "counts the frequencies in the Fourier transform. A sinusoid whose periods do not fit into the record "
+            "spreads over all of them, and a constant counts 1: count independent *columns*.",
+            partial(_frequencies, each, share),
+        )
+        for each in (1, 2)
+        for share in (1e-3, 1e-6, 1e-9)
     ),
     ("values counted", "counts the different values of the input; count independent *columns*.", _distinct),
 )

@@ -194,10 +194,13 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
         return Verdict(
             False, f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row.", "unequal rows"
         )
-    # without inputs, their lags need no rows; the formula of the text counts them nevertheless
-    start, k0 = N - Y.size, max(na, d + nb - 1)
-    if nb == 0 and start == na:
-        k0 = na
+    start, k0 = N - Y.size, max(na, d + nb - 1) if nb else na
+    if nb == 0 and start == d - 1 > k0:
+        return Verdict(
+            False,
+            f"`{call}` begins at k = {start}, as if u(k-d) were in its rows. With nb = 0 there are no inputs: k0 = na.",
+            "lags of inputs that are not there",
+        )
     lag = f"the inputs of `{call}` have the wrong lags: the first is u(k-d), and d is {d} here."
     for other in range(d if nb else 0):
         model = Structure(na, nb, 0, other)
@@ -217,8 +220,8 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
     if start > k0:
         return Verdict(
             False,
-            f"`{call}` has {Y.size} rows, and begins later than it has to: from k0 = max(na, d + nb - 1) on all lags "
-            "are there.",
+            f"`{call}` has {Y.size} rows, and begins later than it has to: from k0 = "
+            f"{'max(na, d + nb - 1)' if nb else 'na'} on all lags are there.",
             "first rows left out",
         )
     if not _EXACT(Y, y[start:]):

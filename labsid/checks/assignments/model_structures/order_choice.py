@@ -64,6 +64,12 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
         "`losses` does not return the mean squared errors of the ARX models. Begin with one order.",
         [
             Slip("rows of its own for each order", unequal, lambda: _losses(u, y, orders, orders)),
+            Slip(
+                "max(orders) rows left out",
+                "`losses` leaves out the first max(orders) rows of each Phi, which begins at sample n already: leave "
+                "out max(orders) - n.",
+                lambda: _losses(u, y, orders, [n + start for n in orders]),
+            ),
             Slip("sum in place of the mean", "`losses` returns sums: the loss has 1/N.", lambda: right * rows),
             Slip(
                 "sum in place of the mean", "`losses` returns (half) sums: the loss has 1/N.", lambda: right * rows / 2
@@ -104,6 +110,22 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
     )
 
 
+def _prices(N: int, p: FloatArray) -> list[tuple[str, FloatArray]]:
+    """Prices of p parameters that may be taken for the right ones, with their formulas."""
+    ln_N = np.log(N)
+    return [
+        ("p", p),
+        ("2p", 2 * p),
+        ("4p", 4 * p),
+        ("p ln N", p * ln_N),
+        ("2p ln N", 2 * p * ln_N),
+        ("p/2 ln N", p / 2 * ln_N),
+        ("ln N", np.full(p.size, ln_N)),
+        ("N ln p", N * np.log(p)),
+        ("ln p", np.log(p)),
+    ]
+
+
 @first_failure
 def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Iterator[Verdict]:
     parts = returned_parts(ask, "criteria", "three things, AIC, BIC and FPE", 3, V, N, p)
@@ -127,10 +149,15 @@ def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Iterator[
                 f"{name} of `criteria` rewards parameters: the price is *added*.",
                 partial(np.subtract, log_loss, price),
             ),
-            Slip("price of a parameter", f"the price in {name} is not right.", partial(np.add, log_loss, p)),
-            Slip("price of a parameter", f"the price in {name} is not right.", partial(np.add, log_loss, 2 * price)),
             Slip("price of a parameter", f"{name} has no price on parameters.", partial(np.copy, log_loss)),
-            Slip("price of a parameter", f"the price in {name} is ln p for p ln N.", lambda: log_loss + N * np.log(p)),
+            *(
+                Slip(
+                    "price of a parameter",
+                    f"the price in {name} is {words}: hold it against the formula of step 8.",
+                    partial(np.add, log_loss, wrong),
+                )
+                for words, wrong in _prices(N, p)
+            ),
         ]
         yield judge(got[name], right[name], SAME, "", f"{name} of `criteria` is not right: work the example.", slips)
     yield judge(

@@ -96,6 +96,12 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
                 for start in (n - 1, n)
             ),
             Slip(
+                "polynomial of a number",
+                "`apply` puts each x(k) into a polynomial, as `np.polyval` does: P[i] multiplies the *earlier* sample "
+                "x(k-i), not a power of x(k).",
+                lambda: np.polyval(P, x),
+            ),
+            Slip(
                 "middle of the convolution",
                 "`apply` takes the middle of the convolution (`mode='same'`): take its first len(x) samples.",
                 lambda: np.convolve(P, x, mode="same"),
@@ -154,7 +160,22 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                 "`simulate` takes e for C e: the noise is coloured by C before it goes in.",
                 lambda: run(c=np.ones(1)),
             ),
+            Slip(
+                "divided by C",
+                "`simulate` divides the noise by C: C multiplies e, and 1/A filters both.",
+                lambda: behind() + free_run(PolynomialModel(C, np.ones(1), np.ones(1), 0), e),
+            ),
             Slip("noise left out", "`simulate` leaves the noise out.", behind),
+            *(
+                Slip(
+                    "first order only",
+                    f"`simulate` uses only A[1] and B[1] of its {A.size} and {B.size} coefficients: go through all of "
+                    "them.",
+                    partial(run, A[:2], np.array([0.0, *B[1:2]]), c, noise),
+                )
+                for c in (C, C[:2], np.ones(1))
+                for noise in (e, np.r_[0.0, e[1:]])
+            ),
             Slip("input left out", "`simulate` leaves the input out.", lambda: run(b=np.zeros(1))),
             Slip(
                 "A not used",

@@ -1,7 +1,7 @@
 """Checks around Systems 1 and 2: Example 3-1, one-step prediction beside simulation, Fig. 8."""
 
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -169,6 +169,20 @@ def _judge_prediction(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray, y: 
                 lambda: one_step_prediction(_model(opposite, B), u, y),
             ),
             Slip(
+                "simulation passed off as prediction",
+                "`predict` adds the measured y(k) to the simulation. The prediction puts the past measured outputs "
+                "into the equation, -a1 y(k-1) and so on.",
+                lambda: free_run(_model(A, B), u) + y,
+            ),
+            *(
+                Slip(
+                    "first order only",
+                    f"`predict` uses {which}: they may have more coefficients, here {A.size} and {B.size}.",
+                    partial(lambda a, b: one_step_prediction(_model(a, b), u, y), a, b),
+                )
+                for which, a, b in _first_order_only(A, B)
+            ),
+            Slip(
                 "the prediction error",
                 "`predict` returns the prediction error: it should return the prediction, y less this error.",
                 lambda: y - right,
@@ -197,6 +211,11 @@ def _judge_prediction(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray, y: 
                 "lag off by one",
                 "`predict` takes y(k-2) for y(k-1): A[1] stands with y(k-1).",
                 lambda: one_step_prediction(_model(np.r_[1, 0, A[1:]], B), u, y),
+            ),
+            Slip(
+                "lag off by one",
+                "`predict` lets u act one sample early: the leading zeros of B are the delay, keep them.",
+                lambda: one_step_prediction(_model(A, B[1:]), u, y),
             ),
             Slip(
                 "lag off by one",
@@ -231,6 +250,14 @@ def _judge_run(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray) -> Verdict
                 "`free_run` has the other sign of a: y(k) = -a1 y(k-1) - ... + B u.",
                 lambda: free_run(_model(opposite, B), u),
             ),
+            *(
+                Slip(
+                    "first order only",
+                    f"`free_run` uses {which}: they may have more coefficients, here {A.size} and {B.size}.",
+                    partial(lambda a, b: free_run(_model(a, b), u), a, b),
+                )
+                for which, a, b in _first_order_only(A, B)
+            ),
             Slip(
                 "past outputs left out",
                 "`free_run` leaves its own past outputs out: the model has a memory.",
@@ -253,6 +280,17 @@ def _judge_run(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray) -> Verdict
             ),
         ],
     )
+
+
+def _first_order_only(A: FloatArray, B: FloatArray) -> list[tuple[str, FloatArray, FloatArray]]:
+    """What a program for a first-order model uses of longer polynomials."""
+    only_b1 = np.array([0.0, *B[1:2]])
+    return [
+        ("only the first two coefficients of A and of B", A[:2], B[:2]),
+        ("only A[1] and B[1]", A[:2], only_b1),
+        ("only the first two coefficients of A", A[:2], B),
+        ("only the first two coefficients of B", A, B[:2]),
+    ]
 
 
 def _late_run(A: FloatArray, B: FloatArray, u: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import as_vector
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
+from labsid.nonlinear.solve import levenberg_marquardt
 
 
 def within(stderr: FloatArray, share: float = 0.05) -> Callable[[ArrayLike, ArrayLike], bool]:
@@ -23,6 +24,24 @@ def within(stderr: FloatArray, share: float = 0.05) -> Callable[[ArrayLike, Arra
         return x.shape == y.shape and bool(np.all(np.abs(x - y) <= tolerance + 1e-7 * np.abs(y)))
 
     return same
+
+
+SQUARED = (
+    "hands `least_squares` the *squared* errors. It squares and adds up what it is handed: hand it the errors "
+    "themselves."
+)
+
+
+def fit_of_squares(
+    g: Callable[[FloatArray], FloatArray], jacobian: Callable[[FloatArray], FloatArray], y: FloatArray, start: ArrayLike
+) -> FloatArray:
+    """The estimate from squared errors that are squared once more."""
+    return levenberg_marquardt(
+        lambda theta: (y - g(theta)) ** 2,
+        lambda theta: -2 * (y - g(theta))[:, np.newaxis] * jacobian(theta),
+        np.zeros(y.size),
+        start,
+    ).theta
 
 
 def as_estimate(call: str, value: Value, size: int) -> FloatArray:

@@ -1,11 +1,12 @@
 """Checks of the exponential: through the logarithm, its Jacobian, and the fit itself with its picture."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.assignments.nonlinear_least_squares.estimates import SQUARED, as_estimate, fit_of_squares, within
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
 from labsid.checks.figures import legend_text, one_figure, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
@@ -90,6 +91,14 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
                 "`fit_logarithm` fits a line to y itself: take the logarithm of y first.",
                 lambda: fit_powers(x, y, LINE).theta * [1, 0] + [0, np.exp(fit_powers(x, y, LINE).theta[1])],
             ),
+            *(
+                Slip(
+                    "parabola for the line",
+                    "`fit_logarithm` fits a parabola to the logarithms, of which a line is asked: degree 1.",
+                    partial(_of_parabola, x, y, first, last),
+                )
+                for first, last in ((0, 1), (0, 2), (1, 2))
+            ),
             Slip(
                 "line through the origin",
                 "`fit_logarithm` has no column of ones: the line needs its constant, ln b.",
@@ -97,6 +106,11 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
             ),
         ],
     )
+
+
+def _of_parabola(x: FloatArray, y: FloatArray, first: int, last: int) -> FloatArray:
+    theta = fit_powers(x, np.log(y), (2, 1, 0)).theta
+    return np.array([theta[first], np.exp(theta[last])])
 
 
 @first_failure
@@ -162,8 +176,13 @@ def _jacobian(ask: Ask, x: FloatArray, theta: FloatArray) -> Verdict:
 def _gradient(ask: Ask, x: FloatArray, y: FloatArray, theta: FloatArray) -> Verdict:
     J = jacobian_exponential(x, theta)
     e = y - evaluate_exponential(x, theta[0], theta[1])
+    value = returned(ask, "sse_gradient", x, y, theta)
+    if as_array("sse_gradient(x, y, theta)", value).size == 1 and SAME(np.ravel(value), [e @ e]):  # type: ignore[arg-type]
+        return Verdict(
+            False, "`sse_gradient` returns the SSE itself: asked for are its two derivatives.", "SSE for its gradient"
+        )
     return judge(
-        as_vector("sse_gradient(x, y, theta)", returned(ask, "sse_gradient", x, y, theta), 2),
+        as_vector("sse_gradient(x, y, theta)", value, 2),
         -2 * J.T @ e,
         SAME,
         "",
@@ -243,6 +262,16 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
                 "`fit_exponential` is the line through the logarithms of the positive points: it may start from there, "
                 "but then the curve itself is to be fitted.",
                 lambda: _by_logarithm(x[k], y[k]),
+            ),
+            Slip(
+                "squares handed over",
+                f"`fit_exponential` {SQUARED}",
+                lambda: fit_of_squares(
+                    lambda th: evaluate_exponential(x, th[0], th[1]),
+                    lambda th: jacobian_exponential(x, th),
+                    y,
+                    fit.theta,
+                ),
             ),
             Slip(
                 "absolute values",

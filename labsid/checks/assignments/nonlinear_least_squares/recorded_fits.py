@@ -7,7 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.assignments.nonlinear_least_squares.estimates import (
+    SQUARED,
+    as_estimate,
+    fit_of_squares,
+    within,
+)
 from labsid.checks.compare import as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import first_order
@@ -91,6 +96,16 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
                 "y0 fixed",
                 "`fit_step` keeps y0 at the first sample, with its noise: y0 is the first of the three parameters.",
                 lambda: _fit_from_first(t, y, amplitude, right),
+            ),
+            Slip(
+                "squares handed over",
+                f"`fit_step` {SQUARED}",
+                lambda: fit_of_squares(
+                    lambda theta: _step(t, theta, amplitude),
+                    lambda theta: _step_jacobian(t, theta, amplitude),
+                    y,
+                    right,
+                ),
             ),
             Slip(
                 "final level for the gain",
@@ -243,6 +258,11 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
             "lag off by one",
             "`fit_output_error` lets u act one sample too late: x(t) answers u(t-1).",
             lambda: _fit_of_run(u, y, [right[0], 0.1], 2).theta,
+        ),
+        Slip(
+            "squares handed over",
+            f"`fit_output_error` {SQUARED}",
+            lambda: fit_of_squares(lambda theta: _run(theta, u), lambda theta: _run_jacobian(theta, u), y, right),
         ),
         Slip(
             "run begins at the measured output",

@@ -6,7 +6,12 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
+from labsid.checks.assignments.nonlinear_least_squares.estimates import (
+    SQUARED,
+    as_estimate,
+    fit_of_squares,
+    within,
+)
 from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -178,6 +183,16 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
             Slip("squared ranges", linear, lambda: differences),
             *(Slip("squared ranges", linear, partial(_less_one, beacons, ranges, i)) for i in (0, len(beacons) - 1)),
             Slip("squared ranges", linear, lambda: _fourth_power(beacons, ranges, fix.position)),
+            Slip(
+                "squares handed over",
+                f"`locate` {SQUARED}",
+                lambda: fit_of_squares(
+                    lambda theta: ranges_from(beacons, theta),
+                    lambda theta: ranges_jacobian(beacons, theta),
+                    ranges,
+                    fix.position,
+                ),
+            ),
             Slip("no step taken", no_step, lambda: centre),
         ],
     )

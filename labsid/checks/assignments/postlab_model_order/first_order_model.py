@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Iterator
+from decimal import Decimal
 from functools import partial
 
 import numpy as np
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData, known_vector, measured_output
@@ -115,11 +117,25 @@ def check_simulations(ask: Ask) -> Verdict:
     got = [read_output(name, ask.value(name)) for name in ("y_sim_1", "y_sim_2")]
     if SAME(got[0], simulate(second, data.u)) and SAME(got[1], simulate(first, data.u)):
         return Verdict(False, "`y_sim_1` and `y_sim_2` are swapped.", "models swapped")
-    verdict = judge_entire_run(ask, "y_sim_1", data, first)
+    second_for_first = (
+        "`y_sim_1` is the run of the second-order model: the first-order one has the parameters of `theta_1`."
+    )
+    mixed = Slip("models swapped", second_for_first, lambda: simulate(second, data.u))
+    verdict = judge_entire_run(ask, "y_sim_1", data, first, [mixed])
     if not verdict.passed:
         return verdict
-    verdict = judge_entire_run(ask, "y_sim_2", data, second)
+    verdict = judge_entire_run(ask, "y_sim_2", data, second, _of_theta_2(known_vector(ask, "theta_2"), first, data.u))
     return Verdict(True, "Two free runs over the entire input.") if verdict.passed else verdict
+
+
+def _of_theta_2(theta: FloatArray, first: ArxModel, u: FloatArray) -> Iterator[Slip[FloatArray]]:
+    """Mistakes with `theta_2`: the model of order 1 again, or its entries in another order."""
+    again = "`y_sim_2` is `y_sim_1` again: the second-order model has the parameters of `theta_2`."
+    yield Slip("models swapped", again, lambda: simulate(first, u))
+    for order, what in (((0, 2, 1, 3), "-a1, b1, -a2, b2"), ((2, 3, 0, 1), "b1, b2, -a1, -a2")):
+        hint = f"`y_sim_2` takes the entries of `theta_2` for {what}: they are -a1, -a2, b1, b2."
+        a1, a2, b1, b2 = theta[np.argsort(order)]
+        yield Slip("order of theta", hint, partial(lfilter, [0.0, b1, b2], [1.0, -a1, -a2], u))
 
 
 def right_simulations(ask: Ask) -> dict[str, Value]:
@@ -179,6 +195,12 @@ def check_figure_8(ask: Ask) -> Verdict:
     return Verdict(True, "Fig. 8 shows both models and their errors.")
 
 
+def _is_rounded(number: float, value: float) -> bool:
+    """Whether a number is a value with fewer digits, rounded or cut off."""
+    exponent = Decimal(repr(number)).normalize().as_tuple().exponent
+    return isinstance(exponent, int) and abs(number - value) <= 10.0**exponent
+
+
 def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, ...]) -> tuple[str, str]:
     if not numbers and not texts:
         return ("Fig. 8 has no text yet: write both mean squared errors into it.", "no errors in the figure")
@@ -193,7 +215,14 @@ def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, .
             f"In Fig. 8 stands the root of the {name}-order model's mean squared error.",
             "root of the mean squared error",
         )
-    if any(abs(number - wanted) <= 0.5 * wanted for number in numbers):
+    near = [number for number in numbers if abs(number - wanted) <= 0.5 * wanted]
+    if near and not any(_is_rounded(number, wanted) for number in near):
+        return (
+            f"The number {near[0]:g} in Fig. 8 is not the {name}-order model's mean squared error: let the code write "
+            "the value of your variable, in braces after an `f`.",
+            "another number in the figure",
+        )
+    if near:
         return (
             f"The {name}-order model's error in Fig. 8 is not exact enough: give three significant digits.",
             "too few digits",

@@ -1,6 +1,7 @@
 """Judging `fit_order`: a fit of any order, tried on data that it has not seen."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -88,6 +89,11 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
             "column of ones? The model has none, because the signals are offset-free.",
             "a constant fitted along",
         )
+    if got.size == n and any(_close(got, _of_past_outputs(y, n, k), EXACT_WITHIN) for k in range(n, n + 3)):
+        raise NoAnswer(
+            f"`fit_order(u, y, {n})` uses past outputs alone: a row holds {n} past y and {n} past u.",
+            "past inputs left out",
+        )
     if got.size == n:
         raise NoAnswer(
             f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}. Often here: were the "
@@ -136,6 +142,9 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield Slip(
             "arguments not used", hint, lambda: fit_arx(u[: data.half], y[: data.half], data.Ts, n, k).model.theta
         )
+    for half in {y.size // 2, -(-y.size // 2)}:
+        hint = "It fits only the first half of what it is given: `u` and `y` are the half already, so use all of them."
+        yield Slip("only half of the arguments", hint, partial(_first_part, u, y, data.Ts, n, k, half))
     right = fit_arx(u, y, data.Ts, n, k).model.theta
     yield from rounded(right, "It rounds theta: keep all digits.")
     itself = "The row for y(k) holds y(k) itself, which explains it perfectly: theta is [1, 0, ...]. Lag 1 comes first."
@@ -165,6 +174,15 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield lag("The lags of y are off by one: the row for y(k) begins with y(k-1).", late_y, past_u)
         yield lag("The lags of u are off by one: after y's, the row for y(k) has u(k-1) first.", past_y, late_u)
         yield lag("All lags are off by one: the row for y(k) begins with y(k-1).", late_y, late_u)
+
+
+def _of_past_outputs(y: FloatArray, n: int, k: int) -> FloatArray:
+    """The fit without inputs."""
+    return solve_least_squares(build_phi(np.zeros_like(y), y, n, k).Phi[:, :n], y[k:]).theta
+
+
+def _first_part(u: FloatArray, y: FloatArray, Ts: float, n: int, k: int, stop: int) -> FloatArray:
+    return fit_arx(u, y, Ts, n, k, stop).model.theta
 
 
 def _alike(a: FloatArray, b: FloatArray) -> bool:

@@ -118,6 +118,12 @@ def matrix_slips(parts: Sequence[FloatArray], uncut: Sequence[FloatArray], shape
             lambda: np.array([part[:, None] for part in parts]),
         ),
         Slip(
+            "stacked along a new axis",
+            "`data_new` has 3 dimensions: `np.array([...])` of columns stacks along a new one, and `.T` turns all "
+            "three. Use `np.hstack`.",
+            lambda: np.array([part[:, None] for part in parts]).T,
+        ),
+        Slip(
             "not cut",
             "`data_new` holds the original data; put the cut-off vectors into it.",
             lambda: np.column_stack(uncut),

@@ -1,6 +1,7 @@
 """Checks of the lecture's first part: the recursive mean, the growing sums, and one step of RLS."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -63,6 +64,19 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
                 "n - 1 for n",
                 "`update_mean` divides the new sum by n - 1: it holds n samples.",
                 lambda: ((n - 1) * theta + y) / (n - 1) if n > 1 else y,
+            ),
+            *(
+                Slip(
+                    "brackets forgotten",
+                    "`update_mean` takes 1 * theta off n: put n - 1 in brackets, as `*` comes first.",
+                    partial(float, wrong),
+                )
+                for wrong in (n - theta + y / n, (n - theta + y) / n)
+            ),
+            Slip(
+                "old mean for the old sum",
+                "`update_mean` divides theta + y by n: theta is a mean already, and n - 1 samples stand behind it.",
+                lambda: (theta + y) / n,
             ),
             Slip(
                 "multiplied by n",

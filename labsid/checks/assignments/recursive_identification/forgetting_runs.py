@@ -64,7 +64,9 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
     got_Phi, got_Y = returned_parts(ask, "regressors", "Phi and Y", 2, u, y)
     if isinstance(got_Phi, np.ndarray) and got_Phi.ndim == 1 and isinstance(got_Y, np.ndarray) and got_Y.ndim == 2:
         yield Verdict(False, "`regressors` returns Y before Phi.", "Phi and Y swapped")
-    Phi, Y = as_matrix("Phi of regressors(u, y)", got_Phi, (None, 3)), as_vector("Y of regressors(u, y)", got_Y)
+    first = n - len(got_Phi) if isinstance(got_Phi, np.ndarray) and got_Phi.ndim == 2 else 2
+    rows = build_equations(_STRUCTURE, u, y, start=first).Phi if 0 <= first <= _LATEST_START else None
+    Phi, Y = as_matrix("Phi of regressors(u, y)", got_Phi, (None, 3), rows), as_vector("Y of regressors(u, y)", got_Y)
     start = n - Phi.shape[0]
     if Y.size != Phi.shape[0]:
         yield Verdict(
@@ -110,8 +112,8 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
             Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], future[start + 1 :]])),
             Slip(
                 "index wraps around",
-                "`np.roll` brings the end of the record round to its start: a sample from the future. Begin at the "
-                "third sample, or fill with zeros.",
+                "`np.roll`, or an index below zero, brings the end of the record round to its start: a sample from the "
+                "future. Begin at the third sample, or fill with zeros.",
                 lambda: np.column_stack([-np.roll(y, 1), -np.roll(y, 2), np.roll(u, 1)])[start:],
             ),
             *(
@@ -240,6 +242,11 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
                 lambda: reference_run(Phi, Y, lam, 1.0).theta,
             ),
             Slip(
+                "P(0) inverted",
+                "`rls` begins with P = I/LN: LN is large because nothing is known yet, and P(0) is LN I.",
+                lambda: reference_run(Phi, Y, lam, 1 / large).theta,
+            ),
+            Slip(
                 "history begins with theta(0)",
                 "row k of `rls` is the estimate before sample k: store theta after its update.",
                 lambda: np.vstack([np.zeros(p), right[:-1]]),
@@ -256,9 +263,14 @@ def _made_anew(Phi: FloatArray, Y: FloatArray, lam: float, LN: float) -> FloatAr
     return history
 
 
+def _true_curve(axes: AxesValue, truth: FloatArray) -> CurveValue | None:
+    drawn = (find_curve(axes, truth[start:]) for start in range(_LATEST_START + 1))
+    return next(filter(None, drawn), None)
+
+
 def _shows_truth(axes: AxesValue, truth: FloatArray) -> bool:
     """Whether a panel shows the true parameter: as a curve, or as a horizontal line at each of its levels."""
-    if any(find_curve(axes, truth[start:]) for start in range(_LATEST_START + 1)):
+    if _true_curve(axes, truth) is not None:
         return True
 
     def is_drawn(level: float) -> bool:
@@ -307,6 +319,13 @@ def check_figures(ask: Ask) -> Verdict:
                 raise NoAnswer(
                     f"{where} has no curve of the true {parameter}: draw the columns of `theta_true`, too.",
                     "truth missing",
+                )
+            true_curve = _true_curve(axes, truth[:, i])
+            if true_curve is not None and true_curve.style == curve.style:
+                raise NoAnswer(
+                    f"In {where} the true {parameter} has the line style of its estimate: draw the true values in "
+                    "another one, such as `'--'`.",
+                    "truth in the same style",
                 )
             curves.append(curve)
         for axis in "xy":

@@ -94,7 +94,8 @@ _WRONG_RULES = (
     (
         "forgetting never",
         "never",
-        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed.",
+        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed. (Is its condition "
+        "turned round?)",
     ),
     (
         "sample skipped",
@@ -172,6 +173,13 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
     Phi = size * ask.rng.standard_normal((n, p))
     Y = size * ask.rng.uniform(-3, 3, n)
     parts = returned_parts(ask, "rls_careless", "the history of theta and that of the asymmetry", 2, Phi, Y, lam, LN)
+    if np.shape(parts[0]) == (n, p) and SAME(np.asarray(parts[0], float)[0], LN * Phi[0] * Y[0]):  # type: ignore[arg-type]
+        return Verdict(
+            False,
+            "the gain of `rls_careless` is P phi, undivided: K = P phi / (lambda + phi'P phi), with the P before the "
+            "sample.",
+            "gain not divided",
+        )
     theta = as_history("theta of rls_careless", parts[0], n, p)
     asymmetry = as_vector("asymmetry of rls_careless", parts[1], n)
     right = reference_run(Phi, Y, lam, LN).theta
@@ -206,6 +214,11 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
                 lambda: _careless_wrong(Phi, Y, lam, LN, divided=True, number=True)[:60],
             ),
             Slip(
+                "1 in the denominator",
+                "`rls_careless` has 1 + phi'P phi under its gain: with forgetting it is lambda + phi'P phi.",
+                lambda: _careless_wrong(Phi, Y, lam, LN, divided=True, one=True)[:60],
+            ),
+            Slip(
                 "lambda not used",
                 "`rls_careless` runs with lambda = 1.",
                 lambda: reference_run(Phi, Y, 1.0, LN).theta[:60],
@@ -216,17 +229,17 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
 
 
 def _careless_wrong(
-    Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool, number: bool = False
+    Phi: FloatArray, Y: FloatArray, lam: float, LN: float, divided: bool, number: bool = False, one: bool = False
 ) -> FloatArray:
     p = Phi.shape[1]
     theta, P = np.zeros(p), LN * np.eye(p)
     history = np.empty(Phi.shape)
     for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
         P_phi = P @ phi
-        denominator = lam + phi @ P_phi
+        denominator = (1 if one else lam) + phi @ P_phi
         taken = P_phi @ P_phi if number else np.outer(P_phi, P_phi)
         P = (P - taken / denominator) / (lam if divided else 1)
-        K = P @ phi / denominator if divided and not number else P_phi / denominator
+        K = P @ phi / denominator if divided and not number and not one else P_phi / denominator
         theta = theta + K * (y - phi @ theta)
         history[k] = theta
     return history

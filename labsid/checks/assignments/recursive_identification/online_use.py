@@ -197,6 +197,12 @@ def _one_error(ask: Ask) -> Verdict:
                 "`tracking_mse` lacks brackets in its lag: `slope * lam / 1 - lam` divides by 1 alone.",
                 lambda: (slope * lam - lam) ** 2 + variance,
             ),
+            Slip(
+                "lag upside down",
+                "the lag of `tracking_mse` is upside down: for lambda = 1/2 both are s, but the longer the memory, the "
+                "larger the lag.",
+                lambda: (slope * (1 - lam) / lam) ** 2 + variance,
+            ),
             Slip("lag forgotten", "`tracking_mse` leaves the lag out.", lambda: variance),
             Slip(
                 "root of the sum",

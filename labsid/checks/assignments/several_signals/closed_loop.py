@@ -112,6 +112,11 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
                 lambda: solve_least_squares(Z, Y).theta,
             ),
             Slip(
+                "regressed on the instruments",
+                f"`{_CALL}` regresses on Z, (Z'Z)^-1 Z'Y; the estimate is (Z'Phi)^-1 Z'Y.",
+                lambda: solve_least_squares(Z[:, ::-1], Y).theta,
+            ),
+            Slip(
                 "Phi'Z for Z'Phi",
                 f"`{_CALL}` solves with Phi'Z, the transpose of Z'Phi.",
                 lambda: np.asarray(np.linalg.solve(Phi.T @ Z, Z.T @ Y), np.float64),

@@ -39,11 +39,29 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
             "that of all inputs.",
             "past of all outputs",
         )
-    if Phi.ndim == 2 and nu > 1 and Phi.shape[1] == 2 * n:
+    right = build_phi(u, y[:, i], n).Phi
+    first = [build_phi(u[:, :k], y[:, i], n).Phi for k in range(1, nu)]
+    if any(
+        Phi.shape == right[:, : 2 * n].shape and SAME(Phi, _phi(u[:, [j]], y[:, i], n)) for j in range(nu) if nu > 1
+    ):
         return Verdict(
             False, f"Phi of `{call}` has the past of one input: all {nu} of them move the output.", "one input only"
         )
+    some = next((k for k, made in enumerate(first, 1) if k > 1 and Phi.shape == made.shape and SAME(Phi, made)), 0)
+    if some:
+        return Verdict(
+            False,
+            f"Phi of `{call}` has the past of {some} of the {nu} inputs: `u` has any number of columns, `u.shape[1]`.",
+            "inputs left out",
+        )
+    lags = next((k for k in range(1, n + 3) if k != n and Phi.ndim == 2 and Phi.shape[1] == k * (1 + nu)), 0)
+    if lags:
+        return Verdict(
+            False, f"Phi of `{call}` has {Phi.shape[1]} columns, {lags} for each signal: n is {n}.", "n not used"
+        )
     Phi = as_matrix(f"Phi of {call}", parts[0], (None, columns))
+    if ny > 1 and np.shape(as_array(f"Y of {call}", parts[1])) == (len(Phi), ny):
+        return Verdict(False, f"Y of `{call}` holds all {ny} outputs: take column i of y.", "all outputs in Y")
     Y = as_vector(f"Y of {call}", parts[1])
     if Phi.shape[0] != Y.size:
         return Verdict(
@@ -62,7 +80,6 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
             )
     if not SAME(Y, y[n:, i]):
         return Verdict(False, f"Y of `{call}` should be y_i(k) of its rows, k = n to the end.", "Y is not y(k)")
-    right = build_phi(u, y[:, i], n).Phi
     blocks = right.reshape(N - n, 1 + nu, n)
     ahead = build_phi(np.roll(u, -1, axis=0), y[:, i], n).Phi
     both_ahead = build_phi(np.roll(u, -1, axis=0), np.roll(y[:, i], -1), n).Phi

@@ -85,6 +85,16 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 lambda: sum((_all_of_b(theta, column, n) for column in u.T), np.zeros(N)),
             ),
             Slip(
+                "a taken for b",
+                f"`{call}` begins the b's at theta[0]: the first n numbers of theta are -a.",
+                lambda: _run(np.r_[a, theta[: nu * n]], u, n),
+            ),
+            Slip(
+                "blocks that overlap",
+                f"`{call}` begins the b's of input j at n + j; each has n of them, so they begin at n + j n.",
+                lambda: _run(np.r_[a, np.concatenate([theta[n + j : 2 * n + j] for j in range(nu)])], u, n),
+            ),
+            Slip(
                 "lag off by one",
                 f"`{call}` lets u(k) move y(k). The first lag is 1: the numerator begins with a zero.",
                 lambda: _run(theta, np.vstack([u, np.zeros(nu)]), n)[1:],

@@ -20,7 +20,12 @@ def check_read(ask: Ask) -> Iterator[Verdict]:
     u, y = heater_signals()
     for name, right, other, symbols in (("u", u, y, ("Q", "T")), ("y", y, u, ("T", "Q"))):
         yield _judge_signals(name, ask.value(name), right, other, symbols)
-    Ts = as_number("Ts", ask.value("Ts"))
+    value = ask.value("Ts")
+    if np.size(value) == SAMPLES and np.allclose(np.diff(np.ravel(value)), TS):  # type: ignore[arg-type]
+        yield Verdict(
+            False, "`Ts` holds all times: it is the step from one to the next.", "times for the sampling time"
+        )
+    Ts = as_number("Ts", value)
     yield judge(
         np.array(Ts),
         np.array(TS),
@@ -142,6 +147,11 @@ def _judge_offsets(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     if not verdict.passed or any(SAME(got_y, rest) for rest in rests):
         return verdict
     own = [starts[min(i, len(starts) - 1)] for i in range(y.shape[1])]
+    entry = int(np.argmax(u != u[0]))
+    last = (
+        "`without_offsets` ends the rest when the last input moves, or one certain input: it ends when the *first* of "
+        "them does, `np.any(..., axis=1)`."
+    )
     late = "takes the mean of each output until its own input moves. By then another input has moved it."
     of_all = (
         "`without_offsets` takes one offset off all outputs. `mean` without `axis=0` is one number for the whole table."
@@ -154,6 +164,16 @@ def _judge_offsets(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         "y of `without_offsets` is off: for each column the mean over the samples before any input has changed.",
         [
             Slip("rest until its own input moves", f"`without_offsets` {late}", lambda: _means_off(y, own)),
+            *(
+                Slip("rest of one input", last, partial(_means_off, y, [stop] * y.shape[1]))
+                for stop in (max(starts), max(starts) + 1)
+            ),
+            Slip(
+                "entries for samples",
+                "`without_offsets` counts entries of the table, and not samples: `np.argmax` of a table goes through "
+                "all its entries, row by row. Make one True or False of each row first, `np.any(..., axis=1)`.",
+                lambda: _means_off(y, [entry] * y.shape[1]),
+            ),
             *(
                 Slip(
                     "rest of one input",

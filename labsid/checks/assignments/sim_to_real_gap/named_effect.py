@@ -92,8 +92,22 @@ def check_parameters(ask: Ask) -> Verdict:
     wanted = EFFECT_PARAMETERS[_named_effect(ask) if rig is None else rig.effect]
     # a note of the unit beside the numbers is no parameter
     if {name for name, part in value.items() if not isinstance(part, str)} != set(wanted):
-        whose = "the effect that you named" if rig is None else "the effect of your rig"
-        raise NoAnswer(f"`parameters` does not have the names that the list gives for {whose}.", "names of parameters")
+        texts = [name for name in wanted if isinstance(value.get(name), str)]
+        if texts and rig is None:
+            raise NoAnswer(
+                f'`parameters["{texts[0]}"]` is text: give the number alone, without quotes and unit.',
+                "text for a number",
+            )
+        if rig is None:
+            names = ", ".join(map(str, value)) or "(none)"
+            raise NoAnswer(
+                f"`parameters` has the names {names}; the list gives {', '.join(wanted)} for the effect you named.",
+                "names of parameters",
+            )
+        raise NoAnswer(
+            "`parameters` does not have the names that the list gives for the effect of your rig.",
+            "names of parameters",
+        )
     got = {name: as_number(f'parameters["{name}"]', value[name]) for name in wanted}
     if rig is None:
         impossible = _impossible(got, _named_effect(ask), ask.record)

@@ -1,7 +1,6 @@
 """Step 1 of the gap: the offsets at rest, and the noise."""
 
 from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 
@@ -60,9 +59,18 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
         ],
     )
     single = "`y_offset` is the value of one sample, with the noise on it. Take the mean over the rest."
-    if abs(y_offset - record.y[0]) < 1e-9:
-        yield Verdict(False, single, "a single sample")
     n = first_period_length(record.u)
+    if np.any(np.abs(record.y[: n + 1] - y_offset) < 1e-9):
+        yield Verdict(False, single, "a single sample")
+    means = np.cumsum(record.y) / np.arange(1, record.y.size + 1)
+    first = int(np.argmin(np.abs(means - y_offset))) + 1
+    is_mean = abs(means[first - 1] - y_offset) < 1e-9 and n + 1 < first < record.y.size // 2
+    if is_mean and abs(y_offset - means[n - 1]) > 0.25 * as_number("noise_sd", right["noise_sd"]):
+        yield Verdict(
+            False,
+            f"`y_offset` is the mean of the first {first} samples, and the input first changes at sample {n}.",
+            "mean over more than the rest",
+        )
     yield judge(
         y_offset,
         float(np.mean(record.y[:n])),
@@ -75,7 +83,6 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
                 "`y_offset` is the mean over the whole record. Average the rest only, before the input first changes.",
                 lambda: float(np.mean(record.y)),
             ),
-            *(Slip("a single sample", single, partial(float, one)) for one in record.y[: n + 1]),
             Slip(
                 "mean over the first half",
                 "`y_offset` is the mean over the first half. Average the rest only, before the input first changes.",
@@ -87,6 +94,7 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
                 lambda: mid_range(record.y),
             ),
         ],
+        exactly=close(0, 1e-9),
     )
 
 

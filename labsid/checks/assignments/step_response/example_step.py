@@ -117,6 +117,16 @@ def check_approximation(ask: Ask) -> Verdict:
                 lambda: float(np.linalg.norm(error)),
             ),
             Slip(
+                "norm of the error",
+                "`mse_approx` is the norm of the error over N: the norm is a root. Square it before you divide.",
+                lambda: float(np.linalg.norm(error)) / error.size,
+            ),
+            Slip(
+                "divided by the root of N",
+                "`mse_approx` is the sum of the squares over the root of N: divide by N.",
+                lambda: float(np.sum(error**2) / np.sqrt(error.size)),
+            ),
+            Slip(
                 "not squared",
                 "`mse_approx` is the mean of the errors: square them first.",
                 lambda: float(np.mean(error)),

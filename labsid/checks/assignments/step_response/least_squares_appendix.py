@@ -102,6 +102,11 @@ def check_loss_function(ask: Ask) -> Verdict:
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
         value = returned(ask, "loss", Phi, Y, theta)
+        table = np.outer(Y - Phi @ theta, Y - Phi @ theta)
+        if isinstance(value, np.ndarray) and value.shape == table.shape and np.allclose(value, table / 2):
+            return Verdict(
+                False, "`loss` returns the table 1/2 E E': the sum of the squares is E'E, one number.", "E E' for E'E"
+            )
         if as_array("loss(Phi, Y, theta)", value).size == Y.size:
             return Verdict(False, "`loss` returns one number for each equation: add them up.", "not added up")
         return judge(

@@ -77,7 +77,9 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
         nearest = min((match for match in matches if match[1].parameter == first), key=lambda match: match[0])[1]
-        return Verdict(False, where + nearest.hint, nearest.slip)
+        both = nearest.slip == "no delay" and any(one.slip == "tau measured from the step" for _, one in matches)
+        in_tau = " Here tau is the whole time to 63.2 %, so the delay is in it: tau begins at t_d." if both else ""
+        return Verdict(False, where + nearest.hint + in_tau, nearest.slip)
     return Verdict(False, where + _deviation(values, fit, right_gain))
 
 
@@ -156,6 +158,11 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     two_thirds = "tau is t_63 - t_28, which is only two thirds of the time constant."
     yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
     way = (step.y - fit.y_initial) / change
+    t_33 = float(step.t[np.argmax(way >= 1 / 3)])
+    third_of_it = (
+        "tau is 3/2 of the time from 33.3 % to 63.2 %; at t_d + tau/3 the response is at 28.3 %, 1 - e^(-1/3)."
+    )
+    yield _Suspect("a third taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_33), 0.0, third_of_it)
     t_50 = float(step.t[np.argmax(way >= 0.5)])
     half = "tau is measured to 50 % of the change; the time constant is the time to 63.2 %."
     yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half)

@@ -139,6 +139,16 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
         Slip("the 2 of (A6) forgotten", uneven, lambda: of_theta - 2 * of_y),
         Slip("a term forgotten", "`gradient` lacks the term with Phi'Phi.", lambda: -of_y),
         Slip("a term forgotten", "`gradient` lacks the term with Y.", lambda: of_theta),
+        Slip(
+            "second factor not transposed",
+            "`gradient` multiplies Y by Phi; the derivative of theta'Phi'Y is Phi'Y.",
+            lambda: of_theta - Phi @ Y,
+        ),
+        Slip(
+            "Phi Phi' for Phi'Phi",
+            "`gradient` has Phi Phi', N by N, where Phi'Phi, p by p, belongs.",
+            lambda: Phi @ Phi.T @ theta - of_y,
+        ),
         Slip("transposed Phi", f"`gradient` {_TRANSPOSED}", lambda: loss_gradient(Phi.T, Y, theta)),
         Slip("transposed Phi", f"`gradient` {_TRANSPOSED}", lambda: Phi @ (Phi @ theta - Y)),
     ]
@@ -171,6 +181,11 @@ def minimum_slips(Phi: FloatArray, Y: FloatArray) -> Slips:
             "second factor not transposed",
             "`best_theta` multiplies Y by Phi; eq. (8) multiplies it by Phi'.",
             lambda: np.linalg.inv(Phi.T @ Phi) @ Phi @ Y,
+        ),
+        Slip(
+            "Phi' before Y forgotten",
+            "`best_theta` multiplies the inverse of Phi'Phi by Y itself; eq. (8) has Phi'Y there.",
+            lambda: np.linalg.inv(Phi.T @ Phi) @ Y,
         ),
         Slip(
             "product entry by entry",
