@@ -167,7 +167,7 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
     by_name: dict[str, Effect] = {
         e.name: e for e in explanation.best.hypothesis.effects[explanation.best.hypothesis.n_given :]
     }
-    for name in decision.names:
+    for name in sorted(decision.names, key=lambda name: _step(explanation, name)):
         effect = by_name.get(name)
         found.append(
             place_inside(explanation.best, effect)

@@ -30,10 +30,7 @@ from labsid.gap.verdict.decision import (
     decide_partial,
     evidence_by_name,
     evidence_in,
-    of_regulated_record,
-    without_curve_of_switch,
-    without_lags_as_others,
-    without_stand_ins,
+    limit_claims,
 )
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
@@ -350,10 +347,7 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
 def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Answer:
     explanation, score, search = found.explanation, found.score, steps.search
     novelty = measure_novelty(explanation.data, explanation.path[0])
-    decision = without_curve_of_switch(steps.named, explanation.data, explanation.best)
-    decision = without_lags_as_others(decision, explanation.data, explanation.best)
-    decision = of_regulated_record(decision) if steps.regulated else decision
-    decision = without_stand_ins(decision, explanation.best)
+    _, decision = limit_claims(steps.named, explanation, steps.regulated)[-1]
     corrected = corrected_share(explanation.data, explanation.best)
     if decision.verdict == "effect" and corrected is not None and corrected > MOST_CORRECTED:
         decision = replace(decision, verdict="partial")

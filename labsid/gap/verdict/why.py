@@ -221,7 +221,6 @@ def _partial_probability(name: str, evidence: PartialEvidence) -> Probability:
 def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
     """The rules that raised or lowered a probability."""
     named, last = answer.steps.named, answer.decision
-    data, best = answer.explanation.data, answer.explanation.best
     gates = []
     for name, evidence in answer.evidence.items():
         computed = decision.partial_probability(evidence)
@@ -235,26 +234,22 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
                     "The record shows the output at rest at its extreme: the probability is raised to the threshold.",
                 )
             )
-    at_switch = decision.without_curve_of_switch(named, data, best)
-    at_rate = decision.without_lags_as_others(at_switch, data, best)
-    at_rest = decision.of_regulated_record(at_rate) if answer.steps.regulated else at_rate
-    at_spring = decision.without_stand_ins(at_rest, best)
+    steps = decision.limit_claims(named, answer.explanation, answer.steps.regulated)
+    before = [named, *(after for _, after in steps)]
     switch = threshold_of(decision, "SWITCH_PROBABILITY")
-    rules = (
-        (named, at_switch, switch, "The fitted actuator only switches, which does not show the shape of a limit."),
-        (at_switch, at_rate, switch, "Several lags move alike."),
-        (at_rest, at_spring, switch, "The rig is unstable: the spring may stand for a curve of the sensor."),
-        (
-            at_spring,
-            last,
-            threshold_of(novelty, "OUTSIDE"),
-            "No simulated rig on which probabilities were measured (verdict/novelty.RANGES) is like this record in "
-            f"{joined(answer.novelty.beyond)}.",
-        ),
+    outside = (
+        "No simulated rig on which probabilities were measured (verdict/novelty.RANGES) is like this record in "
+        f"{joined(answer.novelty.beyond)}."
     )
-    for before, after, limit, meaning in rules:
-        for name, p in before.probability.items():
-            if after.probability[name] < p and name in last.names:
+    rules = [
+        *zip(before, before[1:], [switch] * len(steps), [reason for reason, _ in steps], strict=False),
+        (before[-1], last, threshold_of(novelty, "OUTSIDE"), outside),
+    ]
+    for was, now, limit, meaning in rules:
+        for name, p in was.probability.items():
+            if name not in now.probability:
+                gates.append(Gate(f"probability of {name}", p, "<=", limit, f"{meaning} It is not named."))
+            elif now.probability[name] < p and name in last.names:
                 gates.append(
                     Gate(f"probability of {name}", p, "<=", limit, f"{meaning} It is lowered to the threshold.")
                 )

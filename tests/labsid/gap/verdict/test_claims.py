@@ -1,0 +1,39 @@
+"""What a decision may claim: an effect that hardly adds to others is less likely than not."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from labsid.gap.verdict.decision import SWITCH_PROBABILITY, Decision, without_small_additions
+
+FRICTION, MODE = "coulomb-friction", "resonance"
+
+
+def fit(*names: str, error: float) -> Any:
+    """A fit of these effects with this rms error."""
+    return SimpleNamespace(hypothesis=SimpleNamespace(names=names), output=np.full(400, error))
+
+
+def explanation(without_mode: float, without_friction: float) -> Any:
+    """Two effects that leave an error of 0.1, of 1 before; and what each of them leaves alone."""
+    data = SimpleNamespace(y=np.zeros(400), rows=np.ones(400, bool))
+    one = {(FRICTION,): fit(FRICTION, error=without_mode), (MODE,): fit(MODE, error=without_friction)}
+    both = fit(FRICTION, MODE, error=0.1)
+    return SimpleNamespace(data=data, best=both, path=(fit(error=1.0), both), levels=({}, one, {(FRICTION, MODE): both}))
+
+
+@pytest.mark.parametrize(
+    ("without_mode", "limited"), [(0.105, True), (0.11, True), (0.12, False), (0.4, False)], ids=str
+)
+def test_an_effect_that_hardly_adds_to_another_is_less_likely_than_not(without_mode: float, limited: bool) -> None:
+    decision = Decision("effect", (FRICTION, MODE), {FRICTION: 0.9, MODE: 0.9}, (), {}, 1.0)
+    after = without_small_additions(decision, explanation(without_mode, 0.9))
+    assert after.probability == {FRICTION: 0.9, MODE: SWITCH_PROBABILITY if limited else 0.9}
+    assert after.names == decision.names
+
+
+def test_an_effect_alone_and_a_partial_explanation_are_not_limited() -> None:
+    partial = Decision("partial", (FRICTION, MODE), {FRICTION: 0.9, MODE: 0.9}, (), {}, 1.0)
+    assert without_small_additions(partial, explanation(0.1, 0.9)) == partial
