@@ -307,7 +307,7 @@ def refit(data: Data, fit: Fit, tolerance: float = 1e-6) -> Fit:
 def covariance(data: Data, fit: Fit) -> FloatArray:
     """Least-squares covariance of theta and the gains, in this order, from the whitened error.
 
-    What the record does not determine of theta is uniformly distributed between its bounds, and no further off.
+    What the record does not determine of theta has a standard error of the distance between its bounds, and no more.
     """
     problem = Problem(data, fit.hypothesis, fit.noise.ar)
     at = problem.point(fit.theta, fit.gains)
@@ -319,7 +319,7 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     gram, scale = scaled_gram(J)
     lower, upper = problem.bounds
     width = np.where(upper > lower, upper - lower, 1.0)
-    spread = (width / np.sqrt(12.0) * scale[: lower.size]) ** 2
+    spread = (width * scale[: lower.size]) ** 2
     gram.flat[: lower.size * (size + 1) : size + 1] += fit.noise.sigma2 / spread
     inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-10, hermitian=True), np.float64) * fit.noise.sigma2
     return np.asarray(inverse / np.outer(scale, scale))

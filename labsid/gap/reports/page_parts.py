@@ -42,7 +42,7 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
         "duration": f"{record['samples'] * record['Ts']:.4g}",
         "closed": None if unchanged else closed_percent(gap["closed"], gap["ci95"]),
         "bars": error_bars(report),
-        "at_most": "noise" if has_probabilities(report) else "noise, with what no model predicts,",
+        "at_most": "noise" if sentences.is_noise_alone(report) else "noise, with what no model predicts,",
         "command": command(report),
         "exact": "command" in report,
     }
@@ -70,9 +70,9 @@ def _noise_rows(report: dict[str, Any]) -> list[tuple[str, float, str]]:
     from labsid.plots.gap_curves import noise_band
 
     floor = report["gap"]["noise_floor"]
-    if has_probabilities(report):
+    if sentences.is_noise_alone(report):
         return [("Noise alone", floor, "floor")]
-    white = [] if "signals" in report else [("White noise", 0.5 * noise_band(report)[0], "floor")]
+    white = [] if "signals" in report or has_probabilities(report) else [("White noise", 0.5 * noise_band(report)[0], "floor")]
     return [("Noise and what no model predicts", floor, "rest"), *white]
 
 

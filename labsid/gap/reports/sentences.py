@@ -30,6 +30,7 @@ SIGNIFICANT = 0.01  # p-value below which a residual test is reported as signifi
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
 NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
+LEAST_LEFT = 0.05  # of the gap: what remains is then said to be in the noise
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
 NAMED = 0.1  # probability from which a headline names an effect
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
@@ -308,14 +309,20 @@ def ranking_sentence(report: dict[str, Any]) -> str:
     return f"{start} {every} this error by more than chance.{except_for}"
 
 
+def is_noise_alone(report: dict[str, Any]) -> bool:
+    """Whether what is left beside the effects, or beside none, is the noise, and nothing that a part of the gap is."""
+    if report["verdict"] == "effect":
+        return bool(report["unexplained"]["share"] < LEAST_LEFT)
+    return report["verdict"] == "none" or only_on_holdout(report)
+
+
 def gap_sentence(report: dict[str, Any]) -> str:
     """The size of the gap before and after, and the samples on which it is scored."""
     gap = report["gap"]
     where = "held-out samples" if report["holdout_traces"] is None else "holdout record"
     where = "each record left out in turn" if report.get("records") else where
     unit = report.get("units", {}).get("y", "units of y")
-    only_noise = report["verdict"] in ("none", "effect") or only_on_holdout(report)
-    noise = "noise alone" if only_noise else "noise, with what no model predicts,"
+    noise = "noise alone" if is_noise_alone(report) else "noise, with what no model predicts,"
     end = f"the {noise} is {number(gap['noise_floor'])} ({unit}, {where})."
     if is_unchanged(report):
         return f"The rms simulation error is {number(gap['before'])}; {end}"
