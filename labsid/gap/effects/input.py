@@ -18,6 +18,7 @@ from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, bent, clipped,
 
 LONGEST_DELAY = 250.0  # samples
 LONGEST_SHARE = 0.25  # of the record
+LEAST_BAND = 0.005  # of the range of the command: change by a dead zone with two gains, beside a kink
 INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
 
 
@@ -253,14 +254,29 @@ class DeadZone(InputEffect):
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) == 0.0)
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a band that reaches the end of the input's range (a limit), unless the rig is at rest at that end."""
+        """Reject a band that reaches the end of the input's range (a limit), unless the rig is at rest at that end.
+
+        With another gain below it, a band within which no command tells it from a kink is no dead zone.
+        """
         low, high = sorted(fit.theta_of(self)[:2])
+        if self.variant == "gain" and not self._is_no_kink(fit):
+            return False
         u = fit.data.u
         edge = 0.02 * float(np.ptp(u))
         inside = low > u.min() + edge and high < u.max() - edge
         at_end = u[0] < u.min() + edge if low <= u.min() + edge else u[0] > u.max() - edge
         at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and low <= u[0] <= high and at_end
         return bool(high > low and (inside or at_rest))
+
+    def _is_no_kink(self, fit: Fitted) -> bool:
+        """Whether some command is where the band differs from its two straight lines, drawn to their crossing."""
+        own, u = fit.theta_of(self), fit.data.u
+        (low, high), ratio = sorted(own[:2]), float(np.exp(own[2]))
+        above, below = u - high, ratio * (u - low)
+        crossing = (high - ratio * low) / (1.0 - ratio) if ratio != 1.0 else np.inf
+        kinked = np.where(u > crossing, above, below)
+        change = np.abs(kinked - self.apply(u, own, fit.data.samples))
+        return not np.isfinite(crossing) or bool(change.max() > LEAST_BAND * np.ptp(u))
 
     def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
         """Own parameters; an end of the band that `u`, at rest inside the band, never reaches mirrors the other end."""

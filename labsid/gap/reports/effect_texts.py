@@ -27,7 +27,7 @@ def clause(effect: dict[str, Any]) -> str:
     for name, entry in effect["parameters"].items():
         quantity = Quantity(entry["value"], entry["stderr"] or 0.0, entry["unit"])
         position = name in parameters and parameters[name].position
-        if not position and quantity.stderr > abs(quantity.value):
+        if not position and quantity.stderr >= abs(quantity.value):
             continue  # not significantly different from zero
         size = Quantity(abs(quantity.value), quantity.stderr, quantity.unit)
         sign = "+" if quantity.value >= 0.0 else "-"

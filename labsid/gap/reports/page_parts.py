@@ -72,8 +72,10 @@ def _noise_rows(report: dict[str, Any]) -> list[tuple[str, float, str]]:
     floor = report["gap"]["noise_floor"]
     if sentences.is_noise_alone(report):
         return [("Noise alone", floor, "floor")]
-    white = [] if "signals" in report or has_probabilities(report) else [("White noise", 0.5 * noise_band(report)[0], "floor")]
-    return [("Noise and what no model predicts", floor, "rest"), *white]
+    rest = [("Noise and what no model predicts", floor, "rest")]
+    if "signals" in report or has_probabilities(report):
+        return rest
+    return [*rest, ("White noise", 0.5 * noise_band(report)[0], "floor")]
 
 
 def _steps(report: dict[str, Any]) -> list[tuple[str, float]]:

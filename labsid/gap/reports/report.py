@@ -384,7 +384,7 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         texts.append(f"The output repeats its last value in {places}, {share} of the record.")
     spikes = int(faults.spikes.sum())
     if spikes == 1:
-        texts.append("1 sample is an isolated spike; the fits exclude it.")
+        texts.append("1 sample is an outlier; the fits exclude it.")
     elif spikes:
-        texts.append(f"{spikes} samples are isolated spikes; the fits exclude them.")
+        texts.append(f"{spikes} samples are outliers; the fits exclude them.")
     return texts

@@ -25,6 +25,7 @@ from labsid.gap.search.candidates import (
     best_fit,
     best_form,
     is_compatible,
+    is_plausible,
     plausible_forms,
     refine_first,
     trial_fits,
@@ -319,7 +320,9 @@ def _polish_best(data: Data, level: Level, done: Collection[Fit] = ()) -> None:
 
 def _in_best_form(data: Data, fit: Fit) -> Fit:
     """The polished fit, in the best of its equivalent forms."""
-    return polish(data, best_form([converge(data, one) for one in plausible_forms(data, fit)]))
+    first, *others = (converge(data, one) for one in plausible_forms(data, fit))
+    found = len(fit.hypothesis.found)
+    return polish(data, best_form([first, *(one for one in others if is_plausible(data, one, found))]))
 
 
 def _best_accepted(data: Data, simpler: Fit, level: Level) -> Fit | None:

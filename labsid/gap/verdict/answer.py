@@ -347,7 +347,7 @@ def _acts_in_every_record(explanation: Explanation) -> bool:
 def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Answer:
     explanation, score, search = found.explanation, found.score, steps.search
     novelty = measure_novelty(explanation.data, explanation.path[0])
-    _, decision = limit_claims(steps.named, explanation, steps.regulated)[-1]
+    _, decision = limit_claims(steps.named, explanation, steps.regulated, score.ci95)[-1]
     corrected = corrected_share(explanation.data, explanation.best)
     if decision.verdict == "effect" and corrected is not None and corrected > MOST_CORRECTED:
         decision = replace(decision, verdict="partial")

@@ -158,7 +158,9 @@ def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, 
     return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed)
 
 
-def limit_claims(named: Decision, explanation: Explanation, regulated: bool) -> list[tuple[str, Decision]]:
+def limit_claims(
+    named: Decision, explanation: Explanation, regulated: bool, closed: tuple[float, float] | None
+) -> list[tuple[str, Decision]]:
     """What may be claimed of a decision, in the order of the rules that limit it.
 
     Parameters
@@ -167,6 +169,8 @@ def limit_claims(named: Decision, explanation: Explanation, regulated: bool) -> 
     explanation : Explanation
     regulated : bool
         Whether a controller with a constant reference gives the input.
+    closed : (float, float), optional
+        95 % interval of the share of the gap that is closed on held-out samples.
 
     Returns
     -------
@@ -184,6 +188,10 @@ def limit_claims(named: Decision, explanation: Explanation, regulated: bool) -> 
         (
             "It adds hardly anything to the other effects, whose laws are approximations.",
             lambda one: without_small_additions(one, explanation),
+        ),
+        (
+            "On held-out samples it may explain nothing.",
+            lambda one: without_doubtful_parts(one, closed),
         ),
         (
             "A controller with a constant reference gives the input.",
@@ -240,6 +248,13 @@ def without_small_additions(decision: Decision, explanation: Explanation) -> Dec
         added = min((mean_square(data, fit) for fit in without), default=np.inf) - left
         small |= {name} if added < MIN_PART**2 * gap else set()
     return _less_likely_than_not(decision, small) if small else decision
+
+
+def without_doubtful_parts(decision: Decision, closed: tuple[float, float] | None) -> Decision:
+    """The partial explanation with nothing more likely than not, if it may close no part of the gap."""
+    if decision.verdict != "partial" or closed is None or closed[0] > 0.0:
+        return decision
+    return _less_likely_than_not(decision, set(decision.names))
 
 
 def of_regulated_record(decision: Decision) -> Decision:

@@ -234,7 +234,7 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
                     "The record shows the output at rest at its extreme: the probability is raised to the threshold.",
                 )
             )
-    steps = decision.limit_claims(named, answer.explanation, answer.steps.regulated)
+    steps = decision.limit_claims(named, answer.explanation, answer.steps.regulated, answer.score.ci95)
     before = [named, *(after for _, after in steps)]
     switch = threshold_of(decision, "SWITCH_PROBABILITY")
     outside = (

@@ -13,8 +13,8 @@ from labsid.gap.search.explanation import Explanation
 @pytest.mark.parametrize(
     ("spikes", "said"),
     [
-        (1, "1 sample is an isolated spike; the fits exclude it."),
-        (2, "2 samples are isolated spikes; the fits exclude them."),
+        (1, "1 sample is an outlier; the fits exclude it."),
+        (2, "2 samples are outliers; the fits exclude them."),
     ],
 )
 def test_excluded_samples_are_counted(plain: Explanation, spikes: int, said: str) -> None:
