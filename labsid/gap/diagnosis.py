@@ -391,9 +391,13 @@ def _prepare(
     exclude: Sequence[tuple[float, float]],
 ) -> _Prepared:
     record, holdout = between_outputs(record), None if holdout is None else between_outputs(holdout)
-    _refuse_sparse(record)
     record, holdout = _common_sampling_time(record, holdout, simulation)
     findings = clock_findings(record, holdout)
+    slow: tuple[str, ...] = ()
+    if simulation is None:
+        (record, *rest), slow = at_readings([record] if holdout is None else [record, holdout])
+        holdout = rest[0] if rest else None
+    _refuse_sparse(record)
     gaps, record = _without_gaps(record)
     other_gaps: _Times = ()
     if holdout is not None:
@@ -402,12 +406,7 @@ def _prepare(
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     findings += _compared(record, simulation)
-    whole = record
-    slow: tuple[str, ...] = ()
-    if simulation is None and not gaps:
-        (record, *rest), slow = at_readings([record] if holdout is None else [record, holdout])
-        holdout = rest[0] if rest else None
-    shortened = shorten_record(record, simulation)
+    whole, shortened = record, shorten_record(record, simulation)
     record, simulation, notes = shortened.record, shortened.simulation, slow + shortened.notes
     if holdout is not None:
         holdout, more = shorten_holdout(holdout, shortened.every)
@@ -448,12 +447,12 @@ def _prepare_several(
         for number, record in enumerate(records, 1)
         for finding in clock_findings(record)
     ]
+    slow: tuple[str, ...] = ()
+    if simulation is None:
+        records, slow = at_readings(records)
     gaps, records = zip(*map(_without_gaps, records), strict=True)
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
-    slow: tuple[str, ...] = ()
-    if simulation is None and not any(gaps):
-        records, slow = at_readings(records)
     parts, notes = shorten_records(records)
     notes = slow + notes
     for number, record in enumerate(parts, 1):
@@ -530,7 +529,7 @@ def _refuse_sparse(record: Record) -> None:
     if apart.size and np.median(apart) > 1.0:
         step = float(np.median(apart)) * record.Ts
         raise ValueError(
-            f"y of the record is there at every {np.median(apart):.0f}. sample or less often. Read both signals at its "
+            f"y of the record is there at one sample in {np.median(apart):.0f} or fewer. Read both signals at its "
             f"rate: --resample {step:g}."
         )
 

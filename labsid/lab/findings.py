@@ -19,7 +19,7 @@ from labsid.records.signal_quality import (
     find_held,
     lattice_step,
     moving_mean_length,
-    refreshed_every,
+    refreshes,
     runs,
     scatter,
     shortest_hold,
@@ -224,11 +224,12 @@ def about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
         text = f"values lie on a lattice of {step:.5g}{_converter(step)}, {against}."
         findings.append(Finding("note" if step > 2 * noise else "ok", "converter", text))
     findings += about_clipping(y)
-    every, _ = refreshed_every(raw.u, sensor)
-    if every > 1:
+    readings = refreshes(raw.u, sensor)
+    if readings is not None:
+        every = float(np.diff(readings).mean())
         text = (
-            f"y has a new value at one sample in {every} only: its sensor or its bus is slower than the logger. The "
-            "values between are repeated ones, and no measurements."
+            f"y has a new value at one sample in {every:.3g} only: its sensor or its bus is slower than the logger. "
+            "The values between are repeated ones, and no measurements."
         )
         return [*findings, Finding("warning", "held values", text)]
     stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]

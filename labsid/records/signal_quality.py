@@ -9,6 +9,7 @@ RARE_REPEATS = 0.01  # share of values that occur twice in a row; above it, nois
 FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
 LARGE_MOVE = 4.0  # median changes between samples: a jump away from the sensor's limit
 SEVERAL_HOLDS = 3
+MOSTLY_EVEN = 0.98  # of the distances between readings of a sensor with a clock of its own: two neighbouring ones
 MIN_REFRESHES = 20  # changes of a signal: by chance, none is at a sample of its own in 1 of 2^19
 
 
@@ -191,8 +192,8 @@ def shortest_hold(x: FloatArray) -> int:
     return max(MIN_HOLD, int(np.log(1e-3 / lengths.size) / np.log(repeats)) + 2)
 
 
-def refreshed_every(u: FloatArray, y: FloatArray) -> tuple[int, int]:
-    """Find a sensor that is slower than the logger: y changes only at every m-th sample.
+def refreshes(u: FloatArray, y: FloatArray) -> np.ndarray | None:
+    """Find the readings of a sensor that is slower than the logger.
 
     Parameters
     ----------
@@ -200,15 +201,21 @@ def refreshed_every(u: FloatArray, y: FloatArray) -> tuple[int, int]:
 
     Returns
     -------
-    m, first : int
-        (1, 0) if y changes at other samples too, as seldom as u, or hardly at all; else the interval and the first
-        sample with a reading of its own.
+    ndarray of int or None
+        The samples with a reading of its own: every m-th one, or at nearly even distances if the sensor has a clock of
+        its own. None if y changes as seldom as u, hardly at all, or at other samples too.
     """
-    changes = runs(y)[0][1:]
+    starts, lengths = runs(y)
+    changes = starts[1:]
     if changes.size < max(MIN_REFRESHES, 2 * runs(u)[0].size):
-        return 1, 0
+        return None
     every = int(np.gcd.reduce(np.diff(changes)))
-    return (every, int(changes[0] % every)) if every > 1 else (1, 0)
+    if every > 1:
+        return np.arange(changes[0] % every, y.size, every)
+    inner = lengths[1:-1]
+    least = int(inner.min())
+    even = least > 1 and np.mean(inner <= least + 1) > MOSTLY_EVEN
+    return changes if even else None
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:

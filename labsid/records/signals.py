@@ -72,16 +72,18 @@ def missing_note(y: FloatArray, t: FloatArray | None, name: str = "y") -> tuple[
     missing = np.isnan(y)
     if not missing.any() or missing.all():
         return ()
-    note = (
-        f"{name} is missing in {missing.sum()} of {y.size} samples ({name_places(stretches(missing))}); these are "
-        "neither fitted nor scored"
-    )
     known = np.flatnonzero(~missing)
     apart = np.unique(np.diff(known))
-    is_slower = known.size > 2 and apart.size == 1 and apart[0] > 1
-    if t is not None and t.size == y.size and missing.mean() > 0.4 and is_slower:
-        note += f"; to read both signals at the rate of {name}, add --resample {float(t[known[1]] - t[known[0]]):.9g}"
-    return (note,)
+    if t is not None and t.size == y.size and known.size > 2 and apart.size == 1 and apart[0] > 1:
+        step = float(t[known[1]] - t[known[0]])
+        return (
+            f"{name} has a reading at one sample in {apart[0]} only; the diagnosis of one output uses the mean of the "
+            f"input between them, and several outputs need one rate: --resample {step:.9g}",
+        )
+    return (
+        f"{name} is missing in {missing.sum()} of {y.size} samples ({name_places(stretches(missing))}); these are "
+        "neither fitted nor scored",
+    )
 
 
 def jitter_note(jitter: float, Ts: float | None) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from labsid.gap.simulations.baseline import Simulation
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
-from labsid.records.signal_quality import refreshed_every, runs
+from labsid.records.signal_quality import refreshes, runs
 from labsid.simulators.simulator import Simulator
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
@@ -120,28 +120,50 @@ def shorten_holdout(holdout: Record, every: int, longest: int = MAX_SAMPLES) -> 
 
 
 def at_readings(records: Sequence[Record]) -> tuple[list[Record], tuple[str, ...]]:
-    """The samples at which a sensor that is slower than the logger has a new reading.
+    """Records at the readings of a sensor that is slower than the logger, with the mean of the input between them.
 
     Parameters
     ----------
     records : sequence of Record
-        Runs of one rig, without missing samples; nothing is left out where the first has a reading at every sample.
+        Runs of one rig; they stay as they are where the first has a reading at every sample, or at most.
 
     Returns
     -------
     list of Record and tuple of str
         The records, and a sentence on what was left out.
     """
-    found = [refreshed_every(record.u, record.y) for record in records]
-    every = found[0][0]
-    if every == 1:
+    found = [_readings(record) for record in records]
+    if found[0] is None:
         return list(records), ()
-    starts = [first if its == every else 0 for its, first in found]
-    slow = [downsample(_cut(one, slice(start, None)), every) for one, start in zip(records, starts, strict=True)]
+    every = float(np.diff(found[0]).mean())
+    slow = [_at_readings(one, at, every) for one, at in zip(records, found, strict=True)]
     return slow, (
-        f"The output has a new value at one sample in {every} only: the diagnosis uses these, and the mean of the "
+        f"The output has a new value at one sample in {every:.3g} only: the diagnosis uses these, and the mean of the "
         "input between them.",
     )
+
+
+def _readings(record: Record) -> np.ndarray | None:
+    """The samples with a reading of their own, of a slow sensor; None of one that has them at most samples."""
+    if not record.missing.any():
+        return refreshes(record.u, record.y)
+    at = np.flatnonzero(~record.missing)
+    apart = np.diff(at)
+    is_slow = at.size >= 2 and np.median(apart) > 1.0 and np.ptp(apart) <= 1
+    return at if is_slow else None
+
+
+def _at_readings(record: Record, at: np.ndarray | None, every: float) -> Record:
+    """A record at even distances of `every` samples, by straight lines between its readings."""
+    k = np.arange(len(record) + 1)
+    first = 0 if at is None else int(at[0])
+    grid = first + every * np.arange(int((len(record) - first) / every) + 1)
+    grid = grid[grid <= len(record)]
+    total = np.interp(grid, k, np.concatenate([[0.0], np.cumsum(record.u)]))
+    at = k[:-1] if at is None else at
+    y = np.interp(grid[:-1], at, record.y[at])
+    t = record.t[0] + record.Ts * grid[:-1]
+    return Record(t, np.diff(total) / every, y, every * record.Ts, name=record.name)
 
 
 def downsample(record: Record, every: int) -> Record:

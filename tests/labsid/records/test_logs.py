@@ -91,7 +91,8 @@ def test_an_input_that_is_on_or_off_is_another_input(logs, plain):
 def test_two_rates_are_read_at_the_slower_one(logs, plain):
     sparse = load_record(logs / "two_rates.csv")
     assert sparse.missing.sum() == 600
-    assert "add --resample 0.4" in reading_notes(sparse)[0]
+    assert "y has a reading at one sample in 4 only" in reading_notes(sparse)[0]
+    assert "--resample 0.4" in reading_notes(sparse)[0]
     with pytest.raises(ValueError, match=r"only 0 have all their outputs.*\(--resample\)"):
         identify(sparse, order=1)
     record = load_record(logs / "two_rates.csv", resample=0.4)

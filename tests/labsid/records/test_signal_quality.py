@@ -8,7 +8,7 @@ from labsid.records.signal_quality import (
     find_held,
     lattice_step,
     moving_mean_length,
-    refreshed_every,
+    refreshes,
     runs,
     scatter,
     stuck_at_extreme,
@@ -105,11 +105,20 @@ def test_a_sensor_slower_than_the_logger_is_seen(every, first):
     u = np.repeat(rng.uniform(-1, 1, 30), 20)
     readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
     y = readings[np.maximum((np.arange(u.size) - first) // every, 0) * every + first]
-    assert refreshed_every(u, y) == (every, first)
+    np.testing.assert_array_equal(refreshes(u, y), np.arange(first, u.size, every))
     y[333:] = readings[333:]
-    assert refreshed_every(u, y) == (1, 0)
+    assert refreshes(u, y) is None
+
+
+@pytest.mark.parametrize("every", [2.4, 3.3, 6.7])
+def test_a_slow_sensor_with_a_clock_of_its_own_is_seen(every):
+    rng = np.random.default_rng(4)
+    u = np.repeat(rng.uniform(-1, 1, 30), 20)
+    readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
+    at = np.ceil(np.floor(np.arange(u.size) / every) * every).astype(int)
+    np.testing.assert_array_equal(refreshes(u, readings[at]), np.unique(at)[1:])
 
 
 def test_an_output_that_rests_between_steps_of_the_input_is_no_slow_sensor():
     u = np.repeat(np.random.default_rng(0).uniform(-1, 1, 60), 10)
-    assert refreshed_every(u, 2 * u) == (1, 0)
+    assert refreshes(u, 2 * u) is None

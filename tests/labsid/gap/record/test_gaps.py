@@ -105,9 +105,18 @@ def test_a_record_begins_with_its_first_output(clipped):
     assert any("missing in the first 70 and the last 30 samples" in one["text"] for one in report["record_findings"])
 
 
-def test_an_output_at_every_second_sample_is_to_be_read_at_its_rate(clipped):
+def test_an_output_at_every_second_sample_is_diagnosed_at_its_readings(clipped):
     y = np.where(np.arange(len(clipped)) % 2, np.nan, clipped.y)
+    report = diagnose(replace(clipped, y=y)).report
+    assert named(report) == ["input-saturation"]
+    assert "one sample in 2 only" in " ".join(report["screen"])
+
+
+def test_an_output_at_uneven_distances_is_to_be_read_at_its_rate(clipped):
+    there = np.cumsum(np.random.default_rng(1).integers(2, 6, len(clipped)))
+    y = np.full(len(clipped), np.nan)
+    y[there[there < y.size]] = clipped.y[there[there < y.size]]
     with pytest.raises(
-        ValueError, match=r"y of the record is there at every 2\. sample or less often\. .* --resample 1\."
+        ValueError, match=r"y of the record is there at one sample in 4 or fewer\. .* --resample 2\."
     ):
         diagnose(replace(clipped, y=y))

@@ -109,3 +109,14 @@ def test_a_slow_sensor_is_diagnosed_at_its_readings():
     report = diagnose(run).report
     assert report["verdict"] == "none"
     assert note in report["screen"]
+
+
+def test_a_slow_sensor_with_a_clock_of_its_own_shows_no_gap():
+    rng = np.random.default_rng(6)
+    u = np.repeat(rng.uniform(-1, 1, 40), 40)
+    readings = lfilter([0, 1.0, -0.5], np.poly([0.96, 0.92]), u)
+    readings = readings / np.std(readings) + 0.02 * rng.standard_normal(u.size)
+    y = readings[np.ceil(np.floor(np.arange(u.size) / 3.3) * 3.3).astype(int)]
+    report = diagnose(Record(0.1 * np.arange(u.size), u, y, 0.1)).report
+    assert report["verdict"] == "none"
+    assert "one sample in 3.3 only" in " ".join(report["screen"])

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labsid.gap.verdict.decision import SWITCH_PROBABILITY, Decision, without_small_additions
+from labsid.gap.verdict.decision import SWITCH_PROBABILITY, Decision, without_doubtful_parts, without_small_additions
 
 FRICTION, MODE = "coulomb-friction", "resonance"
 
@@ -21,7 +21,9 @@ def explanation(without_mode: float, without_friction: float) -> Any:
     data = SimpleNamespace(y=np.zeros(400), rows=np.ones(400, bool))
     one = {(FRICTION,): fit(FRICTION, error=without_mode), (MODE,): fit(MODE, error=without_friction)}
     both = fit(FRICTION, MODE, error=0.1)
-    return SimpleNamespace(data=data, best=both, path=(fit(error=1.0), both), levels=({}, one, {(FRICTION, MODE): both}))
+    return SimpleNamespace(
+        data=data, best=both, path=(fit(error=1.0), both), levels=({}, one, {(FRICTION, MODE): both})
+    )
 
 
 @pytest.mark.parametrize(
@@ -37,3 +39,12 @@ def test_an_effect_that_hardly_adds_to_another_is_less_likely_than_not(without_m
 def test_an_effect_alone_and_a_partial_explanation_are_not_limited() -> None:
     partial = Decision("partial", (FRICTION, MODE), {FRICTION: 0.9, MODE: 0.9}, (), {}, 1.0)
     assert without_small_additions(partial, explanation(0.1, 0.9)) == partial
+
+
+@pytest.mark.parametrize(("closed", "limited"), [((0.0, 1.0), True), ((0.1, 0.9), False), (None, False)])
+def test_a_partial_explanation_that_may_close_nothing_is_less_likely_than_not(
+    closed: tuple[float, float] | None, limited: bool
+) -> None:
+    partial = Decision("partial", (FRICTION,), {FRICTION: 0.8}, (), {}, 0.5)
+    after = without_doubtful_parts(partial, closed)
+    assert after.probability == {FRICTION: SWITCH_PROBABILITY if limited else 0.8}
