@@ -179,8 +179,9 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
         u_rest, y_rest = digits_of(offsets.u_offset, np.ptp(u), 6), digits_of(offsets.y_offset, np.ptp(y), 5)
         text = f"settled from the start: {length} before the first change, u = {u_rest}, y = {y_rest}, sd {noise:.2g}."
         return Finding("ok", "rest", text)
+    first = digits_of(y[0], np.ptp(y), 3)
     text = (
-        f"not settled at the start: y comes from {y[0]:.3g} and is at rest only in samples {k0} to {n - 1} of the "
+        f"not settled at the start: y comes from {first} and is at rest only in samples {k0} to {n - 1} of the "
         f"first period of {length}. Average these: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
         f"the whole period would be {mean_of_first_period(u, y):.5g}."
     )

@@ -20,7 +20,9 @@ UNITS = {
     "1": "",
 }
 LIKELY, POSSIBLE = 0.5, 0.2  # probabilities from which an effect is called so in words
-LEAST_SHOWN = 5e-5  # of a value: standard errors below it are those of the fit alone, not of the model
+LEAST_SHOWN = 1e-9  # of a value: standard errors below it are those of the fit alone, not of the model
+EXACT = 1e-8  # of a value: with a smaller standard error the fit is exact, and further digits say nothing
+OFFSET = 1000.0  # a larger value may be mostly an offset
 MIN_PLAIN, MAX_PLAIN = 1e-4, 1e6  # range of magnitudes without an exponent
 
 
@@ -78,11 +80,14 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def significant_digits(value: float, stderr: float) -> int:
-    """Number of significant digits of `value` given its standard error: 2 to 5, or 3 without one."""
+    """Number of significant digits of `value` given its standard error: 2 to 5, or 3 without one.
+
+    A value that is mostly an offset, such as a number of counts, has up to 8.
+    """
     if value == 0.0 or not math.isfinite(stderr) or stderr <= 0.0:
         return 3
     kept = math.floor(math.log10(abs(value))) - math.floor(math.log10(stderr)) + 1
-    return min(max(kept, 2), 5)
+    return min(max(kept, 2), 8 if abs(value) > OFFSET and stderr > EXACT * abs(value) else 5)
 
 
 def with_error(value: float, stderr: float | None) -> str:

@@ -26,6 +26,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
 from labsid.gap.verdict.answer import Answer
+from labsid.gap.verdict.baseline_choice import without_unseen_pole
 from labsid.gap.verdict.decision import Decision
 from labsid.gap.verdict.scores import closed_share
 from labsid.model_structures.residuals import ljung_box
@@ -95,7 +96,7 @@ def build_report(
         "reference": answer.novelty.reference,
         "novelty": {"features": answer.novelty.features, "beyond": list(answer.novelty.beyond)},
         "unexplained": _unexplained(answer),
-        "limits": [] if base.is_run and base.meter.budget else as_rows(record_limits(answer)),
+        "limits": [] if _without_limits(answer, base) else as_rows(record_limits(answer)),
         "next_experiment": _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "simulation": {
@@ -145,10 +146,17 @@ def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dic
     return {"resampled": output.resampled, "model": opened}
 
 
+def _without_limits(answer: Answer, base: Baseline) -> bool:
+    """Whether the limits are left out: too many runs of a simulation, or a record that shows a controller only."""
+    return (base.is_run and bool(base.meter.budget)) or (answer.steps.regulated and not answer.decision.names)
+
+
 def record_limits(answer: Answer) -> tuple[Limits, ...]:
     """What the record could have shown of each effect; it excludes a size only if nothing but noise is left."""
     data, best = answer.explanation.data, answer.explanation.best
     only_noise = answer.decision.verdict in ("none", "effect") or answer.only_elsewhere
+    if answer.linear is not None and best is answer.explanation.path[0]:
+        best = without_unseen_pole(data, best)
     return find_smallest_sizes(data, best, rms(data, best), only_noise)
 
 

@@ -359,7 +359,9 @@ def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Ans
         novelty=novelty,
         score=score,
         left=found.left,
-        remaining=None if decision.verdict == "none" else kinds_of_error(explanation.data, _asserted(found, decision)),
+        remaining=None
+        if decision.verdict == "none" or (steps.regulated and not decision.names)
+        else kinds_of_error(explanation.data, _asserted(found, decision)),
         before=found.before.fit,
         linear=found.before.linear,
         tried={} if search is None else search.tried,

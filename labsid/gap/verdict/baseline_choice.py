@@ -17,6 +17,7 @@ from labsid.gap.verdict.held_out_errors import HeldOut, Refit
 OBSERVED_TIME_CONSTANTS = 6.0  # in the record: a slower pole is not identified
 INTEGRATOR_SHARE = 0.25  # of the error of every other model: a pole too slow to be seen is then that of an integrator
 PREFERENCE = 0.97  # error of another model over that of output error of the given order, from which it is chosen
+AS_GOOD = 1.05  # mean square error of a fit of first order over that of second order, up to which it is as good
 FASTEST_RATE = 3.0  # per sample
 LEAST_SQUARES, FIRST_ORDER, OUTPUT_ERROR = "least squares", "output error of first order", "output error"
 
@@ -81,6 +82,17 @@ def choose_linear_model(held_out: HeldOut, output_error: Fit, leaves_noise: bool
 def is_observed(data: Data, fit: Fit) -> bool:
     """Whether the record is long enough to show the slowest pole of a linear fit."""
     return shows(data.longest, *fit.rates)
+
+
+def without_unseen_pole(data: Data, fit: Fit) -> Fit:
+    """A linear fit of first order in the place of one whose slower pole the record is too short to show, if as good.
+
+    A zero cancels such a pole; a load that is not cancelled would seem to be integrated.
+    """
+    if is_observed(data, fit) or fit.hypothesis.plant.feedthrough or fit.hypothesis.feedback is not None:
+        return fit
+    first = fit_first_order(data, fit)
+    return first if first.cost < AS_GOOD * fit.cost else fit
 
 
 def shows(samples: int, c: float, k: float) -> bool:

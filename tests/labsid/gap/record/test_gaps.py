@@ -116,7 +116,5 @@ def test_an_output_at_uneven_distances_is_to_be_read_at_its_rate(clipped):
     there = np.cumsum(np.random.default_rng(1).integers(2, 6, len(clipped)))
     y = np.full(len(clipped), np.nan)
     y[there[there < y.size]] = clipped.y[there[there < y.size]]
-    with pytest.raises(
-        ValueError, match=r"y of the record is there at one sample in 4 or fewer\. .* --resample 2\."
-    ):
+    with pytest.raises(ValueError, match=r"y of the record is there at one sample in 4 or fewer\. .* --resample 2\."):
         diagnose(replace(clipped, y=y))

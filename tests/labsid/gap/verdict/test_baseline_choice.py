@@ -7,8 +7,8 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.dynamics.responses import real_rates
-from labsid.gap.fits.fitting import Fit
-from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.fits.fitting import Fit, Problem, finish
+from labsid.gap.fits.linear_fits import LINEAR, fit_baseline
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.verdict.baseline_choice import (
     FASTEST_RATE,
@@ -20,6 +20,7 @@ from labsid.gap.verdict.baseline_choice import (
     choose_linear_model,
     fit_arx_poles,
     fit_first_order,
+    without_unseen_pole,
 )
 from labsid.gap.verdict.held_out_errors import hold_out
 from labsid.records.record import Record
@@ -203,3 +204,19 @@ def test_a_rig_with_an_integrator_and_a_pole_is_reported_with_its_own_noise() ->
     assert report["verdict"] == "none"
     assert report["gap"]["before"] == pytest.approx(0.002, rel=0.1)
     assert report["gap"]["noise_floor"] == pytest.approx(0.002, rel=0.1)
+
+
+@pytest.mark.parametrize("integrates", [False, True])
+def test_a_pole_that_a_zero_cancels_is_not_taken_for_an_integrator(integrates: bool) -> None:
+    """The fit of second order to a rig of first order may have one: a load would seem to be integrated."""
+    u = levels(1200, 25, 3)
+    y = np.cumsum(u) / 30.0 if integrates else lfilter([0.0, 0.03], [1.0, -0.97], u)
+    data = data_of(u, y + 0.02 * y.std() * noise(1200, 4))
+    theta = np.array([0.0, np.log(0.0306), np.log(3e-6)])
+    point = Problem(data, LINEAR).point(theta)
+    assert point is not None
+    fit = finish(data, LINEAR, point)
+    assert time_constants(fit, 1200) < OBSERVED_TIME_CONSTANTS
+    found = without_unseen_pole(data, fit)
+    assert (found is fit) == integrates
+    assert integrates or time_constants(found, 1200) == pytest.approx(36.5, rel=0.1)
