@@ -122,7 +122,7 @@ logarithm of the way before it slides (Dahl)."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 GRAVITY = (  # scaled: radians per position, angle in radians
     Parameter("torque", 0.0, 50.0, 1e-3),
-    Parameter("log_turn", -8.0, 5.0, 1e-3),
+    Parameter("log_turn", -8.0, 10.0, 1e-3),
     Parameter("angle", -60.0, 60.0, 1e-3, leap=0.3),
 )
 LIMIT = Parameter("limit", 1e-3, 50.0, 1e-3, leap=0.05)  # scaled: error at which a loop saturates

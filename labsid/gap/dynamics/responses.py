@@ -152,6 +152,7 @@ def _offset_ramp(c: float, k: float, samples: int, span: int) -> FloatArray:
 
 
 def comes_to_rest(c: float, k: float, span: int) -> bool:
+    """Whether the free response of s^2 + c s + k ends within so many samples, and so the gain at rest shows."""
     return real_rates(c, k)[0] * span > REST_TIME_CONSTANTS
 
 

@@ -10,13 +10,13 @@ from labsid.gap.dynamics.responses import force_unit
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
-from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS
 from labsid.gap.effects.sketch import Sketch, nothing
 from labsid.gap.record.data import Data
 
 DEGREES = 180.0 / np.pi  # in a radian
 LEAST_SWING, LARGEST_SWING = 0.25, 13.0  # radians: less shows a constant and a spring, more is no swing of an arm
 UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree
+NO_SPRING = -22.0  # logarithm of a stiffness, per squared sample: the lower limit of its parameter
 MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command
 
 
@@ -84,7 +84,8 @@ class Gravity(PlantEffect):
         Without a spring the torque is about the one that the linear model takes for a spring.
         """
         scale, unit = context.data.y_scale, angle_unit(context.data)
-        (c, k), slack = context.rates, SLACK_LOG_STIFFNESS if self.variant else 0.0
+        c, k = context.rates
+        slack = NO_SPRING - float(np.log(k)) if self.variant else 0.0
         force = force_unit(c, k * np.exp(slack))
         gain = _output_per_force(context) / force
         if not gain or not unit:

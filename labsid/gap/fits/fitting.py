@@ -280,7 +280,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     theta, undetermined = hypothesis.completed(point.theta, data.u)
     fixed = hypothesis.plant.follows or hypothesis.plant.stabilised
     known = known_gains(data, hypothesis).size * fixed + len(known_values(data, hypothesis))
-    known += implied_count(hypothesis, point.theta)
+    known += implied_count(hypothesis)
     free = point.theta.size - undetermined - known + int(np.count_nonzero(point.gains))
     bic = noise.score + free * np.log(noise.rows)
     free_run = float(np.mean(e[data.rows] ** 2))
@@ -315,10 +315,11 @@ def covariance(data: Data, fit: Fit) -> FloatArray:
     size = fit.theta.size + fit.gains.size
     if J is None:
         return np.full((size, size), np.nan)
-    J[:, list(known_values(data, fit.hypothesis))] = 0.0
+    known = list(known_values(data, fit.hypothesis))
+    J[:, known] = 0.0
     gram, scale = scaled_gram(J)
     lower, upper = problem.bounds
-    width = np.where(upper > lower, upper - lower, 1.0)
+    width = np.where(upper > lower, upper - lower, np.inf)  # nothing is known of the others by their bounds
     spread = (width * scale[: lower.size]) ** 2
     gram.flat[: lower.size * (size + 1) : size + 1] += fit.noise.sigma2 / spread
     inverse = np.asarray(np.linalg.pinv(gram, rcond=1e-10, hermitian=True), np.float64) * fit.noise.sigma2

@@ -34,21 +34,23 @@ def known_gains(data: Data, hypothesis: Hypothesis) -> FloatArray:
 def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:
     """The nonlinear parameters that are not estimated, by their place in theta."""
     plant = hypothesis.plant
+    if plant.gravity and plant.unsprung and not plant.follows:
+        place = _place(hypothesis, "log_k")
+        return {place: hypothesis.parameters[place].lower}
     if not (plant.follows and plant.gravity):
         return {}
     return {_place(hypothesis, "log_turn"): float(np.log(data.u_scale.unit / (angle_unit(data) or 1.0)))}
 
 
-def implied_count(hypothesis: Hypothesis, theta: FloatArray) -> int:
+def implied_count(hypothesis: Hypothesis) -> int:
     """The number of parameters that follow from others, for the BIC.
 
     Where a torque drives the joint, the gain is the angle per position in the unit of the record (which
-    `Gravity.is_plausible` requires), and a stiffness at its lower limit is no spring.
+    `Gravity.is_plausible` requires); and without a spring, the angle of rest is where the reading of zero is.
 
     Parameters
     ----------
     hypothesis : Hypothesis
-    theta : ndarray, shape (n,)
 
     Returns
     -------
@@ -57,8 +59,7 @@ def implied_count(hypothesis: Hypothesis, theta: FloatArray) -> int:
     plant = hypothesis.plant
     if not plant.gravity or plant.follows:
         return 0
-    place = _place(hypothesis, "log_k")
-    return 1 + int(theta[place] <= hypothesis.parameters[place].lower)
+    return 2 if plant.unsprung else 1
 
 
 def known_bounds(data: Data, hypothesis: Hypothesis) -> tuple[FloatArray, FloatArray]:

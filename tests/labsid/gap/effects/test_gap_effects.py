@@ -362,7 +362,7 @@ def test_values_are_in_the_units_of_the_record(
 def test_values_of_the_dynamics_are_in_the_units_of_the_record(
     effect: Effect, plant: dict[str, float], expected: dict[str, tuple[float, str]]
 ) -> None:
-    found = values(fitted(effect, np.array([2.0, -1.0]), plant))
+    found = values(fitted(effect, np.array([2.0, -1.0, 0.0, 0.0]), plant))
     assert set(found) == set(expected)
     for name, (value, unit) in expected.items():
         assert found[name][0] == pytest.approx(value, rel=1e-4)
