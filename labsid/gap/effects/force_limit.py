@@ -14,6 +14,7 @@ from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.effects.sketch import Sketch, same
 
 MIN_LIMITED = 4  # samples
+FAST = 1.0  # per sample: rate of a pole that the record does not show
 FASTEST = 0.98  # quantile of the changes of the output, at which the loop is at its limit
 ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limits start
 
@@ -85,7 +86,12 @@ class ForceLimit(PlantEffect):
         return np.abs(self._error(fit)) > fit.value("limit")
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Require that the loop is at its limit for some samples, and not nearly always, as a relay would be."""
+        """Require that the loop is at its limit for some samples, and not nearly always, as a relay would be.
+
+        A load that rises with the output is one of a loop of first order, whose other pole is too fast to be seen.
+        """
+        if self.variant == "loaded" and real_rates(*fit.hypothesis.plant.linear_rates(fit.plant_theta))[1] < FAST:
+            return False
         share = float(np.mean(self.active_samples(fit)))
         return MIN_LIMITED / fit.data.samples <= share < 1.0 - RARE
 
