@@ -100,6 +100,14 @@ class PoleDrift(PlantEffect):
             found["pole"] = Value(float(delay[0] / delay[1]) - 1.0, "1")
         return found
 
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """A restoring rate that rises or falls by this factor."""
+        half = 0.5 * float(np.log1p(share))
+        return [
+            Planted("pole", {"drift": way, "share_c": 1.0}, size=Value(float(np.expm1(2.0 * way)), "1"))
+            for way in (half, -half)
+        ]
+
 
 class InnerPoleDrift(PoleDrift):
     """A slow drift of the rate of the last nonlinear state, or of the spring."""

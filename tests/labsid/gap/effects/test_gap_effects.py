@@ -383,6 +383,17 @@ def test_a_drift_of_the_rates_is_reported_by_what_it_changes(degree: str, share:
     assert found["drift"].value == pytest.approx(3.2 / 2.8 * np.exp(-0.4) - 1.0, rel=1e-6)
 
 
+def test_a_drift_of_a_pole_is_planted_both_ways() -> None:
+    """It has a row of its own in the table of limits, beside that of the gain."""
+    planted = drifts.PoleDrift("1").planted(
+        Fitted(Hypothesis(), np.zeros(0), np.zeros(0), data_of(np.arange(180.0))), 0.5
+    )
+    assert [one.parameter for one in planted] == ["pole", "pole"]
+    sizes = [one.size.value for one in planted if one.size is not None]
+    assert sizes == pytest.approx([0.5, 1.0 / 1.5 - 1.0])
+    assert [2.0 * one.values["drift"] for one in planted] == pytest.approx(np.log1p(sizes))
+
+
 def test_a_pole_drift_on_a_nonlinear_state_is_reported_as_on_linear_dynamics() -> None:
     numbers = {"drift": 0.2, "bend1": 0.5, "bend2": -0.1}
     effect = drifts.InnerPoleDrift("4")
