@@ -34,7 +34,7 @@ from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.quantities import with_units
 from labsid.gap.reports.replay_data import replay_content
-from labsid.gap.reports.report import build_report, record_limits
+from labsid.gap.reports.report import build_report, fit_of_limits, record_limits
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.sentences import is_probable, number_sentences
 from labsid.gap.reports.traces import figure_traces
@@ -261,7 +261,7 @@ def find_limits(
         start = _start(prepared.data, prepared.base, progress)
         explanation, _ = explain_record(prepared.data, replace(prepared.base, start=start), progress)
         answer = answer_from(prepared.record, explanation, prepared.base, None, np.random.default_rng(seed), progress)
-        data, fit = answer.explanation.data, answer.explanation.best
+        data, fit = answer.explanation.data, fit_of_limits(answer)
         noise = rms(data, fit)
         if planned is None:
             found = record_limits(answer)

@@ -151,12 +151,17 @@ def _without_limits(answer: Answer, base: Baseline) -> bool:
     return (base.is_run and bool(base.meter.budget)) or (answer.steps.regulated and not answer.decision.names)
 
 
+def fit_of_limits(answer: Answer) -> Fit:
+    """The fit to which effects are added to see what the record could have shown."""
+    data, best = answer.explanation.data, answer.explanation.best
+    is_linear = answer.linear is not None and best is answer.explanation.path[0]
+    return without_unseen_pole(data, best) if is_linear else best
+
+
 def record_limits(answer: Answer) -> tuple[Limits, ...]:
     """What the record could have shown of each effect; it excludes a size only if nothing but noise is left."""
-    data, best = answer.explanation.data, answer.explanation.best
+    data, best = answer.explanation.data, fit_of_limits(answer)
     only_noise = answer.decision.verdict in ("none", "effect") or answer.only_elsewhere
-    if answer.linear is not None and best is answer.explanation.path[0]:
-        best = without_unseen_pole(data, best)
     return find_smallest_sizes(data, best, rms(data, best), only_noise)
 
 
