@@ -47,6 +47,22 @@ def window_sums(x: FloatArray, length: int) -> FloatArray:
     return np.asarray(total[length:] - total[: total.size - length])
 
 
+def lagged_columns(x: FloatArray, at: NDArray[Any], lags: int) -> FloatArray:
+    """The `lags` samples of a signal before each index of `at`, the latest first, shape (len(at), lags)."""
+    return np.column_stack([x[at - lag] for lag in range(1, lags + 1)])
+
+
+def left_by(columns: FloatArray, target: FloatArray, dependent: float) -> tuple[FloatArray, int]:
+    """What a regression on columns leaves of a target, and how many of them count.
+
+    Those with a singular value below `dependent` times the largest, after scaling to unit length, repeat others.
+    """
+    X = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+    basis, singular, _ = np.linalg.svd(X, full_matrices=False)
+    basis = basis[:, singular > dependent * singular[0]]
+    return target - basis @ (basis.T @ target), basis.shape[1]
+
+
 def as_signal(name: str, values: ArrayLike, at_least: int = 1) -> FloatArray:
     """Check that `values` is one finite signal and return it with shape (N,).
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, lagged_columns, left_by
 
 LAGS = 8
 NOISE_LAGS = 12  # of both signals, by which the noise of the output is estimated
@@ -70,34 +70,25 @@ def _gain_from_noise(u: FloatArray, y: FloatArray) -> float:
     first, rows = OWN_LAGS + LAGS, u.size - OWN_LAGS - LAGS
     if rows < 2 * first:
         return 0.0
-    noise = np.zeros(y.size)
+    u, noise = u - np.mean(u), np.zeros(y.size)
     at = np.arange(NOISE_LAGS, y.size)
-    past = [_lagged(y, at, NOISE_LAGS), _lagged(u, at, NOISE_LAGS), u[at, None] - np.mean(u)]
+    past = [lagged_columns(y - np.mean(y), at, NOISE_LAGS), lagged_columns(u, at, NOISE_LAGS), u[at, None]]
     noise[at], _ = _left(np.column_stack(past), y[at])
     if np.std(noise[at]) <= LEAST_NOISE * np.std(y):
         return 0.0
     at = np.arange(first, y.size)
-    own = _lagged(u, at, OWN_LAGS)
+    own = lagged_columns(u, at, OWN_LAGS)
     alone, fewer = _left(own, u[at])
-    together, more = _left(np.column_stack([own, _lagged(noise, at, LAGS)]), u[at])
+    together, more = _left(np.column_stack([own, lagged_columns(noise, at, LAGS)]), u[at])
     if more == fewer:
         return 0.0
     error = max(float(together @ together), np.finfo(float).tiny) / (rows - more)
     return max(float(alone @ alone - together @ together), 0.0) / (more - fewer) / error
 
 
-def _lagged(x: FloatArray, at: np.ndarray, lags: int) -> FloatArray:
-    """The `lags` samples of a signal before each index of `at`, less its mean."""
-    return np.column_stack([x[at - lag] for lag in range(1, lags + 1)]) - np.mean(x)
-
-
 def _left(columns: FloatArray, target: FloatArray) -> tuple[FloatArray, int]:
     """What columns and a constant leave of a target, and the number of independent ones."""
-    X = np.column_stack([columns, np.ones(target.size)])
-    X /= np.maximum(np.linalg.norm(X, axis=0), np.finfo(float).tiny)
-    basis, singular, _ = np.linalg.svd(X, full_matrices=False)
-    basis = basis[:, singular > DEPENDENT * singular[0]]
-    return target - basis @ (basis.T @ target), basis.shape[1]
+    return left_by(np.column_stack([columns, np.ones(target.size)]), target, DEPENDENT)
 
 
 def look_swapped(u: FloatArray, y: FloatArray) -> bool:

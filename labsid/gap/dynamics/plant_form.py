@@ -120,6 +120,7 @@ FRICTION_LAWS = {
 excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, and the
 logarithm of the way before it slides (Dahl)."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
+NO_SPRING = -22.0  # logarithm of a stiffness, per squared sample, that no record shows
 GRAVITY = (  # scaled: radians per position, angle in radians
     Parameter("torque", 0.0, 50.0, 1e-3),
     Parameter("log_turn", -8.0, 10.0, 1e-3),
@@ -253,7 +254,7 @@ class PlantForm:
             port = self.simulation.port
             own += port.parameters(self.inside) if port is not None else ()
             return (*self.free, *own, *self._in_series())
-        rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", -22.0, 4.0)]
+        rates = [Parameter("log_c", -14.0, 3.5), Parameter("log_k", NO_SPRING, 4.0)]
         if self.kind in ("tanks", "speed"):
             rates = [Parameter("log_a", SLOWEST, FASTEST), Parameter("log_b", SLOWEST, FASTEST)]
         own = []

@@ -13,12 +13,11 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import real_rates
+from labsid.gap.dynamics.responses import comes_to_rest
 from labsid.gap.record.data import Data
 
 LOOP_GAINS = (0.15, 3.0)  # in the units of the record, of an output that follows its command: gravity changes it
 LEAST_FOLLOWED = 0.25  # range of such an output over that of its command
-OBSERVED = 6.0  # time constants in the record, from which the static gain of the parent is known
 LEAST_NEAR = 0.5  # correlation of an output with its command
 LONG_STEP = 2000  # samples of a simulated step response
 
@@ -156,7 +155,7 @@ class Context:
         per_unit = self.data.y_scale.unit / self.data.u_scale.unit
         if np.ptp(self.data.y[self.data.rows]) * per_unit <= LEAST_FOLLOWED * np.ptp(self.data.u):
             return False
-        if real_rates(*self.rates)[0] * self.data.longest < OBSERVED:  # a loop at its limit seems to integrate
+        if not comes_to_rest(*self.rates, self.data.longest):  # a loop at its limit seems to integrate
             return self._is_near_input
         step = self.step
         gain = float(step[LONG_STEP // 2 :].mean() - step[0]) * per_unit  # the mean, for it may not be damped

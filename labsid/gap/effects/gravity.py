@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from labsid.gap.dynamics.plant_form import NO_SPRING
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import force_unit
 from labsid.gap.effects.base import Fitted, PlantEffect, Value
@@ -16,7 +17,6 @@ from labsid.gap.record.data import Data
 DEGREES = 180.0 / np.pi  # in a radian
 LEAST_SWING, LARGEST_SWING = 0.25, 13.0  # radians: less shows a constant and a spring, more is no swing of an arm
 UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree
-NO_SPRING = -22.0  # logarithm of a stiffness, per squared sample: the lower limit of its parameter
 MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command
 
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, lagged_columns, left_by
 from labsid.gap.dynamics import _kernels
 from labsid.gap.record.controllers import FEEDBACK_F
-from labsid.gap.record.data import Data, complete_rows, lagged_columns
+from labsid.gap.record.data import Data, complete_rows
 from labsid.records.direction import feedback_statistic
 
 LAGS = 12  # of both signals
@@ -93,9 +93,5 @@ def innovations(data: Data) -> tuple[FloatArray, FloatArray, int]:
     past = np.column_stack(
         [lagged_columns(u, at, LAGS), lagged_columns(y, at, LAGS), np.ones(at.size), np.column_stack(filters)[at]]
     )
-    past /= np.maximum(np.linalg.norm(past, axis=0), np.finfo(float).tiny)
-    basis, singular, _ = np.linalg.svd(past, full_matrices=False)
-    basis = basis[:, singular > DEPENDENT * singular[0]]
-    now = np.column_stack([u[at], y[at]])
-    new_u, new_y = (now - basis @ (basis.T @ now)).T
-    return new_u, new_y, at.size - basis.shape[1] - 1
+    new, count = left_by(past, np.column_stack([u[at], y[at]]), DEPENDENT)
+    return new[:, 0], new[:, 1], at.size - count - 1

@@ -7,6 +7,7 @@ depends on the angle in radians. A gain and a unit of the angle that are free wo
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.gap.dynamics.plant_form import NO_SPRING
 from labsid.gap.effects.gravity import angle_unit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
@@ -35,8 +36,7 @@ def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:
     """The nonlinear parameters that are not estimated, by their place in theta."""
     plant = hypothesis.plant
     if plant.gravity and plant.unsprung and not plant.follows:
-        place = _place(hypothesis, "log_k")
-        return {place: hypothesis.parameters[place].lower}
+        return {_place(hypothesis, "log_k"): NO_SPRING}
     if not (plant.follows and plant.gravity):
         return {}
     return {_place(hypothesis, "log_turn"): float(np.log(data.u_scale.unit / (angle_unit(data) or 1.0)))}

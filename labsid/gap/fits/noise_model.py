@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsid._arrays import FloatArray
-from labsid.gap.record.data import MAX_LAGS, lagged_columns
+from labsid._arrays import FloatArray, lagged_columns
+from labsid.gap.record.data import MAX_LAGS
 
 MIN_SAMPLES = 20  # rows for a noise model
 MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding

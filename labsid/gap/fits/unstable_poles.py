@@ -127,22 +127,26 @@ def _error_with_direct_term(data: Data, c: float, k: float) -> float:
     """Mean square error of the equation that also has the input of the same sample."""
     X, target = _columns(data, c, k)
     X = np.column_stack([X, (data.u - data.u[0])[data.rows]])
-    error = target - X @ lstsq(X, target, lapack_driver="gelsy")[0]
-    return float(error @ error) / max(target.size - X.shape[1], 1)
+    return _solved(X, target)[1]
+
+
+def _solved(X: FloatArray, target: FloatArray) -> tuple[FloatArray, float]:
+    """The least-squares solution, and the mean square of its error by the degrees of freedom."""
+    theta = lstsq(X, target, lapack_driver="gelsy")[0]
+    error = target - X @ theta
+    return theta, float(error @ error) / max(target.size - X.shape[1], 1)
 
 
 def _equation(data: Data, c: float, k: float) -> FilteredEquation | None:
     """The filtered equation with the filter s^2 + c s + k, by least squares."""
     X, target = _columns(data, c, k)
-    theta = lstsq(X, target, lapack_driver="gelsy")[0]
-    error = target - X @ theta
+    theta, square = _solved(X, target)
     d1, d2 = denominator(c, k)
     z = np.roots([1.0, d1 - theta[0], d2 - theta[1]])
     if not np.isfinite(z).all() or np.any(np.isreal(z) & (z.real <= 0.0)) or np.any(z == 0.0):
         return None
     largest = z[np.argmax(z.real)]
     slope = np.array([largest, 1.0]) / (2.0 * largest + d1 - theta[0]) / largest  # of log z by the two numbers
-    square = float(error @ error) / max(target.size - X.shape[1], 1)
     covariance = pinvh(X.T @ X)[:2, :2] * square
     variance = float(np.real(slope @ covariance @ slope))
     gain = float(theta[2] + theta[3]) / (1.0 + d1 + d2)

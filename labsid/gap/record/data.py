@@ -144,8 +144,3 @@ def complete_rows(rows: np.ndarray, lags: int = MAX_LAGS) -> np.ndarray:
     for lag in range(1, lags + 1):
         complete[lag:] &= rows[:-lag]
     return complete
-
-
-def lagged_columns(x: FloatArray, at: np.ndarray, lags: int) -> FloatArray:
-    """The `lags` samples of a signal before each index of `at`, the latest first, shape (len(at), lags)."""
-    return np.column_stack([x[at - lag] for lag in range(1, lags + 1)])

@@ -242,7 +242,7 @@ def _limits_of_claims(answer: Answer) -> Iterator[Stage]:
         f"{joined(answer.novelty.beyond)}."
     )
     rules = [
-        *zip(before, before[1:], [switch] * len(steps), [reason for reason, _ in steps], strict=False),
+        *((was, now, switch, reason) for was, (reason, now) in zip(before, steps, strict=False)),
         (before[-1], last, threshold_of(novelty, "OUTSIDE"), outside),
     ]
     for was, now, limit, meaning in rules:

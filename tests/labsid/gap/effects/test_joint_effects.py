@@ -11,10 +11,11 @@ from scipy.integrate import solve_ivp
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.dynamics import _states
+from labsid.gap.dynamics.plant_form import NO_SPRING
 from labsid.gap.effects.base import Fitted
 from labsid.gap.effects.context import Context, unit_step_response
 from labsid.gap.effects.families import CANDIDATES
-from labsid.gap.effects.gravity import DEGREES, NO_SPRING, Gravity, angle_unit
+from labsid.gap.effects.gravity import DEGREES, Gravity, angle_unit
 from labsid.gap.fits.fitting import fit_from, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.known_scales import implied_count, known_bounds, known_gains
