@@ -46,6 +46,8 @@ class Effect:
     sizes : tuple of str
         Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in
         more than these; empty if an effect that does nothing leaves the hypothesis as it was.
+    instants : tuple of str
+        Parameters that are instants, as shares of the record.
     planted_variants : tuple of str
         Forms whose smallest visible size is reported.
     whole : str
@@ -63,6 +65,7 @@ class Effect:
     places: ClassVar[tuple[str, ...]] = ()
     grows: ClassVar[bool] = False
     sizes: ClassVar[tuple[str, ...]] = ()
+    instants: ClassVar[tuple[str, ...]] = ()
     planted_variants: ClassVar[tuple[str, ...]] = ()
     whole: ClassVar[str] = "u"
     variant: str = ""

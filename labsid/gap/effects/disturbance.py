@@ -1,6 +1,12 @@
 """Unmeasured loads."""
 
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import combinations
+from typing import ClassVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import ONSET, Parameter
@@ -23,6 +29,7 @@ MIN_ONSET = 8  # samples from either end of the record
 MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
 RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator
 FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator
+ONSETS = 64  # tried, from which a load is fitted
 LOAD_COLUMN = 3  # of the columns of the dynamics with a leak: the response to a constant load
 PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95  # of loads whose visibility is asked for
 MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
@@ -36,6 +43,7 @@ class StepLoad(Effect):
         path="disturbance",
         noun="a load step",
         clauses=(
+            "An unmeasured load acts from {onset} to {end} and changes the output by {size_y}",
             "An unmeasured load starts at {onset} and changes the output by {size_y}",
             "An unmeasured load starts at {onset} and raises the rate of return to rest by {size_1:%}, as a leak does",
             "An unmeasured load starts at {onset}",
@@ -47,8 +55,9 @@ class StepLoad(Effect):
         excited_by="A record that goes on for several time constants after the load has started.",
         parameters={
             "onset": Reported("start", "s", position=True),
+            "end": Reported("end", "s", position=True),
             "size": Reported(
-                "final change of the output", "y", share=True, labels={"1": "increase of the rate of return to rest"}
+                "settled change of the output", "y", share=True, labels={"1": "increase of the rate of return to rest"}
             ),
         },
         confused_with=("output-drift", "parameter-drift"),
@@ -59,20 +68,21 @@ class StepLoad(Effect):
             "t",
             "Change by the load",
             "size",
-            lambda x, p, seen: p["size"] * step(x - p["onset"], p, seen),
+            lambda x, p, seen: p["size"] * (step(x - p["onset"], p, seen) - step(x - p.get("end", np.inf), p, seen)),
             nothing,
             ("size",),
-            ("onset",),
+            ("onset", "end"),
         ),
     )
+
+    instants: ClassVar[tuple[str, ...]] = ("onset",)
 
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject onsets near either end of the record: an offset, or a spike."""
-        edge = max(MIN_ONSET / fit.data.samples, 0.005)
-        return edge < fit.value("onset") < 1.0 - edge and super().is_plausible(fit)
+        return is_within(fit, fit.value("onset")) and super().is_plausible(fit)
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
         """The samples after the onset."""
@@ -88,7 +98,7 @@ class LoadStep(StepLoad, AdditiveEffect):
     """An unmeasured load step."""
 
     grows = True
-    planted_variants = ("",)
+    planted_variants: ClassVar[tuple[str, ...]] = ("",)
     whole = "y"
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
@@ -149,6 +159,59 @@ class LoadStep(StepLoad, AdditiveEffect):
         a1, a2 = denominator(*fit.hypothesis.plant.linear_rates(fit.plant_theta))
         gains = (share * fit.range * (1.0 + a1 + a2), 0.0)
         return [Planted("size", {"onset": onset}, gains) for onset in PLANTED_ONSETS]
+
+
+class PassingLoad(LoadStep):
+    """A load that ends during the record."""
+
+    variants = ("ends",)
+    planted_variants = ()
+    instants = ("onset", "end")
+    grows = False
+    bic_penalty = RICHER_FORM_BIC
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """None: no other form ends."""
+        return []
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The onset and the end as shares of the record."""
+        return (ONSET, replace(ONSET, name="end"))
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Intervals in which a load reduces the residual most."""
+        return [np.array(ends) for ends in _load_intervals(context, 3)]
+
+    def columns(self, own: FloatArray, samples: int, span: int, plant: Plant, rates: FloatArray) -> FloatArray:
+        """Response of the dynamics to a unit step that ends."""
+        begun, ended = (step_signal(float(at), samples, span) for at in own)
+        return plant.load_response(rates, begun - ended)
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject loads that are shorter than an onset is from an end of the record, or end at this end."""
+        edge = MIN_ONSET / fit.data.samples
+        onset, end = fit.theta_of(self)
+        return bool(onset + edge < end < 1.0 - edge) and StepLoad.is_plausible(self, fit)
+
+    def active_samples(self, fit: Fitted) -> np.ndarray:
+        """The samples from the onset to the end."""
+        at = np.arange(fit.data.samples) / fit.data.samples
+        onset, end = fit.theta_of(self)
+        return np.asarray((at >= onset) & (at < end))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """Also `end` in seconds."""
+        onset, end = (float(at) * fit.data.samples * fit.data.Ts + fit.data.start for at in fit.theta_of(self))
+        return {"onset": Value(onset, "s"), "end": Value(end, "s"), "size": self._size(fit)}
+
+    def _size(self, fit: Fitted) -> Value:
+        """Change of the output that the load would settle at; its largest one if the dynamics are too slow for that."""
+        size = self.change(fit)
+        if abs(size) > MAX_EXTRAPOLATION * fit.range:
+            added = self.added(fit)
+            size = float(added[np.abs(added).argmax()])
+        return Value(size * fit.data.y_scale.unit, "y")
 
 
 class Leak(StepLoad, PlantEffect):
@@ -231,9 +294,15 @@ class InnerLoad(StepLoad, PlantEffect):
         return Value(float(fit.change_by("load", "leak")[-1]) * fit.data.y_scale.unit, "y")
 
 
+def is_within(fit: Fitted, onset: float) -> bool:
+    """Whether an onset, as a share of the record, is away from either end of it."""
+    edge = max(MIN_ONSET / fit.data.samples, 0.005)
+    return edge < onset < 1.0 - edge
+
+
 def explained_energy(columns: FloatArray, e: FloatArray) -> float:
-    """Sum of squares of `e` that two columns explain; they may be in proportion."""
-    gram = columns.T @ columns + 1e-9 * np.eye(2)
+    """Sum of squares of `e` that columns explain; they may be in proportion."""
+    gram = columns.T @ columns + 1e-9 * np.eye(columns.shape[1])
     cross = columns.T @ e
     return float(cross @ np.linalg.lstsq(gram, cross, rcond=None)[0])
 
@@ -248,27 +317,58 @@ def load_onsets(context: Context, count: int, grows_with: FloatArray | None = No
 
     The load is constant after the onset, or proportional to the signal `grows_with`.
     """
-    y, rows = context.data.y, context.data.rows
-    samples = y.size
+    load = np.ones(context.data.samples) if grows_with is None else grows_with
     plant, rates = Plant(), np.log(context.highpass_rates)
-    base_columns = plant.columns(rates, context.actuator, samples)
-    if context.parent.hypothesis.plant.nonlinear:
-        base_columns = context.parent.output[:, None]
-    basis = np.hstack([base_columns, np.ones((samples, 1))])[rows]
-    basis = np.linalg.qr(basis)[0]
-    e = y[rows] - basis @ (basis.T @ y[rows])
-    load = np.ones(samples) if grows_with is None else grows_with
-    at = np.unique(np.linspace(0.02, 0.97, 64) * samples).astype(int)
-    gains = []
-    for k in at:
-        load_signal = np.where(np.arange(samples) >= k, load, 0.0)
-        step = plant.load_response(rates, load_signal)[rows]
-        step -= basis @ (basis.T @ step)
-        gains.append(explained_energy(step, e))
-    height = np.array(gains)
+    return best_onsets(context, count, lambda after: plant.load_response(rates, np.where(after, load, 0.0)))
+
+
+def best_onsets(context: Context, count: int, columns_of: Callable[[NDArray[np.bool_]], FloatArray]) -> list[float]:
+    """Onsets, as shares of the record, at which the columns for the samples after an onset reduce the residual most."""
+    e, residual_of = _beside_dynamics(context)
+    samples = context.data.samples
+    at = _tried_onsets(samples)
+    height = np.array([explained_energy(residual_of(columns_of(np.arange(samples) >= k)), e) for k in at])
     found = []
     for _ in range(count):
         i = int(np.argmax(height))
         found.append(float(at[i]) / samples)
         height[max(i - 5, 0) : i + 6] = -np.inf
+    return found
+
+
+def _tried_onsets(samples: int) -> NDArray[np.intp]:
+    return np.unique((np.linspace(0.02, 0.97, ONSETS) * samples).astype(np.intp))
+
+
+def _beside_dynamics(context: Context) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    """What the dynamics leave of the output, by least squares, and the function that leaves the same of columns."""
+    y, rows = context.data.y, context.data.rows
+    if context.parent.hypothesis.plant.nonlinear:
+        base = context.parent.output[:, None]
+    else:
+        base = Plant().columns(np.log(context.highpass_rates), context.actuator, y.size)
+    basis = np.linalg.qr(np.hstack([base, np.ones((y.size, 1))])[rows])[0]
+
+    def residual_of(columns: FloatArray) -> FloatArray:
+        kept = columns[rows]
+        return np.asarray(kept - basis @ (basis.T @ kept))
+
+    return residual_of(y[:, None])[:, 0], residual_of
+
+
+def _load_intervals(context: Context, count: int) -> list[tuple[float, float]]:
+    """Beginning and end, as shares of the record, of constant loads that reduce the residual most."""
+    e, residual_of = _beside_dynamics(context)
+    samples = context.data.samples
+    plant, rates = Plant(), np.log(context.highpass_rates)
+    at = _tried_onsets(samples)
+    steps = [residual_of(plant.load_response(rates, np.where(np.arange(samples) >= k, 1.0, 0.0))) for k in at]
+    height = np.full((at.size, at.size), -np.inf)
+    for i, j in combinations(range(at.size), 2):
+        height[i, j] = explained_energy(steps[i] - steps[j], e)
+    found = []
+    for _ in range(count):
+        i, j = divmod(int(np.argmax(height)), at.size)
+        found.append((float(at[i]) / samples, float(at[j]) / samples))
+        height[max(i - 5, 0) : i + 6, max(j - 5, 0) : j + 6] = -np.inf
     return found

@@ -1,20 +1,39 @@
 """Parameters of the rig that drift slowly during the record."""
 
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics._rates import changed_rates
-from labsid.gap.dynamics.plant_form import Parameter
+from labsid.gap.dynamics.plant_form import ONSET, Parameter
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import chebyshev_course, comes_to_rest, decay_rates, section
-from labsid.gap.effects.base import Effect, Fitted, InputEffect, Planted, PlantEffect, Value
+from labsid.gap.dynamics.responses import chebyshev_course, comes_to_rest, decay_rates, section, step_signal
+from labsid.gap.effects.base import (
+    RICHER_FORM_BIC,
+    Effect,
+    Fitted,
+    InputEffect,
+    OutputEffect,
+    Planted,
+    PlantEffect,
+    Value,
+)
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
-from labsid.gap.effects.sketch import Sketch, nothing
+from labsid.gap.effects.disturbance import best_onsets, is_within
+from labsid.gap.effects.sketch import Seen, Sketch, nothing, step
 
+_STEP = (ONSET, Parameter("step", -3.0, 3.0), Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
+
+
+def _course_of_change(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
+    if "onset" in p:
+        return p["drift"] * step(x - p["onset"], p, seen)
+    return np.asarray(p.get("drift", p.get("pole", 0.0)) * (x - x[0]) / (x[-1] - x[0]))
 
 
 class PoleDrift(PlantEffect):
@@ -25,6 +44,7 @@ class PoleDrift(PlantEffect):
         path="dynamics",
         noun="a drift of the parameters",
         clauses=(
+            "The gain of the rig changes by {drift:%} at {onset}",
             "The gain of the rig changes by {drift:%} and its speed of response by {pole:%} over the record",
             "The gain of the rig changes by {drift:%} over the record",
             "The speed of response changes by {pole:%} over the record",
@@ -37,6 +57,7 @@ class PoleDrift(PlantEffect):
         excited_by="The same inputs at the beginning and at the end of a long record.",
         parameters={
             "drift": Reported("change of the gain over the record", "1", share=True),
+            "onset": Reported("instant of the change", "s", position=True),
             "pole": Reported("change of the speed of response over the record", "1", share=True),
         },
         confused_with=("output-drift", "load-step"),
@@ -46,11 +67,12 @@ class PoleDrift(PlantEffect):
         sketch=Sketch(
             "Time",
             "t",
-            "Change by the end, drawn straight, as a share",
+            "Change, a slow one drawn straight, as a share",
             "",
-            lambda x, p, seen: p.get("drift", p.get("pole", 0.0)) * (x - x[0]) / (x[-1] - x[0]),
+            _course_of_change,
             nothing,
             ("drift", "pole"),
+            ("onset",),
         ),
     )
     key_form = "pole-{}"
@@ -141,8 +163,8 @@ class GainDrift(InputEffect):
 
     name = "parameter-drift"
     key_form = "gain-{}"
-    variants = ("1", "4")
-    planted_variants = ("1",)
+    variants: ClassVar[tuple[str, ...]] = ("1", "4")
+    planted_variants: ClassVar[tuple[str, ...]] = ("1",)
     whole = "gain"
     position: ClassVar[int] = 8
 
@@ -201,6 +223,145 @@ class GainDrift(InputEffect):
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A gain that rises or falls by this share, about the mean input."""
         return [Planted("drift", {"shape1": 0.5 * sign * share, "angle": 0.0}) for sign in (1.0, -1.0)]
+
+
+class GainStep(GainDrift):
+    """A gain that changes once, about a neutral input, at which the change has no influence."""
+
+    variants = ("step",)
+    instants = ("onset",)
+    planted_variants = ()
+    bic_penalty = RICHER_FORM_BIC
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """A change of the reading in place of that of the actuator."""
+        return [ReadingStep("step")]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The instant as a share of the record, the relative change, and the angle of the neutral input."""
+        return _STEP
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Instants at which such a change reduces the residual most."""
+        plant, rates, w = Plant(), np.log(context.highpass_rates), context.actuator
+
+        def columns_of(after: NDArray[np.bool_]) -> FloatArray:
+            return np.hstack([plant.load_response(rates, np.where(after, x, 0.0)) for x in (w, np.ones(w.size))])
+
+        def response(x: FloatArray) -> FloatArray:
+            return section(*context.highpass_rates, x - x[0])[:, 0]
+
+        return _step_starts(context, response(w), columns_of, response, w)
+
+    def rates(self, context: Context) -> list[tuple[float, float]]:
+        """Those of the high-pass fit, into which the change has not brought a slow pole."""
+        return [context.highpass_rates]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject instants near an end of the record, too."""
+        return is_within(fit, float(fit.theta_of(self)[0])) and super().is_plausible(fit)
+
+    def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """Scale the distance from the neutral input after the instant."""
+        onset, size, angle = own
+        return np.asarray(w + size * (np.cos(angle) * w + np.sin(angle)) * step_signal(float(onset), w.size, span))
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drift`: relative change of the gain; `onset`: its instant."""
+        return _step_values(fit, fit.theta_of(self))
+
+    def planted(self, fit: Fitted, share: float) -> list[Planted]:
+        """None: a drift of the gain is."""
+        return []
+
+
+class ReadingStep(OutputEffect):
+    """A gain of the reading that changes once, about a neutral reading: another range, a new calibration."""
+
+    name = "parameter-drift"
+    key_form = "reading-{}"
+    variants = ("step",)
+    instants = ("onset",)
+    bic_penalty = RICHER_FORM_BIC
+    position: ClassVar[int] = 3
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """A change of the gain of the actuator."""
+        return [GainStep("step")]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The instant as a share of the record, the relative change, and the angle of the neutral reading."""
+        return _STEP
+
+    def starts(self, context: Context) -> list[FloatArray]:
+        """Instants at which such a change reduces the residual most."""
+        x = context.parent.output
+
+        def columns_of(after: NDArray[np.bool_]) -> FloatArray:
+            return np.column_stack([np.where(after, x, 0.0), after.astype(np.float64)])
+
+        return _step_starts(context, x, columns_of, lambda one: one, x)
+
+    def rates(self, context: Context) -> list[tuple[float, float]]:
+        """Those of the high-pass fit, into which the change has not brought a slow pole."""
+        return [context.highpass_rates]
+
+    def _factor(self, samples: int, own: FloatArray) -> FloatArray:
+        """The gain of the reading at each sample."""
+        onset, size, angle = own
+        return np.asarray(1.0 + size * np.cos(angle) * step_signal(float(onset), samples, samples))
+
+    def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
+        """Scale the distance from the neutral reading after the instant."""
+        onset, size, angle = own
+        return np.asarray(
+            self._factor(z.size, own) * z + size * np.sin(angle) * step_signal(float(onset), z.size, z.size)
+        )
+
+    def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
+        """The gain of the reading."""
+        return self._factor(z.size, own)
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject instants near an end of the record, and a neutral reading far outside it: the zero has moved."""
+        onset, _, angle = fit.theta_of(self)
+        return is_within(fit, float(onset)) and bool(abs(np.cos(angle)) > MIN_COSINE)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drift`: relative change of the gain; `onset`: its instant."""
+        return _step_values(fit, fit.theta_of(self))
+
+
+def _step_values(fit: Fitted, own: FloatArray) -> dict[str, Value]:
+    onset, size, angle = (float(x) for x in own)
+    at = onset * fit.data.samples * fit.data.Ts + fit.data.start
+    return {"drift": Value(size * float(np.cos(angle)), "1"), "onset": Value(at, "s")}
+
+
+def _step_starts(
+    context: Context,
+    response: FloatArray,
+    columns_of: Callable[[NDArray[np.bool_]], FloatArray],
+    passed: Callable[[FloatArray], FloatArray],
+    signal: FloatArray,
+) -> list[FloatArray]:
+    """Instants, relative changes and angles at which a signal changes its gain, by least squares on the output."""
+    samples, rows = context.data.samples, context.data.rows
+    starts = []
+    for at in best_onsets(context, 3, columns_of):
+        after = np.arange(samples) >= at * samples
+        changed = [passed(np.where(after, x, 0.0)) for x in (signal, np.ones(samples))]
+        columns = np.column_stack([response, *changed, np.ones(samples)])[rows]
+        if not np.isfinite(columns).all():
+            continue
+        gain, change, offset, _ = np.linalg.lstsq(columns, context.data.y[rows], rcond=1e-6)[0]
+        if gain:
+            angle = float(np.arctan(offset / change)) if change else 0.0
+            size = change / gain / max(float(np.cos(angle)), MIN_COSINE)
+            starts.append(np.array([at, np.clip(size, -2.0, 2.0), angle]))
+    return starts
 
 
 def _linear_response(fit: ParentFit, w: FloatArray) -> FloatArray:

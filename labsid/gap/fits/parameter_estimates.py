@@ -3,7 +3,7 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.effects.base import Effect, Fitted, Value
+from labsid.gap.effects.base import Effect, Fitted, OutputEffect, Value
 from labsid.gap.fits.fitting import Fit, covariance
 from labsid.gap.fits.identifiability import Determined, determined_numbers
 from labsid.gap.fits.profile import profile_likelihood
@@ -16,7 +16,8 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     """Return `{name: {value, stderr, unit}}` of one effect of a fit.
 
     Values that are not finite are left out; a standard error is zero where it is unknown. The standard errors come from
-    linear propagation. For a load step, the scatter of each value over the profile likelihood of the onset is added.
+    linear propagation. The scatter of each value over the profile likelihood of each of the effect's `instants` is
+    added, and for a change of the reading, which is seen at the next sample, that of an instant between two samples.
     """
     cov = covariance(data, fit)
 
@@ -25,14 +26,16 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
 
     at = {name: value for name, value in values(fit.theta, fit.gains).items() if np.isfinite(value.value)}
     scatter = dict.fromkeys(at, 0.0)
-    instant = [i for i, p in enumerate(fit.hypothesis.parameters) if p.name == "onset" and effect.name == "load-step"]
-    for place in instant:
+    for name in effect.instants:
+        place = _place_of(fit, effect, name)
         likelihood = profile_likelihood(data, fit, place)
         if likelihood is not None and np.isfinite(cov).all():
             cov = _conditional(cov, place)
             estimates = [values(point.theta, point.gains) for point in likelihood.points]
-            for name, best in at.items():
-                scatter[name] = float(likelihood.weights @ [(one[name].value - best.value) ** 2 for one in estimates])
+            for own, best in at.items():
+                scatter[own] += float(likelihood.weights @ [(one[own].value - best.value) ** 2 for one in estimates])
+        if isinstance(effect, OutputEffect):
+            scatter[name] += data.Ts**2 / 12.0
     slopes = value_slopes(data, fit, effect)
     return {
         name: {
@@ -42,6 +45,13 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
         }
         for name, value in at.items()
     }
+
+
+def _place_of(fit: Fit, effect: Effect, name: str) -> int:
+    """Place in theta of a parameter of an effect, or of the plant that it changes."""
+    key = effect.key if effect.key in fit.hypothesis.slices else "plant"
+    own = fit.hypothesis.slices[key]
+    return own.start + [one.name for one in fit.hypothesis.parameters[own]].index(name)
 
 
 def value_slopes(data: Data, fit: Fit, effect: Effect) -> dict[str, FloatArray]:

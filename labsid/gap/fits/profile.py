@@ -10,7 +10,9 @@ from labsid.gap.fits.fitting import Fit, Point, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
 
-FIRST_STEP = 0.5  # samples
+FIRST_STEP = 0.5  # samples, or the part of it that loses no more than
+FIRST_LOSS = 1.0  # twice the loss of log likelihood,
+HALVINGS = 12  # or so many halves of it
 STEP_GROWTH = 1.5  # of successive steps
 MAX_LOSS = 12.0  # twice the loss of log likelihood at which the profile ends
 MIN_SIZE_LOSS = 13.0  # the same, of an effect of size zero: 3.6 standard errors, 1 % for the best of 35 candidates
@@ -53,8 +55,9 @@ def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
     if best is None:
         return None
     points = [best]
+    first = _first_step(data, fit, place, best)
     for side in (-1.0, 1.0):
-        step, at, last = FIRST_STEP / data.samples, float(fit.theta[place]), best
+        step, at, last = first, float(fit.theta[place]), best
         while 0.0 < at + side * step < 1.0:
             at += side * step
             held = _held(data, fit, [place], at, last)
@@ -69,6 +72,17 @@ def profile_likelihood(data: Data, fit: Fit, place: int) -> Profile | None:
     instants = np.array([point.theta[place] for point in points])
     weights = np.exp(-0.5 * (loss - loss.min())) * np.gradient(instants)
     return Profile(tuple(points), weights / weights.sum())
+
+
+def _first_step(data: Data, fit: Fit, place: int, best: Point) -> float:
+    """A step, as a share of the record, that loses little of the likelihood on either side."""
+    step, at = FIRST_STEP / data.samples, float(fit.theta[place])
+    for _ in range(HALVINGS):
+        beside = (_held(data, fit, [place], at + side * step, best) for side in (-1.0, 1.0))
+        if all(one is not None and _loss(fit, one, best) < FIRST_LOSS for one in beside):
+            break
+        step *= 0.5
+    return step
 
 
 def has_size(data: Data, fit: Fit) -> bool:

@@ -28,7 +28,7 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import SLACK_LOG_STIFFNESS, CoulombFriction
 from labsid.gap.effects.force_limit import ForceLimit
 from labsid.gap.effects.gravity import Gravity, angle_unit
-from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, mean_square
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import Trial, is_compatible
 
@@ -43,7 +43,7 @@ IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFricti
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
 GIVING = ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # laws, with the way before the joint slides
 # (radians): a long way makes the error smooth
-ITERATIONS = 25  # of the fit from the best start point of each filter
+STAGES = (5, 5, 15)  # iterations from the best start point of each filter; the better half goes on to the next stage
 STILL = 0.1  # of the spread of the speed: below it friction is not known from the direction of the motion
 MOST_STILL = 0.05  # share of such samples within the filter
 MIN_MOVING = 40  # samples in motion
@@ -68,7 +68,7 @@ def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> 
     Returns
     -------
     list of Trial
-        Empty if the record is not that of a joint, or is too short for the filter.
+        Empty if the record is not that of a joint, or is too short for the filter. None leaves more than `base`.
     """
     context = Context(data, base, highpass)
     if base.hypothesis.found or not angle_unit(data) or min(map(len, _pieces(data))) < MIN_PIECE:
@@ -82,8 +82,17 @@ def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> 
             for laws, way in _laws(chosen):
                 problem = Problem(data, base.hypothesis.with_effects((*base.hypothesis.effects, *laws)))
                 best = (_best_of(problem, [common | start | _way(start, way) for start in few]) for few in at)
-                trials += [Trial(problem, descend(problem, one, ITERATIONS)) for one in best if one is not None]
-    return sorted(trials, key=attrgetter("point.cost"))
+                trials += [Trial(problem, one) for one in best if one is not None]
+    return _descended(trials, mean_square(data, base))
+
+
+def _descended(trials: list[Trial], most: float) -> list[Trial]:
+    """The trials that are best after each stage of the fit, of least error first; none with an error above `most`."""
+    for number, iterations in enumerate(STAGES):
+        kept = trials[: -(-len(trials) // 2)] if number else trials
+        trials = [Trial(one.problem, descend(one.problem, one.point, iterations)) for one in kept]
+        trials.sort(key=attrgetter("point.cost"))
+    return [one for one in trials if one.point.cost <= most]
 
 
 def _laws(chosen: list[Effect]) -> Iterator[tuple[list[Effect], float]]:

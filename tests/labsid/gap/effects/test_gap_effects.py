@@ -76,12 +76,12 @@ PARAMETERS = {
     "gravity": {"torque", "angle", "per_radian"},
     "force-limit": {"limit"},
     "slow-mode": {"tau", "share"},
-    "parameter-drift": {"drift", "pole"},
+    "parameter-drift": {"drift", "pole", "onset"},
     "output-drift": {"amplitude"},
     "output-saturation": {"low", "high"},
     "output-nonlinearity": {"c2", "c3", "centre", "fold"},
     "output-backlash": {"width"},
-    "load-step": {"onset", "size"},
+    "load-step": {"onset", "end", "size"},
     "periodic-disturbance": {"frequency", "amplitude"},
 }
 ALL = [effect for group in CANDIDATES for effect in group if not getattr(effect, "only_given", False)]

@@ -1,0 +1,125 @@
+"""Loads that end, and gains that change once, at the actuator or in the reading: named, with instants and sizes."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from labsid._arrays import FloatArray
+from labsid.gap import diagnose
+from labsid.gap.effects.disturbance import LoadStep, PassingLoad
+from labsid.gap.effects.drifts import GainStep, ReadingStep
+from labsid.gap.fits.fitting import fit_from
+from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.fits.parameter_estimates import estimate_parameters
+from labsid.gap.record.data import Data, scaled
+from labsid.records.record import Record
+
+TS = 2.0
+SAMPLES = 900
+TIME_CONSTANT = 20.0
+NOISE = 0.02
+
+
+def moves(seed: int) -> FloatArray:
+    """An operator's moves: levels that last 20 to 60 samples."""
+    rng = np.random.default_rng(seed)
+    levels = np.repeat(rng.uniform(1.0, 6.0, 60), rng.integers(20, 60, 60))
+    return np.asarray(levels[:SAMPLES])
+
+
+def first_order(u: FloatArray) -> FloatArray:
+    """1.5/(20 s + 1), the input held between the samples."""
+    pole = np.exp(-TS / TIME_CONSTANT)
+    return np.asarray(lfilter([0.0, 1.5 * (1.0 - pole)], [1.0, -pole], u - u[0]) + 1.5 * u[0])
+
+
+def after(onset: int, end: int = SAMPLES) -> FloatArray:
+    """One from a sample to another one."""
+    return np.where((np.arange(SAMPLES) >= onset) & (np.arange(SAMPLES) < end), 1.0, 0.0)
+
+
+def recorded(simulated: Callable[[FloatArray], FloatArray], seed: int) -> Record:
+    """A record of a rig with noise of its sensor."""
+    u = moves(seed)
+    noise = NOISE * np.random.default_rng(1000 + seed).standard_normal(SAMPLES)
+    return Record(np.arange(SAMPLES) * TS, u, simulated(u) + noise, TS)
+
+
+def data_of(record: Record) -> Data:
+    """The record as the search counts it."""
+    return scaled(np.asarray(record.u), np.asarray(record.y), np.ones(SAMPLES, bool), TS)
+
+
+RIGS: dict[str, tuple[str, Callable[[FloatArray], FloatArray], dict[str, float]]] = {
+    "load that ends": (
+        "load-step",
+        lambda u: first_order(u - 1.2 * after(350, 600)),
+        {"onset": 700.0, "end": 1200.0, "size": -1.8},
+    ),
+    "gain of the actuator": (
+        "parameter-drift",
+        lambda u: first_order(u * (1.0 + 0.4 * after(480))),
+        {"onset": 960.0, "drift": 0.4},
+    ),
+    "gain of the reading": (
+        "parameter-drift",
+        lambda u: first_order(u) * (1.0 - 0.4 * after(480)),
+        {"onset": 960.0, "drift": -0.4},
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rig", RIGS)
+def test_what_changes_at_an_instant_is_named_with_its_numbers(rig: str) -> None:
+    name, simulated, truth = RIGS[rig]
+    found = diagnose(recorded(simulated, 3))
+    assert [one["name"] for one in found.report["effects"]] == [name]
+    best = found.report["effects"][0]
+    assert best["probability"] > 0.85
+    numbers = best["parameters"]
+    for parameter, value in truth.items():
+        error = numbers[parameter]["stderr"]
+        assert abs(numbers[parameter]["value"] - value) < 4.0 * error, parameter
+        assert error < 0.02 * abs(value), parameter
+
+
+@pytest.mark.slow
+def test_errors_of_instants_are_those_of_repeated_records() -> None:
+    """Of a load whose instants a record shows within a tenth of a sample."""
+    misses = []
+    for seed in range(24):
+        data = data_of(recorded(lambda u: first_order(u - 1.2 * after(350, 600)), seed))
+        base = fit_baseline(data)
+        fit = fit_from(data, base.hypothesis.plus(PassingLoad("ends")), np.append(base.theta, [0.39, 0.66]), 40)
+        assert fit is not None
+        numbers = estimate_parameters(data, fit, PassingLoad("ends"))
+        misses += [(numbers[n]["value"] - x) / numbers[n]["stderr"] for n, x in (("onset", 700.0), ("end", 1200.0))]
+    assert 0.6 < np.sqrt(np.mean(np.square(misses))) < 1.4
+
+
+@pytest.mark.parametrize("effect", [GainStep("step"), ReadingStep("step")], ids=["actuator", "reading"])
+def test_a_gain_step_of_size_zero_changes_nothing(effect: GainStep | ReadingStep) -> None:
+    x = moves(1)
+    own = np.array([0.4, 0.0, 0.7])
+    changed = effect.apply(x, own, x.size) if isinstance(effect, GainStep) else effect.apply(x, own)
+    np.testing.assert_array_equal(changed, x)
+
+
+def test_the_slope_of_a_reading_is_its_derivative() -> None:
+    x, own = moves(2), np.array([0.4003, -0.3, 0.7])
+    effect = ReadingStep("step")
+    difference = (effect.apply(x + 0.5, own) - effect.apply(x - 0.5, own)) / 1.0
+    np.testing.assert_allclose(effect.slope(x, own), difference, atol=1e-12)
+
+
+def test_a_load_that_ends_at_the_end_of_the_record_is_one_that_begins() -> None:
+    data = data_of(recorded(first_order, 1))
+    base = fit_baseline(data)
+    plant, rates = base.hypothesis.plant, base.theta[base.hypothesis.slices["plant"]]
+    passing = PassingLoad("ends").columns(np.array([0.4, 1.0]), SAMPLES, SAMPLES, plant, rates)
+    np.testing.assert_allclose(
+        passing[:-1], LoadStep().columns(np.array([0.4]), SAMPLES, SAMPLES, plant, rates)[:-1], atol=1e-9
+    )
