@@ -203,11 +203,11 @@ def refreshes(u: FloatArray, y: FloatArray) -> np.ndarray | None:
     -------
     ndarray of int or None
         The samples with a reading of its own: every m-th one, or at nearly even distances if the sensor has a clock of
-        its own. None if y changes as seldom as u, hardly at all, or at other samples too.
+        its own. None if y changes where u does and hardly elsewhere, hardly at all, or at other samples too.
     """
     starts, lengths = runs(y)
     changes = starts[1:]
-    if changes.size < max(MIN_REFRESHES, 2 * runs(u)[0].size):
+    if changes.size < MIN_REFRESHES or _follows(changes, runs(u)[0][1:]):
         return None
     every = int(np.gcd.reduce(np.diff(changes)))
     if every > 1:
@@ -216,6 +216,11 @@ def refreshes(u: FloatArray, y: FloatArray) -> np.ndarray | None:
     least = int(inner.min())
     even = least > 1 and np.mean(inner <= least + 1) > MOSTLY_EVEN
     return changes if even else None
+
+
+def _follows(changes: np.ndarray, of_input: np.ndarray) -> bool:
+    """Whether the output changes where the input does and hardly elsewhere, of inputs that change as seldom."""
+    return of_input.size < 2 * changes.size < 4 * of_input.size
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:

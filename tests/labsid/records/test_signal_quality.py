@@ -119,6 +119,16 @@ def test_a_slow_sensor_with_a_clock_of_its_own_is_seen(every):
     np.testing.assert_array_equal(refreshes(u, readings[at]), np.unique(at)[1:])
 
 
+@pytest.mark.parametrize("held", [1, 2, 4])
+def test_a_sensor_slower_than_a_command_that_moves_is_seen(held):
+    """Also where the command changes at every sample, or faster than the sensor reads."""
+    rng = np.random.default_rng(held)
+    u = np.repeat(rng.uniform(-1, 1, 600 // held), held)
+    readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
+    at = np.arange(u.size) // 8 * 8
+    np.testing.assert_array_equal(refreshes(u, readings[at]), np.unique(at))
+
+
 def test_an_output_that_rests_between_steps_of_the_input_is_no_slow_sensor():
     u = np.repeat(np.random.default_rng(0).uniform(-1, 1, 60), 10)
     assert refreshes(u, 2 * u) is None
