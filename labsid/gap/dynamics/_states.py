@@ -15,6 +15,7 @@ NO_STOPS = (-np.inf, np.inf)
 NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # no limit, no gravity, friction that neither grows nor bends
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
 SATURATED = 20.0  # argument from which tanh is 1, within rounding
+CLOSE_RATES = 1e-4  # difference of two rates times the step, below which their mean serves for both
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller
 # Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
 CUBIC_CORRECTION = 0.109
@@ -63,8 +64,14 @@ def simulate_tanks(
                     inflow += share * (h1 - brim1) / (a1 * h)
                     h1 = brim1
                 h1 = max(h1, 0.0)
-            else:
+            elif root2:
                 h1, inflow = step_linear_tank(h1, flow, a1, keep1, brim1, share, h)
+            else:
+                h1, h2 = _step_linear_tanks(
+                    (h1, h2), flow, load, (a1, rate2), (keep1, keep2), restoring, (brim1, share), h
+                )
+                h2 = min(h2, brim2)
+                continue
             if root2:
                 net = inflow - math.sqrt(max(h2, 0.0)) - load - leaking * h2
                 half2 = max(min(h2 + 0.5 * h * rate2 * net, brim2), 0.0)
@@ -95,6 +102,55 @@ def step_linear_tank(
     over = (h - filling) / h
     below = (flow * filling - (brim - level) / rate) / h if level < brim else 0.0
     return brim, below + brim * over + share * max(flow - brim, 0.0) * over
+
+
+@compiled()
+def _step_linear_tanks(
+    levels: tuple[float, float],
+    flow: float,
+    load: float,
+    rates: tuple[float, float],
+    keep: tuple[float, float],
+    restoring: float,
+    brim: tuple[float, float],
+    h: float,
+) -> tuple[float, float]:
+    """Exact step of two linear tanks in series, the upper one up to a brim; the lower one loses the `load`, too.
+
+    `keep` are exp(-rate h), that of the lower tank with its rate times `restoring`; `brim` is the level of the brim and
+    the share of the overflow that the lower tank receives.
+    """
+    new = flow + (levels[0] - flow) * keep[0]
+    if new <= brim[0]:
+        return new, _lower_level(levels, flow, load, rates, keep, restoring, h)
+    low = levels[1]
+    rest = h
+    if levels[0] < brim[0]:
+        filling = math.log((flow - levels[0]) / (flow - brim[0])) / rates[0]
+        rest = h - filling
+        kept = (flow - brim[0]) / (flow - levels[0]), math.exp(-rates[1] * restoring * filling)
+        low = _lower_level(levels, flow, load, rates, kept, restoring, filling)
+    end = (brim[0] + brim[1] * max(flow - brim[0], 0.0) - load) / restoring
+    return brim[0], end + (low - end) * math.exp(-rates[1] * restoring * rest)
+
+
+@compiled()
+def _lower_level(
+    levels: tuple[float, float],
+    flow: float,
+    load: float,
+    rates: tuple[float, float],
+    keep: tuple[float, float],
+    restoring: float,
+    h: float,
+) -> float:
+    """Level of the lower tank after `h`, while the upper one approaches the `flow`."""
+    own = rates[1] * restoring
+    difference = own - rates[0]
+    is_close = abs(difference) * h < CLOSE_RATES
+    decay = h * math.sqrt(keep[0] * keep[1]) if is_close else (keep[0] - keep[1]) / difference
+    end = (flow - load) / restoring
+    return end + (levels[1] - end) * keep[1] + (levels[0] - flow) * rates[1] * decay
 
 
 @compiled()

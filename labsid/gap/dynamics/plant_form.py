@@ -195,6 +195,8 @@ class PlantForm:
         Whether the lag of "speed" precedes the friction.
     drift_degree : int
         Degree of the slow drift of the last state's rate, or of the spring; zero without one.
+    steps : bool
+        Whether a drifting pole changes at an instant instead.
     load, sinusoid : str
         Where a load step and a sinusoid act: "inside", on the nonlinear state, or "ahead", on the first of two states
         in series, where a load has no leak; empty without one.
@@ -231,6 +233,7 @@ class PlantForm:
     unsprung: bool = False
     lag_first: bool = True
     drift_degree: int = 0
+    steps: bool = False
     load: str = ""
     sinusoid: str = ""
     simulation: GivenSimulation = NOT_GIVEN
@@ -288,7 +291,7 @@ class PlantForm:
             own += [Parameter("drift", -3.0, 3.0)]
         if self.kind in ("varying", "leak"):
             own += [Parameter("share_c", -3.0, 3.0), Parameter("turn", 0.0, 1.0)]
-        own += [ONSET] if self.kind == "leak" else []
+        own += [ONSET] if self.kind == "leak" or self.steps else []
         own += [Parameter(f"bend{n}", -3.0, 3.0) for n in range(1, self.drift_degree)]
         if self.load:
             own += [Parameter("load", -20.0, 20.0)]

@@ -224,7 +224,9 @@ def _rate_factor(plant: PlantForm, own: Named, samples: int, span: int) -> Float
 
 
 def _course(plant: PlantForm, own: Named, samples: int, span: int) -> FloatArray:
-    """Logarithm of the factor of a drifting rate."""
+    """Logarithm of the factor of a rate that drifts or steps."""
+    if plant.steps:
+        return np.asarray(own["drift"] * step_signal(own["onset"], samples, span))
     shape = np.array([own["drift"], *(own[f"bend{n}"] for n in range(1, plant.drift_degree))])
     return np.clip(chebyshev_course(shape, samples, span), -6.0, 6.0)
 

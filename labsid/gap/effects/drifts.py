@@ -10,7 +10,15 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics._rates import changed_rates
 from labsid.gap.dynamics.plant_form import ONSET, Parameter
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import chebyshev_course, comes_to_rest, decay_rates, section, step_signal
+from labsid.gap.dynamics.responses import (
+    chebyshev_course,
+    comes_to_rest,
+    decay_rates,
+    real_rates,
+    section,
+    single_pole,
+    step_signal,
+)
 from labsid.gap.effects.base import (
     RICHER_FORM_BIC,
     Effect,
@@ -44,7 +52,9 @@ class PoleDrift(PlantEffect):
         path="dynamics",
         noun="a drift of the parameters",
         clauses=(
+            "The gain of the rig changes by {drift:%} and its speed of response by {pole:%} at {onset}",
             "The gain of the rig changes by {drift:%} at {onset}",
+            "The speed of response changes by {pole:%} at {onset}",
             "The gain of the rig changes by {drift:%} and its speed of response by {pole:%} over the record",
             "The gain of the rig changes by {drift:%} over the record",
             "The speed of response changes by {pole:%} over the record",
@@ -56,9 +66,9 @@ class PoleDrift(PlantEffect):
         ),
         excited_by="The same inputs at the beginning and at the end of a long record.",
         parameters={
-            "drift": Reported("change of the gain over the record", "1", share=True),
+            "drift": Reported("change of the gain", "1", share=True),
             "onset": Reported("instant of the change", "s", position=True),
-            "pole": Reported("change of the speed of response over the record", "1", share=True),
+            "pole": Reported("change of the speed of response", "1", share=True),
         },
         confused_with=("output-drift", "load-step"),
         of_one_record=True,
@@ -76,7 +86,7 @@ class PoleDrift(PlantEffect):
         ),
     )
     key_form = "pole-{}"
-    variants = ("1", "4")
+    variants: ClassVar[tuple[str, ...]] = ("1", "4")
     planted_variants: ClassVar[tuple[str, ...]] = ("1",)
     whole = "gain"
 
@@ -103,8 +113,7 @@ class PoleDrift(PlantEffect):
         an oscillation the slowest rate. The gain is that at rest; of a rig that comes to no rest, of its rate to the
         input.
         """
-        shape = np.array([fit.value("drift"), *(fit.value(f"bend{n}") for n in range(1, int(self.variant)))])
-        ends = chebyshev_course(shape, 101, 101)[[0, -1]]
+        ends = self._ends(fit)
         if fit.hypothesis.plant.kind != "varying":
             return {"pole": Value(float(np.exp(ends[1] - ends[0])) - 1.0, "1")}
         c, k = (float(np.exp(fit.value(name))) for name in ("log_c", "log_k"))
@@ -115,12 +124,17 @@ class PoleDrift(PlantEffect):
         turns = gains[0] * gains[1] <= 0.0
         found = {} if turns else {"drift": Value(float(gains[1] / gains[0]) - 1.0, "1")}
         if rests or turns:
-            oscillates = turns or fit.hypothesis.plant.feedthrough or (rates[:, 0] ** 2 < 4.0 * rates[:, 1]).any()
+            oscillates = turns or fit.hypothesis.plant.feedthrough or (rates[:, 0] ** 2 < rates[:, 1]).any()
             slowest = np.array([decay_rates(float(c), float(k))[0] for c, k in rates])
             delay = 1.0 / slowest if oscillates else rates[:, 0] / rates[:, 1] - speed / position
             delay = delay if delay.min() > 0.0 else 1.0 / slowest
             found["pole"] = Value(float(delay[0] / delay[1]) - 1.0, "1")
         return found
+
+    def _ends(self, fit: Fitted) -> FloatArray:
+        """Logarithm of the factor of the rate at the beginning and at the end."""
+        shape = np.array([fit.value("drift"), *(fit.value(f"bend{n}") for n in range(1, int(self.variant)))])
+        return chebyshev_course(shape, 101, 101)[[0, -1]]
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A restoring rate that rises or falls by this factor."""
@@ -129,6 +143,55 @@ class PoleDrift(PlantEffect):
             Planted("pole", {"drift": way, "share_c": 1.0}, size=Value(float(np.expm1(2.0 * way)), "1"))
             for way in (half, -half)
         ]
+
+
+class PoleStep(PoleDrift):
+    """A pole that changes once, possibly with the gain."""
+
+    variants = ("step",)
+    apart = True
+    planted_variants: ClassVar[tuple[str, ...]] = ()
+    instants = ("onset",)
+    bic_penalty = RICHER_FORM_BIC
+
+    def inner_forms(self) -> tuple[Effect, ...]:
+        """A drift of the last nonlinear state."""
+        return (InnerPoleDrift("1"),)
+
+    def extend(self, plant: Plant) -> Plant:
+        """Dynamics whose rates step at the onset."""
+        return plant.modified(kind="varying", drift_degree=1, steps=True)
+
+    def rates(self, context: Context) -> list[tuple[float, float]]:
+        """Those without a slow pole that the change has brought into a linear fit."""
+        return _rates_without_change(context)
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Instants at which a change of the restoring force and of the gain reduces the residual most."""
+        plant, rates, y = Plant(), np.log(context.highpass_rates), context.parent.output
+
+        def columns_of(after: NDArray[np.bool_]) -> FloatArray:
+            signals = (context.actuator, y - y[0], np.ones(y.size))
+            return np.hstack([plant.load_response(rates, np.where(after, x, 0.0)) for x in signals])
+
+        return [
+            start | {"share_c": part, "turn": 0.5, "onset": at}
+            for at in best_onsets(context, 2, columns_of)
+            for start in ({"drift": 0.5}, {"drift": -0.5})
+            for part in (0.0, 1.0)
+        ]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject instants near an end of the record, and a gain that changes its sign: a slow pole then has hidden."""
+        return is_within(fit, fit.value("onset")) and "drift" in super().values(fit)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """As of a drift, and `onset`, the instant."""
+        at = fit.value("onset") * fit.data.samples * fit.data.Ts + fit.data.start
+        return {**super().values(fit), "onset": Value(at, "s")}
+
+    def _ends(self, fit: Fitted) -> FloatArray:
+        return np.array([0.0, fit.value("drift")])
 
 
 class InnerPoleDrift(PoleDrift):
@@ -229,6 +292,7 @@ class GainStep(GainDrift):
     """A gain that changes once, about a neutral input, at which the change has no influence."""
 
     variants = ("step",)
+    apart = True
     instants = ("onset",)
     planted_variants = ()
     bic_penalty = RICHER_FORM_BIC
@@ -255,8 +319,8 @@ class GainStep(GainDrift):
         return _step_starts(context, response(w), columns_of, response, w)
 
     def rates(self, context: Context) -> list[tuple[float, float]]:
-        """Those of the high-pass fit, into which the change has not brought a slow pole."""
-        return [context.highpass_rates]
+        """Those without a slow pole that the change has brought into a linear fit."""
+        return _rates_without_change(context)
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject instants near an end of the record, too."""
@@ -282,6 +346,7 @@ class ReadingStep(OutputEffect):
     name = "parameter-drift"
     key_form = "reading-{}"
     variants = ("step",)
+    apart = True
     instants = ("onset",)
     bic_penalty = RICHER_FORM_BIC
     position: ClassVar[int] = 3
@@ -305,8 +370,8 @@ class ReadingStep(OutputEffect):
         return _step_starts(context, x, columns_of, lambda one: one, x)
 
     def rates(self, context: Context) -> list[tuple[float, float]]:
-        """Those of the high-pass fit, into which the change has not brought a slow pole."""
-        return [context.highpass_rates]
+        """Those without a slow pole that the change has brought into a linear fit."""
+        return _rates_without_change(context)
 
     def _factor(self, samples: int, own: FloatArray) -> FloatArray:
         """The gain of the reading at each sample."""
@@ -332,6 +397,13 @@ class ReadingStep(OutputEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drift`: relative change of the gain; `onset`: its instant."""
         return _step_values(fit, fit.theta_of(self))
+
+
+def _rates_without_change(context: Context) -> list[tuple[float, float]]:
+    """Rates of the high-pass fit; also its fast pole alone, if the other one is slower than the record shows."""
+    slow, fast = real_rates(*context.highpass_rates)
+    alone = [single_pole(fast)] if slow * context.data.samples < 1.0 else []
+    return [context.highpass_rates, *alone]
 
 
 def _step_values(fit: Fitted, own: FloatArray) -> dict[str, Value]:

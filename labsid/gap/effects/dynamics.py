@@ -24,6 +24,7 @@ MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
 SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
 MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
+CREEP = 0.01  # of the largest speed
 MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode
 MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more
 MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record
@@ -468,8 +469,12 @@ class CoulombFriction(PlantEffect):
 
 
 def moves_both_ways(speed: FloatArray) -> bool:
-    """Whether a motion has either direction for long enough."""
-    return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
+    """Whether a motion has either direction for long enough, not counting what is slow beside the fastest motion.
+
+    A rig that stops and never turns, such as a tank at its brim, is fitted by friction as well as by its stop.
+    """
+    least = CREEP * float(np.abs(speed).max())
+    return bool(min(np.mean(speed > least), np.mean(speed < -least)) > MIN_EITHER_DIRECTION)
 
 
 def initial_offset(context: Context) -> float:

@@ -49,6 +49,7 @@ FAMILIES: tuple[type[Effect], ...] = (
     drifts.GainDrift,
     drifts.PoleDrift,
     drifts.InnerPoleDrift,
+    drifts.PoleStep,
     drifts.GainStep,
     drifts.ReadingStep,
     output.Drift,
@@ -66,9 +67,9 @@ FAMILIES: tuple[type[Effect], ...] = (
 )
 """In the order of the search."""
 CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(
-    tuple(effect for family in FAMILIES if family.name == name for effect in family.searched())
-    for name in dict.fromkeys(family.name for family in FAMILIES if not inside.is_apart(family))
-) + tuple((effect,) for family in FAMILIES if inside.is_apart(family) for effect in family.searched())
+    tuple(effect for family in FAMILIES if family.name == name and not family.apart for effect in family.searched())
+    for name in dict.fromkeys(family.name for family in FAMILIES if not family.apart)
+) + tuple((effect,) for family in FAMILIES if family.apart for effect in family.searched())
 """Forms that the search adds to a simulation, in a group for each name, or for each of several causes of one name."""
 EFFECTS_BY_KEY: dict[str, Effect] = {
     effect.key: effect for effect in (*(e for family in FAMILIES for e in family.forms()), dynamics.DirectFeedthrough())

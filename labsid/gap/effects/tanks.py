@@ -14,6 +14,8 @@ from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Seen, Sketch, around_y, ends_of, same
 
+START_BELOW = 0.1  # scaled level: distance of the initial level from the brim, to start with
+STATE_OF = {"upper": "h1", "lower": "h2"}
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
 NO_CURVATURE, NO_BRIM = -190.0, 390.0  # scaled: input at zero flow, and level of a brim, without influence
@@ -241,8 +243,14 @@ class Overflow(_OfTanks):
         for part in (0.08, 0.25, 0.5):
             brim = high - part * (high - low)
             start = {"brim": brim**2 if root and brim > 0 else brim}
-            starts.append(start | {"share": 0.3} if self.tanks == ("upper",) else start)
+            start |= {"share": 0.3} if self.tanks == ("upper",) else {}
+            starts.append(start | self._below(start["brim"], float(u[0] - zero), root))
         return starts
+
+    def _below(self, brim: float, flow: float, root: bool) -> dict[str, float]:
+        """The initial level of a tank below its brim, where the first command is more than that: at it, none counts."""
+        above = (max(flow, 0.0) ** 2 if root else flow) - brim
+        return {STATE_OF[self.tanks[-1]]: -above - START_BELOW} if above > 0.0 else {}
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""

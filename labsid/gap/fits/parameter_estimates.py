@@ -32,8 +32,12 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
         if likelihood is not None and np.isfinite(cov).all():
             cov = _conditional(cov, place)
             estimates = [values(point.theta, point.gains) for point in likelihood.points]
-            for own, best in at.items():
-                scatter[own] += float(likelihood.weights @ [(one[own].value - best.value) ** 2 for one in estimates])
+            for own, best in at.items():  # a value may be finite at the fit only
+                scatter[own] += sum(
+                    float(weight) * (one[own].value - best.value) ** 2
+                    for weight, one in zip(likelihood.weights, estimates, strict=True)
+                    if own in one
+                )
         if isinstance(effect, OutputEffect):
             scatter[name] += data.Ts**2 / 12.0
     slopes = value_slopes(data, fit, effect)

@@ -29,10 +29,19 @@ def moves(seed: int) -> FloatArray:
     return np.asarray(levels[:SAMPLES])
 
 
-def first_order(u: FloatArray) -> FloatArray:
-    """1.5/(20 s + 1), the input held between the samples."""
-    pole = np.exp(-TS / TIME_CONSTANT)
+def first_order(u: FloatArray, time_constant: float = TIME_CONSTANT) -> FloatArray:
+    """1.5/(T s + 1), the input held between the samples."""
+    pole = np.exp(-TS / time_constant)
     return np.asarray(lfilter([0.0, 1.5 * (1.0 - pole)], [1.0, -pole], u - u[0]) + 1.5 * u[0])
+
+
+def slower(u: FloatArray) -> FloatArray:
+    """The same, whose time constant is twice as long from sample 480 on."""
+    y = first_order(u)
+    pole = np.exp(-TS / (2.0 * TIME_CONSTANT))
+    for n in range(481, SAMPLES):
+        y[n] = pole * y[n - 1] + 1.5 * (1.0 - pole) * u[n - 1]
+    return y
 
 
 def after(onset: int, end: int = SAMPLES) -> FloatArray:
@@ -63,6 +72,7 @@ RIGS: dict[str, tuple[str, Callable[[FloatArray], FloatArray], dict[str, float]]
         lambda u: first_order(u * (1.0 + 0.4 * after(480))),
         {"onset": 960.0, "drift": 0.4},
     ),
+    "speed of response": ("parameter-drift", slower, {"onset": 960.0, "pole": -0.5}),
     "gain of the reading": (
         "parameter-drift",
         lambda u: first_order(u) * (1.0 - 0.4 * after(480)),
