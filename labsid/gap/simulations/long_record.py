@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import linprog
 
 from labsid.gap.simulations.baseline import Simulation
 from labsid.gap.simulations.simulated_output import SimulatedOutput
@@ -13,6 +14,7 @@ from labsid.simulators.simulator import Simulator
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
 MAX_OF_SEVERAL = 8_000  # samples of several records, whose offsets and initial states add to the fits: about a minute
+ON_TIME = 1e-6  # samples: rounding of a tick
 MIN_SAMPLES_PER_STEP = 40  # samples that downsampling leaves between two changes of the input
 
 
@@ -135,12 +137,40 @@ def at_readings(records: Sequence[Record]) -> tuple[list[Record], tuple[str, ...
     found = [_readings(record) for record in records]
     if found[0] is None:
         return list(records), ()
-    every = float(np.diff(found[0]).mean())
-    slow = [_at_readings(one, at, every) for one, at in zip(records, found, strict=True)]
+    every, has_clock = _clock(found[0])
+    kept = _at_ticks if has_clock else _at_readings
+    slow = [kept(one, at, every) for one, at in zip(records, found, strict=True)]
     return slow, (
         f"The output has a new value at one sample in {every:.3g} only: the diagnosis uses these, and the mean of the "
         "input between them.",
     )
+
+
+def _clock(at: np.ndarray) -> tuple[float, bool]:
+    """The period of a sensor in samples, and whether a clock with a period of its own explains its readings.
+
+    `at` are the samples at which readings appear, up to a sample after their ticks; none is left out.
+    """
+    mean = float(np.diff(at).mean())
+    if np.ptp(np.diff(at)) == 0:
+        return mean, False
+    ticks = np.arange(at.size)
+    line = np.column_stack([ticks, np.ones(at.size)])  # its period, and half a sample more than its first tick
+    rows = np.column_stack([np.vstack([line, -line]), -np.ones(2 * at.size)])  # and the largest deviation from it
+    found = linprog([0.0, 0.0, 1.0], rows, np.concatenate([at, -at]), bounds=[(None, None)] * 3)
+    has_clock = bool(found.success and found.x[2] <= 0.5 + ON_TIME)
+    return (float(found.x[0]) if has_clock else mean), has_clock
+
+
+def _at_ticks(record: Record, at: np.ndarray | None, every: float) -> Record:
+    """A record at the ticks of a sensor's clock, `every` samples apart, each seen at the sample that follows."""
+    late = np.array([0.0]) if at is None else at - every * np.arange(at.size)
+    first = float(np.clip(0.5 * (late.max() - 1.0 + late.min()), 0.0, None))
+    grid = first + every * np.arange(int((len(record) - first) / every) + 1)
+    grid = grid[grid <= len(record)]
+    seen = np.arange(len(record)) if at is None else at
+    held = record.y[seen[np.clip(np.searchsorted(seen, grid[:-1] - ON_TIME), 0, seen.size - 1)]]
+    return _resampled(record, grid, every, held)
 
 
 def _readings(record: Record) -> np.ndarray | None:
@@ -155,13 +185,16 @@ def _readings(record: Record) -> np.ndarray | None:
 
 def _at_readings(record: Record, at: np.ndarray | None, every: float) -> Record:
     """A record at even distances of `every` samples, by straight lines between its readings."""
-    k = np.arange(len(record) + 1)
     first = 0 if at is None else int(at[0])
     grid = first + every * np.arange(int((len(record) - first) / every) + 1)
     grid = grid[grid <= len(record)]
-    total = np.interp(grid, k, np.concatenate([[0.0], np.cumsum(record.u)]))
-    at = k[:-1] if at is None else at
-    y = np.interp(grid[:-1], at, record.y[at])
+    at = np.arange(len(record)) if at is None else at
+    return _resampled(record, grid, every, np.interp(grid[:-1], at, record.y[at]))
+
+
+def _resampled(record: Record, grid: np.ndarray, every: float, y: np.ndarray) -> Record:
+    """A record with the output `y` at the places of `grid` but the last, and the mean of the input up to the next."""
+    total = np.interp(grid, np.arange(len(record) + 1), np.concatenate([[0.0], np.cumsum(record.u)]))
     t = record.t[0] + record.Ts * grid[:-1]
     return Record(t, np.diff(total) / every, y, every * record.Ts, name=record.name)
 

@@ -120,3 +120,22 @@ def test_a_slow_sensor_with_a_clock_of_its_own_shows_no_gap():
     report = diagnose(Record(0.1 * np.arange(u.size), u, y, 0.1)).report
     assert report["verdict"] == "none"
     assert "one sample in 3.3 only" in " ".join(report["screen"])
+
+
+def test_readings_at_the_ticks_of_a_clock_are_at_even_distances():
+    """Of a fast rig, where a reading that is taken for one of the next sample is far off."""
+    rng, every, pole = np.random.default_rng(7), 4.32, np.exp(-1 / 6)
+    u = rng.uniform(-1, 1, 1500)
+    exact = lfilter([0, 1 - pole], [1, -pole], u)
+    ticks = 0.4 + every * np.arange(int(u.size / every))
+    whole = ticks.astype(int)  # y decays towards u within a sample
+    true = u[whole] + (exact[whole] - u[whole]) * np.exp(-(ticks - whole) / 6)
+    readings = true + 0.01 * rng.standard_normal(ticks.size)
+    seen = np.searchsorted(ticks, np.arange(u.size), side="right") - 1
+    run = Record(0.1 * np.arange(u.size), u, readings[np.maximum(seen, 0)], 0.1)
+    (slow,), _ = at_readings([run])
+    assert slow.Ts == pytest.approx(0.1 * every, rel=1e-4)
+    first = int(np.argmin(np.abs(ticks * 0.1 - slow.t[0])))
+    np.testing.assert_array_equal(slow.y, readings[first : first + len(slow)])
+    np.testing.assert_allclose(slow.t, 0.1 * ticks[first : first + len(slow)], atol=0.05)
+    assert diagnose(run).report["verdict"] == "none"
