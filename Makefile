@@ -20,11 +20,11 @@ help:  ## this list
 demo: set-up  ## the main job on embedded data: course built, sample hand-ins graded, a record identified
 	@.venv/bin/labsid demo
 
-test: set-up  ## the tests, on all cores; neighbours on one worker, so that what a module shares is made once
-	@.venv/bin/python -m pytest -n auto --dist worksteal -m "not exhaustive" $(PYTEST_ARGS)
+test: set-up  ## the tests, on all cores
+	@.venv/bin/python -m pytest -n auto -m "not exhaustive" $(PYTEST_ARGS)
 
 test-all: set-up  ## the tests, and for every case what `test` proves for one of each kind (half an hour)
-	@.venv/bin/python -m pytest -n auto --dist worksteal $(PYTEST_ARGS)
+	@.venv/bin/python -m pytest -n auto $(PYTEST_ARGS)
 
 check: set-up lint  ## for work in progress, within a minute: style, types, and the tests that start and search nothing
 	@.venv/bin/python -m pytest -n auto -m "not slow" $(PYTEST_ARGS)

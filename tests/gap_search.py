@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from labsid.gap.batches import batch
-from labsid.gap.effects.families import CANDIDATES
+from labsid.gap.effects.families import CANDIDATES, FAMILIES
 
 _TESTS = Path(__file__).resolve().parent
 FEW_IN_ONE_PROCESS = f"""
@@ -26,12 +26,23 @@ with searched("load-step"):
 
 @contextmanager
 def searched(*names: str) -> Iterator[None]:
-    """Limit the search in this process to the effects of these names; also a decorator of a test."""
+    """Limit the search, and the limits of the record, in this process to these effects; also a decorator of a test."""
     few = tuple(group for group in CANDIDATES if group[0].name in names)
     unknown = set(names) - {group[0].name for group in few}
     assert not unknown, f"the search has no {sorted(unknown)}"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("labsid.gap.search.beam_search.CANDIDATES", few)
+        with limits_of(*names):
+            yield
+
+
+@contextmanager
+def limits_of(*names: str) -> Iterator[None]:
+    """State the limits of the record in this process for the effects of these names alone."""
+    few = tuple(family for family in FAMILIES if family.name in names)
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("planting", "smallest_sizes"):
+            patch.setattr(f"labsid.gap.limits.{module}.FAMILIES", few)
         yield
 
 

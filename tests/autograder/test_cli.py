@@ -509,7 +509,11 @@ def is_running(pid: int) -> bool:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are sent")
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "how",
+    # `test_grade.py` and `test_isolation.py` have runs that are killed
+    [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.exhaustive)],
+)
 def test_a_run_that_is_stopped_keeps_what_is_graded_and_goes_on(
     here: Course, submitted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], how: signal.Signals
 ) -> None:

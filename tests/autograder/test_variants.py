@@ -20,7 +20,7 @@ ASSIGNMENTS = assignment_names()
 Grade = Callable[[Mapping[str, str]], Mapping[str, QuestionResult]]
 
 
-MOST = 3
+MOST = 2
 """Wrong variants of a question that are graded as hand-ins; further ones are judged in this process. `make bars` grades
 every one as a hand-in of its own."""
 MORE = ("sim-to-real-gap",)
@@ -34,7 +34,7 @@ def shared_out(name: str) -> tuple[list[Right | Wrong], list[Right | Wrong]]:
     random.Random(name).shuffle(variants)
     graded: list[Right | Wrong] = []
     judged: list[Right | Wrong] = []
-    most = 8 if name in MORE else MOST
+    most = 4 if name in MORE else MOST
     counts: Counter[tuple[str, bool]] = Counter()
     for variant in variants:
         key = variant.question, isinstance(variant, Wrong)

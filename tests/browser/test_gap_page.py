@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
@@ -35,12 +36,13 @@ def lags(x: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def found() -> Diagnosis:
-    """The diagnosis of a rig whose actuator has a limit."""
+    """The diagnosis of a rig whose actuator has a limit, by a search for few effects."""
     rng = np.random.default_rng(3)
     u = np.repeat(rng.uniform(1.0, 4.0, SAMPLES // 25), 25)
     w = np.minimum(u, LIMIT)
     y = w[0] + lags(w - w[0]) + 0.005 * rng.standard_normal(SAMPLES)
-    return diagnose(Record(TS * np.arange(SAMPLES), u, y, TS, name="limited"))
+    with searched("input-saturation", "input-nonlinearity", "output-saturation"):
+        return diagnose(Record(TS * np.arange(SAMPLES), u, y, TS, name="limited"))
 
 
 @pytest.fixture(scope="module")

@@ -103,7 +103,7 @@ class Client:
 def client(out: Path, course: Course) -> Iterator[Client]:
     app = MarkingApp(out, open_questions(out, course), "Dr Öz", lambda: NOW)
     server = make_server(app)
-    thread = Thread(target=server.serve_forever, daemon=True)
+    thread = Thread(target=server.serve_forever, args=[0.01], daemon=True)  # seconds until it sees that it ends
     thread.start()
     yield Client(app, server.server_port, server)
     server.shutdown()

@@ -14,6 +14,7 @@ from labsid.blind.strength import CLEAR_RATIOS, HARD_RATIOS
 from labsid.blind.suite import label_dict
 from labsid.rig.switchable.coupled.effects import EFFECTS
 
+COUNTS = {"signals": 4, "signals-hard": 2, "signals-none": len(NONE_KINDS)}
 BETWEEN = {"signals": CLEAR_RATIOS, "signals-hard": HARD_RATIOS}
 
 
@@ -24,13 +25,13 @@ def table(case: OrdinaryCase) -> tuple[list[str], np.ndarray]:
 
 @pytest.fixture(scope="module")
 def some(dev_cases) -> dict[str, list[OrdinaryCase]]:
-    return {row: dev_cases(row, 6) for row in ("signals", "signals-hard", "signals-none")}
+    return {row: dev_cases(row, count) for row, count in COUNTS.items()}
 
 
 def test_the_effects_take_turns_and_are_as_large_as_their_row_asks(some) -> None:
     for row, (low, high) in BETWEEN.items():
         labels = [label_dict(case) for case in some[row]]
-        assert [label["labels"] for label in labels] == [[name] for name in EFFECTS[:6]]
+        assert [label["labels"] for label in labels] == [[name] for name in EFFECTS[: COUNTS[row]]]
         for label in labels:
             truth = label["truth"]
             assert 0.9 * low < truth["ratio"] < 1.1 * high
@@ -68,7 +69,7 @@ def test_named_columns_have_options_and_the_others_need_none(some) -> None:
 
 def test_without_an_effect_the_linear_model_leaves_less_than_a_tenth_of_the_noise(some) -> None:
     cases = some["signals-none"]
-    assert [case.made.truth["case"] for case in cases] == [*NONE_KINDS, NONE_KINDS[0]]
+    assert [case.made.truth["case"] for case in cases] == list(NONE_KINDS)
     for case in cases:
         assert case.made.answers == ((),)
         assert case.made.truth["effects"] == []
@@ -85,7 +86,7 @@ def test_a_draw_is_repeated_by_its_seed() -> None:
 
 @pytest.mark.usefixtures("drawn_once")
 def test_records_are_written_with_their_labels_apart(some, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    main([str(tmp_path), "--row", "signals", "--per-row", "6"])
+    main([str(tmp_path), "--row", "signals", "--per-row", str(COUNTS["signals"])])
     assert capsys.readouterr().out.split() == [str(tmp_path / "signals" / "labels.json")]
     labels = json.loads((tmp_path / "signals" / "labels.json").read_text(encoding="utf-8"))
     files = list((tmp_path / "signals" / "records").iterdir())

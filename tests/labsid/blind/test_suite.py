@@ -24,18 +24,18 @@ from labsid.rig.switchable.unlisted import UNLISTED_EFFECTS
 from labsid.rig.switchable.variants import VARIANTS
 
 COUNTS = {
-    "single-clear": 22,
-    "single-hard": 6,
-    "short": 4,
+    "single-clear": 12,
+    "single-hard": 3,
+    "short": 2,
     "pair": 3,
     "none": 6,
     "unknown": 9,
     "with-sim": 6,
     "partial": 4,
-    "families": 8,
+    "families": len(FAMILIES),
     "variants": 6,
     "runs": 2,
-    "faint": 4,
+    "faint": 2,
 }
 
 
@@ -85,7 +85,7 @@ def test_the_gap_of_a_faint_effect_is_between_a_tenth_of_the_noise_and_that_of_a
 
 def test_the_families_are_clear_and_exercised(some: list[Case]) -> None:
     cases = of_row(some, "families")
-    assert [case.labels for case in cases] == [(name,) for name in FAMILIES] * 2
+    assert [case.labels for case in cases] == [(name,) for name in FAMILIES]
     for case in cases:
         assert case.level == "clear"
         assert CLEAR_RATIOS[0] * 0.95 < left_by_linear(case) < CLEAR_RATIOS[1] * 1.05
@@ -275,7 +275,7 @@ def test_a_fresh_record_has_the_same_rig_and_other_noise_and_input(some: list[Ca
 
 
 def test_the_true_structure_refitted_leaves_the_noise(some: list[Case]) -> None:
-    cases = [of_row(some, "single-clear")[i] for i in (1, 4, 8, 10, 19)]
+    cases = [of_row(some, "single-clear")[i] for i in (1, 4, 8, 10)]
     for case in [*cases, *of_row(some, "families")[:4], *of_row(some, "variants")[:5]]:
         counts = np.ones(len(case.record), dtype=bool)
         counts[len(case.record) // 2 : len(case.record) * 3 // 4] = False

@@ -8,6 +8,7 @@ import jupytext
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from representatives import mostly_exhaustive
 
 from labsid.checks import NoAnswer, Question, Verdict
 from labsid.checks.notebook import load_assignment
@@ -33,7 +34,11 @@ class Solved:
     variables: dict[str, object]
 
 
-@pytest.fixture(scope="module", params=list(EFFECT_PATHS))
+ONE_OF_EACH_PATH = ("input-saturation", "sqrt-outflow", "output-saturation")
+"""Tried everywhere, with a delay, which is in seconds, and has no offset."""
+
+
+@pytest.fixture(scope="module", params=mostly_exhaustive(EFFECT_PATHS, ["input-delay", *ONE_OF_EACH_PATH]))
 def solved(request, tmp_path_factory, notebook_cells) -> Solved:
     """One rig of each effect, worked through by the model solution."""
     student = next(f"z{i}" for i in range(1000) if withheld_rig(f"z{i}", SECRET).effect == request.param)

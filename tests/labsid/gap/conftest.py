@@ -1,12 +1,13 @@
 """Shared by the tests of the diagnosis: an input, an independent integrator, and small records."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from gap_reports import undrawn_figures
+from gap_search import limits_of
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
@@ -112,6 +113,13 @@ def plain(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanati
     y = two_poles(u)
     y = y + 0.05 * y.std() * np.random.default_rng(2).standard_normal(u.size)
     return explain(scaled(u, y, np.ones(u.size, bool), 1.0))
+
+
+@pytest.fixture(scope="module")
+def without_limits() -> Iterator[None]:
+    """Reports without the limits of the record, for modules in which nothing depends on them."""
+    with limits_of():
+        yield
 
 
 @pytest.fixture

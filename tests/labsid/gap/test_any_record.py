@@ -54,7 +54,7 @@ def report_or_message(record: Record) -> dict[str, Any] | str:
 
 
 @pytest.mark.slow
-@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=3, deadline=None, suppress_health_check=list(HealthCheck))
 @given(signals())
 def test_a_finite_record_ends_with_a_report_or_one_line(pair: tuple[FloatArray, FloatArray]) -> None:
     u, y = pair

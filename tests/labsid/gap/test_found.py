@@ -61,14 +61,12 @@ FOUND = (
 
 
 ONE_OF_EACH_KIND = (
-    "direct-washout-steps",
     "exact-6-digits",
     "itself-output",
-    "simulated-output-limit",
     "clipped-2",
 )
 """Tested everywhere. For the other kinds there are further tests: a command that is off and free numbers on these very
-records, and a coarse log."""
+records, a coarse log, direct terms (`test_direct_term.py`), and simulated outputs (`test_simulated_output.py`)."""
 
 
 @pytest.fixture

@@ -12,16 +12,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gap_search import searched
+from gap_search import limits_of, searched
 
 from labsid.cli.commands import main
-from labsid.gap.effects.disturbance import LoadStep
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.gap.simulations.simulation_files import load_simulation
 from labsid.records.record import Record, load_record
 
 ROOT = Path(__file__).resolve().parents[3]
 DEN = np.poly([0.95, 0.8]).tolist()
+FEW = ("input-delay", "input-saturation", "extra-lag", "output-saturation", "load-step")
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def labsid(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments):
-        with searched("input-delay", "input-saturation", "extra-lag", "output-saturation", "load-step"):
+        with searched(*FEW):
             status = main(["gap", *map(str, arguments)])
         captured = capsys.readouterr()
         return status, captured.out, captured.err
@@ -243,9 +243,10 @@ def test_holdouts_that_do_not_fit(refused, record, written, plain, words, change
     ],
     ids=["at rest", "60 samples"],
 )
-def test_a_holdout_is_only_scored(record, written, plain, capsys, changed):
-    assert main(["gap", "diagnose", str(record), "--holdout", str(written(**changed(plain)))]) == 0
-    assert "nan" not in re.findall(r"\w+", capsys.readouterr().out)
+def test_a_holdout_is_only_scored(labsid, record, written, plain, changed):
+    status, out, err = labsid("diagnose", record, "--holdout", written(**changed(plain)))
+    assert (status, err) == (0, "")
+    assert "nan" not in re.findall(r"\w+", out)
 
 
 # Options --------------------------------------------------------------------------------------------------
@@ -396,12 +397,11 @@ def test_limits_of_a_record_and_of_a_planned_input(labsid, record, planned, tmp_
     assert any(row["detect"] is not None for row in later["limits"])
 
 
-def test_planted_effects_are_counted(labsid, record, tmp_path, monkeypatch):
+@searched(*FEW)
+def test_planted_effects_are_counted(record, tmp_path):
     """Of the effects that the search of these tests has, most of the planted ones are named."""
-    monkeypatch.setattr("labsid.gap.limits.planting.FAMILIES", (LoadStep,))
-    monkeypatch.setattr("labsid.gap.limits.smallest_sizes.FAMILIES", (LoadStep,))
-    status, _, _ = labsid("limits", record, "--test", "2", "--json", tmp_path / "limits.json")
-    assert status == 0
+    with limits_of("load-step"):
+        assert main(["gap", "limits", str(record), "--test", "2", "--json", str(tmp_path / "limits.json")]) == 0
     (row,) = json.loads((tmp_path / "limits.json").read_text())["limits"]
     assert row["tested"]["of"] == 2
     assert row["tested"]["named"] >= 1

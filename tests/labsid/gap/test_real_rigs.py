@@ -11,6 +11,8 @@ from labsid.records.formats import read_raw
 from labsid.records.reading import Reading
 from labsid.records.record import Record, load_record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 
 @pytest.mark.exhaustive  # `labsid gap rigs`, which CI runs, plays this record on its second one, too
 def test_the_overflow_of_the_cascaded_tanks_is_named_and_the_held_back_record_followed(shared_data: Path) -> None:
@@ -36,8 +38,8 @@ def test_the_delay_of_the_hair_dryer_is_named_on_either_half(start: int, shared_
     assert 1.5 < delays[0] / 0.08 < 3.0  # samples beyond the first
 
 
+@pytest.mark.exhaustive  # `labsid gap rigs`, which CI runs, does the same
 def test_the_absolute_value_of_the_coupled_drives_is_found(shared_data: Path) -> None:
-    """`labsid gap rigs` runs the other rigs, which take longer."""
     (pair,) = [pair for pair in find_rigs(shared_data / "real-rigs") if pair[0].stem == "coupled-drives"]
     (result,) = check_rigs([pair])
     assert not result.is_worse

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid.cli.commands import main
 from labsid.gap.rigs import check_rigs, find_rigs
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 
 def write_rig(folder: Path, name: str, constant: bool = False) -> None:
@@ -21,6 +24,7 @@ def write_rig(folder: Path, name: str, constant: bool = False) -> None:
         np.savetxt(folder / f"{name}{ending}.csv", table, delimiter=",", header="t,u,y", comments="")
 
 
+@searched("input-delay", "load-step")
 def test_the_rig_after_one_with_a_constant_input_is_diagnosed(tmp_path: Path) -> None:
     write_rig(tmp_path, "a-still", constant=True)
     write_rig(tmp_path, "b-moving")
@@ -31,6 +35,7 @@ def test_the_rig_after_one_with_a_constant_input_is_diagnosed(tmp_path: Path) ->
     assert moving.after < 0.02
 
 
+@searched("input-delay", "load-step")
 def test_the_table_names_the_rig_and_the_exit_status_is_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_rig(tmp_path, "a-still", constant=True)
     write_rig(tmp_path, "b-moving")
@@ -43,6 +48,7 @@ def test_the_table_names_the_rig_and_the_exit_status_is_1(tmp_path: Path, capsys
     assert main(["gap", "rigs", str(alone)]) == 0
 
 
+@searched("input-delay", "load-step")
 def test_a_second_record_with_missing_outputs_is_scored_where_it_has_some(tmp_path: Path) -> None:
     write_rig(tmp_path, "gaps")
     path = tmp_path / "gaps.holdout.csv"

@@ -1,13 +1,12 @@
 """What `labsid submit` calls right, grading calls right: honest hand-ins in odd styles, in both."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
 
 import pytest
-from course_work import GradeCode
-from representatives import mostly_exhaustive
+from course_work import GradeCode, read_solved
 
 from autograder.course.layout import Course
 from autograder.judge.outcome import QuestionResult
@@ -57,50 +56,64 @@ SAID = {
 """Answers that are wrong in both, as the student reads before handing in."""
 
 
-ONE_OF_EACH_KIND = (
-    "star of labsid", "!pip", "output of a program", "a file of 60 MB", "threads",
-    "a taught name", "subprocess", "a lock between processes", "socket", "a file of 100 MB", "3 GB",
+ANSWERED = (
+    "prelab-1-time", "prelab-2-noise", "prelab-3-cut", "prelab-4-matrix", "prelab-4-function", "prelab-5-original",
+    "prelab-6-cut-off",
 )  # fmt: skip
-"""Tried everywhere."""
+"""Questions whose answers have styles side by side."""
 
-Grade = Callable[[str], QuestionResult]
+Grade = Callable[[Mapping[str, str]], Mapping[str, QuestionResult]]
 
 
 @pytest.fixture(scope="module")
 def at_grading(released: Course) -> Iterator[Grade]:
-    """The first question, graded in the sandbox."""
+    """The questions, graded in the sandbox."""
     with open_launcher("best") as launcher:
         grade = GradeCode(released, launcher)
-        yield lambda source: grade(PRELAB, {ANSWER: source})[QUESTION]
+        yield lambda answers: grade(PRELAB, answers)
 
 
-def at_submit(course: Course, folder: Path, source: str) -> CleanRun:
+def at_submit(course: Course, folder: Path, answers: Mapping[str, str]) -> CleanRun:
     path = folder / PRELAB / f"{PRELAB}.ipynb"
     path.parent.mkdir()
     notebook = json.loads((course.release / PRELAB / f"{PRELAB}.ipynb").read_bytes())
     for cell in notebook["cells"]:
-        if cell["id"] == ANSWER:
-            cell["source"] = source
+        cell["source"] = answers.get(cell["id"], cell["source"])
     path.write_text(json.dumps(notebook), encoding="utf-8")
     run = run_notebook(read_saved(path))
     assert run is not None
     return run
 
 
-def state(run: CleanRun) -> str:
-    return next(one.state for one in run.states if one.question.id == QUESTION)
+def state(run: CleanRun, question: str = QUESTION) -> str:
+    return next(one.state for one in run.states if one.question.id == question)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("style", mostly_exhaustive([*SAME, *SAID], ONE_OF_EACH_KIND))
-def test_submit_and_grading_agree(released: Course, at_grading: Grade, tmp_path: Path, style: str) -> None:
-    source = {**SAME, **SAID}[style]
-    run = at_submit(released, tmp_path, source)
-    graded = at_grading(source)
-    assert (state(run) == "right") is (style in SAME), run.reasons.get(QUESTION)
-    assert (graded.score == graded.max_score != Decimal(0)) is (style in SAME), graded.reason
-    if source.startswith(("!", "%")):
-        assert any("was skipped, as it is when the notebook is graded" in remark for remark in run.remarks)
+@pytest.mark.parametrize(
+    ("styles", "right"),
+    [
+        pytest.param(list(kinds)[start : start + len(ANSWERED)], kinds is SAME, id=f"{name} {start}")
+        for name, kinds in {"same": SAME, "said": SAID}.items()
+        for start in range(0, len(kinds), len(ANSWERED))
+    ],
+)
+def test_submit_and_grading_agree(
+    released: Course, at_grading: Grade, tmp_path: Path, styles: list[str], right: bool
+) -> None:
+    """Styles side by side, each ahead of the right answer to another question."""
+    solution = read_solved(released, PRELAB)[1]
+    texts = [{**SAME, **SAID}[style].removesuffix(RIGHT) for style in styles]
+    before = dict(zip(ANSWERED, texts, strict=False))
+    answers = {f"{question}-answer": text + solution[f"{question}-answer"] for question, text in before.items()}
+    run = at_submit(released, tmp_path, answers)
+    graded = at_grading(answers)
+    for question, text in before.items():
+        one = graded[question]
+        assert (state(run, question) == "right") is right, (text, run.reasons.get(question))
+        assert (one.score == one.max_score != Decimal(0)) is right, (text, one.reason)
+    skipped = sum("was skipped, as it is when the notebook is graded" in remark for remark in run.remarks)
+    assert skipped == sum(any(sign in text for sign in "!%") for text in texts)
 
 
 @pytest.mark.slow
@@ -121,7 +134,7 @@ def test_what_lies_elsewhere_on_the_students_machine_is_said(
         "tempfile.TemporaryFile().close()\nplt.plot([1, 2])\nplt.savefig('a.png')\n"
         "t = np.linspace(0, stop, mylib.points()).reshape(-1, 1)"
     )
-    run = at_submit(released, tmp_path, source)
+    run = at_submit(released, tmp_path, {ANSWER: source})
     said = [remark for remark in run.remarks if "is not there when the notebook is graded" in remark]
     assert [remark.partition(" ")[0] for remark in said] == [f"`{own / 'mylib.py'}`", f"`{own / 'stop.txt'}`"]
 
@@ -131,6 +144,6 @@ def test_more_cells_than_grading_runs_are_said(
     released: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("labsid.hand_in.clean_run.MOST_OWN_CELLS", 0)
-    run = at_submit(released, tmp_path, RIGHT)
+    run = at_submit(released, tmp_path, {ANSWER: RIGHT})
     assert state(run) == "not right"
     assert "more than 0 cells of your own code" in run.reasons[QUESTION]

@@ -115,6 +115,7 @@ def test_the_table_and_what_is_printed(finished):
     assert told[-1] == ("4 of 4 records", 1.0)
 
 
+@pytest.mark.exhaustive  # below, that of a folder of runs equals it
 def test_a_report_equals_that_of_diagnose(finished, folder, tmp_path):
     from labsid.cli.commands import main
 

@@ -21,7 +21,9 @@ from labsid.gap.reports.text_report import format_report
 from labsid.gap.simulations.python_export import write_python_module
 from labsid.records.record import Record
 
-SAMPLES, TS, FINE = 1200, 0.1, 20
+pytestmark = pytest.mark.usefixtures("without_limits")
+
+SAMPLES, TS, FINE = 960, 0.1, 20
 FEW = ("input-delay", "input-saturation", "extra-lag", "output-saturation", "load-step")
 SOURCE = """
 from functools import lru_cache
@@ -132,7 +134,9 @@ def with_rounded_numbers(t: FloatArray, u: FloatArray, tau: float = 1.0, gain: f
 
 
 @searched(*FEW)
-@pytest.mark.parametrize("rough", [with_rounded_output, with_rounded_numbers])
+@pytest.mark.parametrize(
+    "rough", [pytest.param(with_rounded_output, marks=pytest.mark.exhaustive), with_rounded_numbers]
+)
 def test_numbers_of_a_simulation_that_has_no_derivatives_are_found(
     u: FloatArray, rough: Callable[..., FloatArray]
 ) -> None:

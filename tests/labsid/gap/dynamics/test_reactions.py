@@ -12,6 +12,8 @@ from labsid.gap.dynamics.reactions import Reaction, is_collocated, output_with
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS, FINE, SAMPLES = 0.02, 100, 600
 MASS, DAMPING, STIFFNESS = 0.025, 0.15, 2.0
 FRICTION, CUBIC = 0.08, 6.0

@@ -10,6 +10,8 @@ from labsid.gap.dynamics._kernels import in_steps, switched_off
 from labsid.gap.effects.command_faults import Off
 from labsid.records.record import Record, load_record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS = 0.1
 FEW = (
     "input-delay",
@@ -67,7 +69,7 @@ def test_with_times_of_zero_it_is_never_off(variant):
     ("offset", "start", "stop"),
     [
         (0.0, 733, 1200),
-        (5.0, 415, 702),
+        pytest.param(5.0, 415, 702, marks=pytest.mark.exhaustive),  # that of `command-off-for-a-while`, below
         (0.0, 0, 190),
         pytest.param(5.0, 733, 1200, marks=pytest.mark.exhaustive),
         pytest.param(0.0, 415, 702, marks=pytest.mark.exhaustive),

@@ -26,6 +26,8 @@ from labsid.gap.search.sets import SETS, set_around, set_fits
 from labsid.records.record import Record
 from labsid.rig.switchable.joints import SLIP, Joint, run_joint
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS = 0.02
 Load = Callable[[float, float, float], float]
 
@@ -34,7 +36,7 @@ Load = Callable[[float, float, float], float]
 def goal() -> FloatArray:
     """Goal angles from -1.2 to 1.2 rad, each held for 15 to 40 samples."""
     rng = np.random.default_rng(8)
-    return np.repeat(rng.uniform(-1.2, 1.2, 60), rng.integers(15, 41, 60))[:900]
+    return np.repeat(rng.uniform(-1.2, 1.2, 60), rng.integers(15, 41, 60))[:750]
 
 
 def servo(
@@ -145,7 +147,9 @@ def test_gravity_is_named_with_its_torque_and_angle_and_its_export_plays(goal: F
     assert np.std((played - y)[50:]) < 0.02 * np.std(y)
 
 
-@pytest.mark.parametrize("damped", [0.0, 1.0, 0.85])
+@pytest.mark.parametrize(
+    "damped", [pytest.param(0.0, marks=pytest.mark.exhaustive), pytest.param(1.0, marks=pytest.mark.exhaustive), 0.85]
+)
 def test_a_limit_in_the_loop_is_named(goal: FloatArray, damped: float) -> None:
     """Of the position error alone, of the whole force of a PD controller, or with damping outside of it besides."""
     y = servo(goal, limit=25.0, damped=damped)
@@ -155,7 +159,7 @@ def test_a_limit_in_the_loop_is_named(goal: FloatArray, damped: float) -> None:
     assert effect["parameters"]["limit"]["value"] == pytest.approx(25.0 / 60.0, rel=0.03)
 
 
-@pytest.mark.parametrize("load", [0.0, 0.02])
+@pytest.mark.parametrize("load", [pytest.param(0.0, marks=pytest.mark.exhaustive), 0.02])
 def test_the_limit_of_a_loop_of_first_order_is_named(load: float) -> None:
     """A speed of 0.1 w' = clip(0.3 (u - w), 6) - load w, mostly at its limit: a linear model finds no pole of it."""
     u = np.repeat(np.random.default_rng(5).uniform(20.0, 180.0, 16), 75)

@@ -24,6 +24,8 @@ from labsid.gap.record.data import scaled
 from labsid.gap.search.candidates import best_fit, trial_fits
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS = 0.05
 STIFFNESS, DAMPING = 9.0, 1.8
 

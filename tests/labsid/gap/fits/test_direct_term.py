@@ -12,6 +12,8 @@ from labsid.gap.fits.direct_term import estimate_direct_term, innovations
 from labsid.gap.record.data import Data, scaled
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS = 0.1  # s
 RIGS = {  # numerator and denominator in s, and whether the output responds within the sample
     "gain": ([1.5], [1.0], True),

@@ -13,6 +13,8 @@ from labsid.gap.fits.floor import SIMULATION_ERROR, digit_step, is_printed, with
 from labsid.gap.record.data import scaled
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 
 def exact(seed: int = 0, delay: int = 0) -> tuple[FloatArray, FloatArray]:
     """A rig of two poles without noise."""

@@ -21,6 +21,8 @@ from labsid.gap.simulations.baseline import as_simulation, make_baseline
 from labsid.gap.simulations.simulation_files import load_simulation
 from labsid.records.record import Record, load_record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS = 0.1
 LEVELS = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 30), 20)
 T = TS * np.arange(LEVELS.size)

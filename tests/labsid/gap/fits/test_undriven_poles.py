@@ -19,6 +19,8 @@ from labsid.gap.search.beam_search import search_effects
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS, SAMPLES, RATE, NOISE = 0.2, 500, 0.07, 0.008
 FEW = (
     "input-delay",

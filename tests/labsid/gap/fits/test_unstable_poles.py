@@ -22,6 +22,8 @@ from labsid.gap.model_file import from_json_dict
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.reports.html_report import render_html
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS, SUBSTEPS = 0.02, 8
 FALL, DAMPING, FORCE = 4.0, 0.6, 7.0  # y'' = FALL y - DAMPING y' + FORCE v
 
@@ -121,7 +123,9 @@ def diagnosed(kind: str) -> Diagnosis:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["none", "coulomb-friction", "input-dead-zone"])
+@pytest.mark.parametrize(
+    "kind", ["none", pytest.param("coulomb-friction", marks=pytest.mark.exhaustive), "input-dead-zone"]
+)
 def test_the_cause_in_an_unstable_rig_is_named(kind: str) -> None:
     report = diagnosed(kind).report
     named = [effect["name"] for effect in report["effects"] if effect["probability"] > 0.5]
@@ -137,8 +141,9 @@ def test_the_cause_in_an_unstable_rig_is_named(kind: str) -> None:
 
 
 @pytest.mark.slow
+@searched("input-dead-zone", "coulomb-friction")
 def test_friction_beside_a_feedback_is_in_units_of_the_command() -> None:
-    found = diagnosed("coulomb-friction").effects["coulomb-friction"]["friction"]
+    found = diagnose(upright(friction=0.6)).effects["coulomb-friction"]["friction"]
     assert found["unit"] == "u"
     assert found["value"] == pytest.approx(0.6 / FORCE, rel=0.1)
 

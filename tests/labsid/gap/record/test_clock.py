@@ -18,6 +18,8 @@ from labsid.gap.simulations.simulation_files import load_simulation, replay
 from labsid.records.reading import Reading
 from labsid.records.record import Record, load_record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 DEN = np.poly([0.95, 0.8]).tolist()
 
 

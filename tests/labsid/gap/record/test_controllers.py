@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from gap_search import searched
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
@@ -13,6 +14,8 @@ from labsid.gap.record.controllers import find_control_law, has_controller, is_r
 from labsid.gap.record.record_findings import about_controller
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 
 @dataclass(frozen=True)
@@ -107,22 +110,23 @@ def test_the_wave_outside_is_named_where_a_thermostat_compensates_it() -> None:
 
 def test_a_regulated_record_is_unknown_and_says_why() -> None:
     """Its controller explains it to the last digit; that is not called a rig without a gap."""
-    u, y = Loop().run(np.ones(800))
-    report = diagnose(Record(0.1 * np.arange(800), u, y, 0.1)).report
+    u, y = Loop().run(np.ones(500))
+    report = diagnose(Record(0.1 * np.arange(500), u, y, 0.1)).report
     assert report["verdict"] == "unknown"
     assert report["effects"] == []
     assert "whose reference does not move" in " ".join(format_report(report).split())
     assert not any("responds within the sample in which" in text for text in report["screen"])
 
 
+@searched("input-saturation", "input-dead-zone", "coulomb-friction", "parameter-drift", "output-drift", "load-step")
 def test_a_load_on_a_regulated_rig_is_named() -> None:
-    u, y = Loop(load=-1.5).run(np.ones(800))
-    report = diagnose(Record(0.1 * np.arange(800), u, y, 0.1)).report
+    u, y = Loop(load=-1.5).run(np.ones(500))
+    report = diagnose(Record(0.1 * np.arange(500), u, y, 0.1)).report
     assert [effect["name"] for effect in report["effects"]] == ["load-step"]
 
 
 def test_a_loop_whose_reference_moves_has_no_gap() -> None:
-    u, y = Loop().run(np.repeat([1.0, 2.0, 0.5, 1.5, 0.8], 160))
-    report = diagnose(Record(0.1 * np.arange(800), u, y, 0.1)).report
+    u, y = Loop().run(np.repeat([1.0, 2.0, 0.5, 1.5, 0.8], 100))
+    report = diagnose(Record(0.1 * np.arange(500), u, y, 0.1)).report
     assert report["verdict"] == "none"
     assert report["noise"]["sd"] == pytest.approx(0.02, rel=0.2)

@@ -10,6 +10,8 @@ from labsid.cli.commands import main
 from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 
 @pytest.fixture(scope="module", autouse=True)
 def few_effects():

@@ -24,6 +24,8 @@ from labsid.gap.record.record_findings import (
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record, load_record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 MATTERS = PlateauGap(repeat=False, largest=0.1, scatter=0.05, missed=0.05, of_gap=0.9, left=1.0)
 
 
@@ -174,6 +176,7 @@ def _relay(noise: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return u, y
 
 
+@searched("input-saturation", "input-backlash", "input-dead-zone")
 @pytest.mark.parametrize("noise", [0.001, 0.01])
 def test_a_relay_is_seen_and_no_direct_term_is_claimed(noise: float) -> None:
     u, y = _relay(noise, 4)

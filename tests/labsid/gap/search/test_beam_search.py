@@ -453,6 +453,7 @@ def tank_with_a_brim(w: FloatArray, rate: float, brim: float) -> FloatArray:
     "output-saturation",
     "output-nonlinearity",
 )
+@pytest.mark.exhaustive  # above, a disturbance is found beside an overflow, and a drift of the gain alone
 def test_a_parameter_drift_is_found_beside_an_overflow() -> None:
     """Drift of the gain of a pump whose zero lies far below the record."""
     u = np.repeat(np.random.default_rng(8).uniform(-1.0, 1.0, 36), 15)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
@@ -178,6 +179,7 @@ def test_a_numerator_zero_does_not_mimic_a_fractional_delay(seed: int) -> None:
     assert found.theta[0] == pytest.approx(1.9, abs=0.15)
 
 
+@searched("load-step", "output-drift", "periodic-disturbance", "parameter-drift")
 def test_a_constant_load_is_not_identified_as_a_leak(levels: FloatArray, two_poles: Response) -> None:
     load = two_poles((np.arange(levels.size) >= 200).astype(float))
     y = two_poles(levels) - 0.8 * load + 0.01 * np.random.default_rng(4).standard_normal(levels.size)

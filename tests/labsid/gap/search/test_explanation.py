@@ -265,6 +265,7 @@ def test_slow_noise_is_not_identified_as_a_drift(
     assert mean_square(data, by_free_run[-1]) < 0.5 * mean_square(data, by_free_run[0])
 
 
+@searched("input-delay", "extra-lag", "slow-mode", "output-drift", "output-backlash", "load-step")
 def test_a_rest_without_noise_before_a_jump_is_no_fault_of_samples() -> None:
     """A first-order rig with a delay, four digits: the second pole of the simulation costs .03 samples at each jump."""
     u = np.repeat([0.6, -3.6, 0.7, -3.9, 1.2, -4.4], 240)
@@ -275,6 +276,7 @@ def test_a_rest_without_noise_before_a_jump_is_no_fault_of_samples() -> None:
     assert found.unsimulated == ()
 
 
+@searched("input-delay", "extra-lag", "output-drift")
 def test_the_noise_that_is_added_to_an_exact_record_is_said() -> None:
     u = np.repeat(np.random.default_rng(5).uniform(-1.0, 1.0, 20), 20)
     y = lfilter([0.0, 0.05, 0.04], [1.0, -1.5, 0.56], u)

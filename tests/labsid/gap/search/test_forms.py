@@ -478,6 +478,7 @@ def test_a_record_at_steady_state_has_no_input_step_at_sample_0(levels: FloatArr
     assert not found.best.hypothesis.keys[0].endswith("switched")
 
 
+@searched("input-nonlinearity", "output-saturation", "output-nonlinearity", "parameter-drift")
 def test_a_tanh_sensor_is_an_output_nonlinearity(levels: FloatArray, two_poles: Response) -> None:
     z = two_poles(levels[:400])
     found = explain(data_of(levels[:400], noisy(np.tanh(1.2 * z / z.std()))), most=1)
@@ -485,6 +486,7 @@ def test_a_tanh_sensor_is_an_output_nonlinearity(levels: FloatArray, two_poles: 
     assert rms(found.data, found.best) < 0.02
 
 
+@searched("input-nonlinearity", "output-saturation", "output-nonlinearity", "parameter-drift")
 def test_a_cubic_curve_is_not_replaced_by_a_spline(levels: FloatArray, two_poles: Response) -> None:
     z = two_poles(levels[:400])
     z = z / z.std()

@@ -44,7 +44,9 @@ def _named(trial: Trial) -> dict[str, float]:
     return dict(zip((one.name for one in trial.hypothesis.parameters), trial.point.theta, strict=True))
 
 
-@pytest.mark.parametrize("unit", [1.0, 180.0 / np.pi], ids=["radians", "degrees"])
+@pytest.mark.parametrize(
+    "unit", [pytest.param(1.0, id="radians", marks=pytest.mark.exhaustive), pytest.param(180.0 / np.pi, id="degrees")]
+)
 def test_the_joint_of_a_position_loop_is_found(unit: float) -> None:
     data = _record(LOOP, unit)
     best = _trials(data, "gravity", "coulomb-friction", "force-limit")[0]
@@ -58,7 +60,9 @@ def test_the_joint_of_a_position_loop_is_found(unit: float) -> None:
     assert np.sqrt(best.point.cost) < 0.05  # of the spread of the output; the noise is 0.003
 
 
-@pytest.mark.parametrize("turned", [False, True], ids=["same-sign", "turned"])
+@pytest.mark.parametrize(
+    "turned", [pytest.param(False, id="same-sign", marks=pytest.mark.exhaustive), pytest.param(True, id="turned")]
+)
 def test_the_joint_that_a_torque_drives_is_found(turned: bool) -> None:
     data = _record(TORQUE, turned=turned)
     best = _trials(data, "gravity", "coulomb-friction")[0]

@@ -1,12 +1,17 @@
 """Two masses that pull at each other: an effect at one of them, and the free run of both together."""
 
 import numpy as np
+import pytest
+from gap_search import searched
 from two_by_two import random_steps
 
 from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 FRICTION = 0.15
+FEW = ("input-dead-zone", "input-backlash", "coulomb-friction", "quadratic-drag", "cubic-stiffness", "end-stop")
 
 
 def _two_masses(seed: int = 0, samples: int = 600, friction: float = FRICTION) -> Record:
@@ -29,6 +34,7 @@ def _two_masses(seed: int = 0, samples: int = 600, friction: float = FRICTION) -
     return Record(np.arange(samples) * 0.1, u, y, 0.1, inputs=("torque1", "torque2"), outputs=("angle1", "angle2"))
 
 
+@searched(*FEW)
 def test_friction_at_one_of_two_coupled_masses_is_named_and_both_are_simulated_together() -> None:
     report = diagnose(_two_masses()).report
     probable = [(one["name"], one["signal"]) for one in report["effects"] if one["probability"] > 0.5]
@@ -39,5 +45,7 @@ def test_friction_at_one_of_two_coupled_masses_is_named_and_both_are_simulated_t
     assert first["after"] < 0.5 * first["before"]
 
 
+@pytest.mark.exhaustive  # above, friction is all that is named; `test_signals_diagnosis.py` has a rig without a gap
+@searched(*FEW)
 def test_two_coupled_masses_without_friction_have_no_gap() -> None:
     assert diagnose(_two_masses(1, friction=0.0)).verdict == "none"

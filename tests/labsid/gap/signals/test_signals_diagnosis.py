@@ -5,11 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 from two_by_two import dead_zone_at_second, two_by_two
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.signals.result import SignalsDiagnosis
 from labsid.records.record import Record
+
+pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = ("input-saturation", "input-dead-zone", "output-saturation", "output-nonlinearity", "load-step")
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +64,7 @@ def test_a_plain_rig_has_no_gap() -> None:
     assert moved == {(u, y) for u in ("u1", "u2") for y in ("y1", "y2")}
 
 
+@searched(*FEW)
 def test_a_limit_of_one_sensor_is_at_that_output_alone() -> None:
     def clipped(y: np.ndarray) -> np.ndarray:
         y[:, 1] = np.clip(y[:, 1], -0.4, 0.45)
@@ -68,6 +74,7 @@ def test_a_limit_of_one_sensor_is_at_that_output_alone() -> None:
     assert (effect["name"], effect["signal"], effect["outputs"]) == ("output-saturation", "y2", ["y2"])
 
 
+@searched(*FEW)
 def test_a_second_record_is_scored_with_its_own_inputs() -> None:
     record = two_by_two(at_inputs=dead_zone_at_second)
     other = two_by_two(7, at_inputs=dead_zone_at_second)
@@ -77,6 +84,7 @@ def test_a_second_record_is_scored_with_its_own_inputs() -> None:
         assert one["after"] < 1.3 * one["noise_floor"] < one["before"]
 
 
+@searched(*FEW)
 def test_an_output_that_never_moves_is_left_out_and_named_and_so_is_what_was_done_in_reading() -> None:
     record = replace(two_by_two(1), notes=("one row was dropped",))
     still = replace(record, y=np.column_stack([record.y[:, 0], np.full(len(record), 3.0)]))

@@ -9,6 +9,8 @@ from labsid.gap.simulations.simulated_output import identify_output, resample
 from labsid.gap.simulations.simulation_files import load_simulation
 from labsid.records.record import Record, load_record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 Ts = 0.1
 STEPS = np.repeat(np.random.default_rng(5).uniform(-1.0, 1.5, 60), 20)
 PRINTED = ("%.17g", "%.10g", "%.6g", "%.3f")

@@ -25,6 +25,8 @@ from labsid.gap.verdict.baseline_choice import (
 from labsid.gap.verdict.held_out_errors import hold_out
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TWO_POLES = np.poly([0.9, 0.7])
 
 

@@ -14,6 +14,8 @@ from labsid.gap.reports.html_report import page_content, render_html
 from labsid.gap.reports.sentences import headline, look_sentence
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 NOISE = 0.01
 BEFORE = 400  # samples, in which the rig moves before a record
 TIMES = (8.0, 20.0)  # samples
@@ -98,7 +100,7 @@ def test_an_offset_is_called_one(other_rig: tuple[str, Diagnosis]) -> None:
 
 
 @searched(*FEW)
-@pytest.mark.parametrize("kind", OTHER_RIGS)
+@pytest.mark.parametrize("kind", mostly_exhaustive(OTHER_RIGS, ["other dynamics"]))
 def test_a_given_simulation_is_judged_alike(kind: str) -> None:
     poles = np.exp(-1.0 / np.array(TIMES))
     model = {"num": [float(np.prod(1.0 - poles)), 0.0], "den": np.poly(poles).tolist(), "dt": 0.1}
@@ -113,9 +115,9 @@ def test_a_given_simulation_is_judged_alike(kind: str) -> None:
     [
         ({}, {}),
         ({}, {"hold": 4}),
-        ({}, {"size": 3.0}),
+        pytest.param({}, {"size": 3.0}, marks=pytest.mark.exhaustive),
         ({}, {"samples": 90}),
-        ({"noise": 0.1, "samples": 250}, {"noise": 0.1}),
+        pytest.param({"noise": 0.1, "samples": 250}, {"noise": 0.1}, marks=pytest.mark.exhaustive),
         ({"noise": 0.05, "colour": 0.8}, {"noise": 0.05, "colour": 0.8}),
     ],
     ids=["alike", "faster", "larger", "short", "noisy", "coloured noise"],

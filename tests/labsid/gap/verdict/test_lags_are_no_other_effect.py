@@ -8,6 +8,8 @@ from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 
 def rod(u: FloatArray) -> FloatArray:
     """Temperature at the far end of a heated rod of 20 elements."""
@@ -30,7 +32,7 @@ def filtered(u: FloatArray) -> FloatArray:
     return lfilter(*butter(4, 0.06), np.append(0.0, u[:-1]))
 
 
-@pytest.mark.parametrize("rig", [rod, moving_mean, filtered])
+@pytest.mark.parametrize("rig", [pytest.param(rod, marks=pytest.mark.exhaustive), moving_mean, filtered])
 def test_lags_are_named_or_nothing_is(rig) -> None:
     """The command switches between two values."""
     rng = np.random.default_rng(3)

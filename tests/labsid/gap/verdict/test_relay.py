@@ -40,7 +40,7 @@ def rig(width: float | None, seed: int = 1) -> Record:
 @pytest.fixture(scope="module")
 def relay() -> Diagnosis:
     """The diagnosis of a rig behind a relay."""
-    with searched("input-saturation", "input-backlash", "input-dead-zone", "coulomb-friction"):
+    with searched("input-saturation", "input-backlash", "input-dead-zone"):
         return diagnose(rig(WIDTH))
 
 
