@@ -41,8 +41,8 @@ class Effect:
         By variant, the other ones that are tried once it is found; `richer` ones must gain `RICHER_FORM_BIC`.
     places : tuple of str
         Variants that differ in their position in the chain only, where `place_matters`.
-    apart : bool
-        Whether its forms are other causes than those of the same name, so that each is fitted.
+    late : bool
+        Whether it is tried only after a search with the others.
     grows : bool
         Whether its alternatives are tried as soon as it is fitted, not only for the best fits.
     sizes : tuple of str
@@ -65,7 +65,7 @@ class Effect:
     further: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     richer: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     places: ClassVar[tuple[str, ...]] = ()
-    apart: ClassVar[bool] = False
+    late: ClassVar[bool] = False
     grows: ClassVar[bool] = False
     sizes: ClassVar[tuple[str, ...]] = ()
     instants: ClassVar[tuple[str, ...]] = ()

@@ -165,7 +165,7 @@ class PassingLoad(LoadStep):
     """A load that ends during the record."""
 
     variants = ("ends",)
-    apart = True
+    late = True
     planted_variants = ()
     instants = ("onset", "end")
     grows = False

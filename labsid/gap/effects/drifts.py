@@ -149,7 +149,7 @@ class PoleStep(PoleDrift):
     """A pole that changes once, possibly with the gain."""
 
     variants = ("step",)
-    apart = True
+    late = True
     planted_variants: ClassVar[tuple[str, ...]] = ()
     instants = ("onset",)
     bic_penalty = RICHER_FORM_BIC
@@ -292,7 +292,7 @@ class GainStep(GainDrift):
     """A gain that changes once, about a neutral input, at which the change has no influence."""
 
     variants = ("step",)
-    apart = True
+    late = True
     instants = ("onset",)
     planted_variants = ()
     bic_penalty = RICHER_FORM_BIC
@@ -346,7 +346,7 @@ class ReadingStep(OutputEffect):
     name = "parameter-drift"
     key_form = "reading-{}"
     variants = ("step",)
-    apart = True
+    late = True
     instants = ("onset",)
     bic_penalty = RICHER_FORM_BIC
     position: ClassVar[int] = 3

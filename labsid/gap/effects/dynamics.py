@@ -24,7 +24,7 @@ MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
 SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
 MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
-CREEP = 0.01  # of the largest speed
+CREEP = 0.01  # of the largest speed: a slower motion is none
 MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode
 MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more
 MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record
@@ -448,8 +448,12 @@ class CoulombFriction(PlantEffect):
         return [{"friction": size, "centre": middle} for size in (0.1, 0.4) for middle in middles]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Require motion in both directions: in one direction friction is a constant."""
-        return moves_both_ways(fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 1])
+        """Require motion in both directions: in one direction friction is a constant.
+
+        A level at its brim stops and does not turn: friction on a speed that hardly turns fits it as well.
+        """
+        plant = fit.hypothesis.plant
+        return moves_both_ways(plant.motion(fit.plant_theta, fit.actuator)[:, 1], CREEP * (plant.kind == "speed"))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input; with a peak, `break_away`; with the load, its share `load`."""
@@ -468,13 +472,12 @@ class CoulombFriction(PlantEffect):
         return [Planted("friction", {"friction": 0.5 * share * fit.input_range})]
 
 
-def moves_both_ways(speed: FloatArray) -> bool:
-    """Whether a motion has either direction for long enough, not counting what is slow beside the fastest motion.
-
-    A rig that stops and never turns, such as a tank at its brim, is fitted by friction as well as by its stop.
-    """
-    least = CREEP * float(np.abs(speed).max())
-    return bool(min(np.mean(speed > least), np.mean(speed < -least)) > MIN_EITHER_DIRECTION)
+def moves_both_ways(speed: FloatArray, least: float = 0.0) -> bool:
+    """Whether a motion has either direction for long enough, and up to the share `least` of its largest speed."""
+    forth, back = float(speed.max()), float(-speed.min())
+    if min(forth, back) < least * max(forth, back):
+        return False
+    return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
 
 
 def initial_offset(context: Context) -> float:

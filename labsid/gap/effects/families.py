@@ -67,10 +67,12 @@ FAMILIES: tuple[type[Effect], ...] = (
 )
 """In the order of the search."""
 CANDIDATES: tuple[tuple[Effect, ...], ...] = tuple(
-    tuple(effect for family in FAMILIES if family.name == name and not family.apart for effect in family.searched())
-    for name in dict.fromkeys(family.name for family in FAMILIES if not family.apart)
-) + tuple((effect,) for family in FAMILIES if family.apart for effect in family.searched())
+    tuple(effect for family in FAMILIES if family.name == name and not family.late for effect in family.searched())
+    for name in dict.fromkeys(family.name for family in FAMILIES if not inside.is_apart(family))
+) + tuple((effect,) for family in FAMILIES if inside.is_apart(family) for effect in family.searched())
 """Forms that the search adds to a simulation, in a group for each name, or for each of several causes of one name."""
+LATE: tuple[Effect, ...] = tuple(effect for family in FAMILIES if family.late for effect in family.searched())
+"""Forms that are tried after a search with the others."""
 EFFECTS_BY_KEY: dict[str, Effect] = {
     effect.key: effect for effect in (*(e for family in FAMILIES for e in family.forms()), dynamics.DirectFeedthrough())
 }

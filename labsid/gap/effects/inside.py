@@ -375,6 +375,11 @@ def with_nominal(fit: ParentFit, parameters: dict[str, dict[str, object]]) -> di
     return {name: entry | ({"nominal": nominal[name]} if name in nominal else {}) for name, entry in parameters.items()}
 
 
+def is_apart(family: type[Effect]) -> bool:
+    """Whether the forms of a family are different causes of one name."""
+    return issubclass(family, Inside) and family.apart
+
+
 FAMILIES: tuple[type[Effect], ...] = (Friction, Drag, Spring, Gravity, EndStop, ForceLimit, Lag, Load, Wave, Mismatch)
 """In the order of the search."""
 INSIDE_NAMES = frozenset(family.name for family in FAMILIES)

@@ -31,6 +31,7 @@ from labsid.gap.search.candidates import (
     trial_fits,
 )
 from labsid.gap.search.forms import remove_effect, transfer_theta
+from labsid.gap.search.instants import fits_with_instants, may_change_at_an_instant
 from labsid.gap.search.pendulum import pendulum_from_spring
 from labsid.gap.search.pole_replacement import replace_undriven_pole
 from labsid.gap.search.refinement import converge, polish, retried_without_one
@@ -82,6 +83,37 @@ def search_effects(
     base = fit_baseline(data, structure, start)
     highpass = fit_highpass(data, base)
     base = whiter_baseline(data, polish(data, base), highpass)
+    levels, path = _with_driven_poles(data, structure, base, highpass, most, progress)
+    return _with_instants(data, levels, path, highpass) if most else (levels, path)
+
+
+def _with_instants(data: Data, levels: Levels, path: tuple[Fit, ...], highpass: Fit) -> tuple[Levels, tuple[Fit, ...]]:
+    """The same with a change at an instant, where it explains more with as many effects, or all with one more."""
+    if residual_is_white(data, path[-1]) and not may_change_at_an_instant(path[-1]):
+        return levels, path
+    fits = fits_with_instants(data, levels, highpass)
+    for size in (1, 2):
+        found = _of_size(fits, size)
+        white = [fit for fit in found if residual_is_white(data, fit)]
+        if size < len(path):
+            better = [fit for fit in found if fit.bic < path[-1].bic]
+        else:
+            better = [fit for fit in white if is_improvement(data, path[-1], fit)]
+        levels = tuple(dict(levels[n]) if n < len(levels) else {} for n in range(max(len(levels), size + 1)))
+        keep_best(levels[size], [*white, *better])
+        if better:
+            best = min(better, key=attrgetter("bic"))
+            parents = [one for names, one in levels[1].items() if set(names) < set(best.hypothesis.names)]
+            path = (path[0], *parents[: size - 1], best)
+            if residual_is_white(data, best):
+                break
+    return levels, path
+
+
+def _with_driven_poles(
+    data: Data, structure: Hypothesis, base: Fit, highpass: Fit, most: int, progress: Progress | None
+) -> tuple[Levels, tuple[Fit, ...]]:
+    """Levels and accepted path of the search, whose poles the input excites as far as that explains as much."""
     levels, path = _search_from(data, base, highpass, most, progress)
     if not has_undriven_pole(data, path[-1]):
         return levels, path

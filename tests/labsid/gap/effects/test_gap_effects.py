@@ -14,7 +14,7 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import curves, disturbance, drifts, dynamics, input, output, periodic, tanks
 from labsid.gap.effects.base import AdditiveEffect, Effect, Fitted, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.context import Context
-from labsid.gap.effects.families import CANDIDATES, DESCRIPTIONS
+from labsid.gap.effects.families import CANDIDATES, DESCRIPTIONS, LATE
 from labsid.gap.effects.inside import Inside
 from labsid.gap.fits.fitting import finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -84,7 +84,7 @@ PARAMETERS = {
     "load-step": {"onset", "end", "size"},
     "periodic-disturbance": {"frequency", "amplitude"},
 }
-ALL = [effect for group in CANDIDATES for effect in group if not getattr(effect, "only_given", False)]
+ALL = [effect for group in (*CANDIDATES, LATE) for effect in group if not getattr(effect, "only_given", False)]
 SAMPLES, TS = 100, 0.2
 Response = Callable[..., FloatArray]
 
@@ -120,7 +120,8 @@ def test_names_and_paths_are_those_of_the_table() -> None:
     assert {name: guide.path for name, guide in DESCRIPTIONS.items()} == TABLE
     assert {effect.name for effect in ALL} <= TABLE.keys()
     around = [group[0].name for group in CANDIDATES if not all(isinstance(effect, Inside) for effect in group)]
-    assert list(dict.fromkeys(around)) == list(dict.fromkeys(effect.name for effect in ALL))
+    assert around == list(dict.fromkeys(effect.name for effect in ALL))
+    assert {effect.name for effect in LATE} <= set(around)
     inside = {effect.name for group in CANDIDATES for effect in group if isinstance(effect, Inside)}
     assert inside <= TABLE.keys()
 

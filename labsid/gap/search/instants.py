@@ -1,0 +1,51 @@
+"""What changes at an instant: a load that ends, a gain or a speed of response that changes once.
+
+Such a change at a free instant imitates a part of much that a search does not explain, so it takes no part in that
+search. It replaces effects of its result where it explains more than they do, with as many effects; it is added to them
+where only noise is left then.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from operator import attrgetter
+
+from labsid._cores import mapped
+from labsid.gap.effects.families import LATE, names_where
+from labsid.gap.fits.fitting import Fit
+from labsid.gap.record.data import Data
+from labsid.gap.search.candidates import best_fit, trial_fits
+from labsid.gap.search.refinement import converge, polish
+
+MOST_PARENTS = 3  # fits with one effect, to which such a change is added
+
+
+def fits_with_instants(data: Data, levels: Sequence[Mapping[tuple[str, ...], Fit]], highpass: Fit) -> list[Fit]:
+    """Fits with a change at an instant, alone and beside the best fits with one effect.
+
+    Parameters
+    ----------
+    data : Data
+    levels : sequence of dict
+        The best fit of every combination tried, by number of effects.
+    highpass : Fit
+        A linear fit to the high-pass filtered record.
+
+    Returns
+    -------
+    list of Fit
+        Empty for several records, and where the dynamics are given.
+    """
+    (base,) = levels[0].values()
+    if data.pieces or base.hypothesis.plant.kind != "linear":
+        return []
+    single = sorted(levels[1].values(), key=attrgetter("bic"))[:MOST_PARENTS] if len(levels) > 1 else []
+    pairs = [
+        (parent, late) for parent, late in product([base, *single], LATE) if late.name not in parent.hypothesis.names
+    ]
+    fits = mapped(lambda pair: best_fit(data, trial_fits(data, pair[0], (pair[1],), highpass)), pairs, (data, base))
+    return [polish(data, converge(data, fit)) for fit in fits if fit is not None]
+
+
+def may_change_at_an_instant(fit: Fit) -> bool:
+    """Whether an effect of a fit varies in time, which a change at an instant may do better."""
+    return not names_where("varies_in_time").isdisjoint(fit.hypothesis.names)
