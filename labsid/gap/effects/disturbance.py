@@ -45,7 +45,7 @@ class StepLoad(Effect):
         clauses=(
             "An unmeasured load acts from {onset} to {end} and changes the output by {size_y}",
             "An unmeasured load starts at {onset} and changes the output by {size_y}",
-            "An unmeasured load starts at {onset} and raises the rate of return to rest by {size_1:%}, as a leak does",
+            "An unmeasured load starts at {onset} and changes the rate of return to rest by {size_1:%}, as a leak does",
             "An unmeasured load starts at {onset}",
             "An unmeasured load starts during the record",
         ),
@@ -57,7 +57,7 @@ class StepLoad(Effect):
             "onset": Reported("start", "s", position=True),
             "end": Reported("end", "s", position=True),
             "size": Reported(
-                "settled change of the output", "y", share=True, labels={"1": "increase of the rate of return to rest"}
+                "settled change of the output", "y", share=True, labels={"1": "change of the rate of return to rest"}
             ),
         },
         confused_with=("output-drift", "parameter-drift"),

@@ -16,6 +16,7 @@ from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
 from labsid.gap.fits.switching import only_switches
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
+from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
 from labsid.gap.reports import location
 from labsid.gap.reports.experiment import Experiment, next_experiment
@@ -365,9 +366,10 @@ def screen_sentences(explanation: Explanation) -> list[str]:
     faults = explanation.faults
     texts = []
     if explanation.path[0].hypothesis.plant.feedthrough:
+        loop = " In a loop, a controller without delay has the same effect."
         texts.append(
-            "The output responds within the sample in which the input changes, so the linear model has a direct "
-            "feedthrough."
+            "The linear model has a direct feedthrough: it responds within the sample in which the input changes."
+            + loop * has_controller(explanation.data.u, explanation.data.y)
         )
     logged = float(np.sqrt(log_rounding_error(explanation.data, explanation.best)))
     if logged > MIN_LOGGED * rms(explanation.data, explanation.best):

@@ -84,7 +84,8 @@ def search_effects(
     highpass = fit_highpass(data, base)
     base = whiter_baseline(data, polish(data, base), highpass)
     levels, path = _with_driven_poles(data, structure, base, highpass, most, progress)
-    return _with_instants(data, levels, path, highpass) if most else (levels, path)
+    levels, path = _with_instants(data, levels, path, highpass) if most else (levels, path)
+    return levels, nested_path(levels, path)
 
 
 def _with_instants(data: Data, levels: Levels, path: tuple[Fit, ...], highpass: Fit) -> tuple[Levels, tuple[Fit, ...]]:
@@ -108,6 +109,17 @@ def _with_instants(data: Data, levels: Levels, path: tuple[Fit, ...], highpass: 
             if residual_is_white(data, best):
                 break
     return levels, path
+
+
+def nested_path(levels: Levels, path: tuple[Fit, ...]) -> tuple[Fit, ...]:
+    """The path whose every step has the effects of the step before: the search may have exchanged one."""
+    steps = [path[-1]]
+    for fit in path[-2:0:-1]:
+        names = set(steps[0].hypothesis.names)
+        parts = [one for tried, one in levels[len(fit.hypothesis.found)].items() if set(tried) < names]
+        is_part = set(fit.hypothesis.names) < names or not parts
+        steps.insert(0, fit if is_part else min(parts, key=attrgetter("bic")))
+    return (path[0], *steps) if len(path) > 1 else path
 
 
 def _with_driven_poles(

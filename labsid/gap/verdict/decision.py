@@ -14,6 +14,7 @@ from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 from labsid.gap.fits.switching import has_equal_steps, only_switches
+from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
 from labsid.gap.search.beam_search import is_improvement
 from labsid.gap.search.explanation import Explanation
@@ -194,6 +195,10 @@ def limit_claims(
             lambda one: without_doubtful_parts(one, closed),
         ),
         (
+            "In a loop noise biases the fit, and on held-out samples there is no gap.",
+            lambda one: without_biased_fits(one, data, best, closed),
+        ),
+        (
             "A controller with a constant reference gives the input.",
             lambda one: of_regulated_record(one) if regulated else one,
         ),
@@ -255,6 +260,17 @@ def without_doubtful_parts(decision: Decision, closed: tuple[float, float] | Non
     if decision.verdict != "partial" or closed is None or closed[0] > 0.0:
         return decision
     return _less_likely_than_not(decision, set(decision.names))
+
+
+def without_biased_fits(decision: Decision, data: Data, fit: Fit, closed: tuple[float, float] | None) -> Decision:
+    """The decision with no simulated effect more likely than not in a loop whose held-out samples show no gap.
+
+    The input of a loop contains the noise of the output, so that a fit gains by dynamics that the rig does not have.
+    """
+    simulated = set(decision.names) & {effect.name for effect in fit.hypothesis.found}
+    if decision.verdict != "effect" or closed is not None or not simulated or not has_controller(data.u, data.y):
+        return decision
+    return _less_likely_than_not(decision, simulated)
 
 
 def of_regulated_record(decision: Decision) -> Decision:

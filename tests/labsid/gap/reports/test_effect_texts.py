@@ -86,9 +86,9 @@ def test_a_load_that_grows_with_the_output_is_a_leak():
     leak = effect("load-step")
     leak["parameters"]["size"] = {"value": 0.21, "stderr": 0.01, "unit": "1"}
     assert clause(leak) == (
-        "An unmeasured load starts at 374.2 s and raises the rate of return to rest by 21 %, as a leak does"
+        "An unmeasured load starts at 374.2 s and changes the rate of return to rest by 21 %, as a leak does"
     )
-    assert parameter_label("load-step", "size", {"unit": "1"}) == "increase of the rate of return to rest"
+    assert parameter_label("load-step", "size", {"unit": "1"}) == "change of the rate of return to rest"
     assert parameter_value("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
 
 

@@ -21,6 +21,7 @@ from labsid.gap.search.beam_search import (
     Level,
     best_path,
     keep_best,
+    nested_path,
     plausible_forms,
     residual_is_white,
     select_parents,
@@ -101,6 +102,17 @@ def test_a_level_keeps_the_better_of_two_fits_of_the_same_names(banded: Explanat
     better = replace(fit, bic=fit.bic - 1.0)
     keep_best(level, [better])
     assert level == {("input-dead-zone",): better}
+
+
+def test_every_step_of_a_path_has_the_effects_of_the_step_before(banded: Explanation) -> None:
+    """Also where the search has exchanged the first effect for another one."""
+    base, *_ = banded.path
+    one, other, third = sorted(banded.levels[1].values(), key=lambda fit: fit.bic)[:3]
+    pair = replace(other, hypothesis=other.hypothesis.plus(third.hypothesis.found[0]))
+    levels = (banded.levels[0], banded.levels[1], {tuple(sorted(pair.hypothesis.names)): pair})
+    assert nested_path(levels, (base, one, pair)) == (base, other, pair)
+    assert nested_path(levels, (base, third, pair)) == (base, third, pair)
+    assert nested_path(levels, (base,)) == (base,)
 
 
 def test_the_best_path_ends_where_no_effect_is_a_significant_improvement(banded: Explanation) -> None:
