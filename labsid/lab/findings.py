@@ -53,7 +53,10 @@ class Finding:
     text: str
 
 
-def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
+UNJUDGED = Finding("note", "feedback", "not judged: the output is missing while the input changes.")
+
+
+def about_signals(raw: RawRecord, Ts: float | None, readings: RawRecord | None = None) -> list[Finding]:
     """Describe input and output of a record.
 
     Parameters
@@ -62,6 +65,8 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
         Its u and y must be finite and of equal length, at least 5 samples.
     Ts : float or None
         Sampling time in seconds, if known; for durations in the texts.
+    readings : RawRecord, optional
+        The samples at which the output was read, of one that is missing at most of them: its noise is judged by these.
 
     Returns
     -------
@@ -78,10 +83,10 @@ def about_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     return [
         about_input(u),
         *about_command(raw, Ts),
-        about_feedback(raw),
+        about_feedback(raw) if readings is None else UNJUDGED,
         about_rest(u, y, offsets, Ts),
         *([] if plateaus is None else [about_plateaus(plateaus)]),
-        *about_output(raw, offsets),
+        *(about_output(raw, offsets) if readings is None else about_output(readings, None)),
         *about_filter(raw, Ts),
         _about_excitation(u, y, offsets),
     ]

@@ -146,7 +146,7 @@ def _of_equal_length(columns: Mapping[str, FloatArray], signals: Signals) -> Flo
     return np.asarray(joined(list(columns.values())))
 
 
-def cut_signals(record: AnyRecord, rows: slice) -> AnyRecord:
+def cut_signals(record: AnyRecord, rows: slice | np.ndarray) -> AnyRecord:
     """A record with only these samples of all its signals."""
     present = {name: x for name in _SIGNALS if (x := getattr(record, name)) is not None}
     return replace(record, **{name: x[rows] for name, x in present.items()})

@@ -293,3 +293,16 @@ def test_the_sensor_that_stops_at_ten_volts(shared_data):
         check = check_record(read_raw(path, Reading(columns=columns, Ts=4)))
         assert "stuck at its highest value 10 for" in texts(check, "clipping", "warning")
         assert "held values" not in {f.topic for f in check.findings}
+
+
+def test_a_sensor_that_reads_seldom_is_judged_by_its_readings() -> None:
+    """Straight lines between readings know the later one: they look like feedback, and have no noise."""
+    rng = np.random.default_rng(5)
+    u = np.repeat(rng.integers(0, 3, 40), 25).astype(float)
+    y = lfilter([0, 0.1], [1, -0.9], u) + 0.05 * rng.standard_normal(u.size)
+    y[np.arange(u.size) % 6 != 0] = np.nan
+    found = {f.topic: f for f in check_record(RawRecord(0.1 * np.arange(u.size), u, y)).findings}
+    assert found["feedback"].level == "note"
+    assert "not judged" in found["feedback"].text
+    said = float(found["noise"].text.split()[1])
+    assert 0.03 < said < 0.3
