@@ -48,8 +48,6 @@ class Effect:
     sizes : tuple of str
         Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in
         more than these; empty if an effect that does nothing leaves the hypothesis as it was.
-    instants : tuple of str
-        Parameters that are instants, as shares of the record.
     planted_variants : tuple of str
         Forms whose smallest visible size is reported.
     whole : str
@@ -68,7 +66,6 @@ class Effect:
     late: ClassVar[bool] = False
     grows: ClassVar[bool] = False
     sizes: ClassVar[tuple[str, ...]] = ()
-    instants: ClassVar[tuple[str, ...]] = ()
     planted_variants: ClassVar[tuple[str, ...]] = ()
     whole: ClassVar[str] = "u"
     variant: str = ""
@@ -92,6 +89,11 @@ class Effect:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters of the effect; those of a plant effect belong to the plant."""
+        return ()
+
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """Parameters that are instants or lengths of time, as shares of the record."""
         return ()
 
     @property

@@ -89,6 +89,11 @@ class Off(InputEffect):
         own = {"": (left,), "while": times, "before": (until,)}[self.variant]
         return (*own, Parameter("off_level", -60.0, 60.0))
 
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """Beginning, end or length of the time in which the command is not applied."""
+        return {"": ("off_left",), "while": ("off_start", "off_length"), "before": ("off_until",)}[self.variant]
+
     def _span(self, own: FloatArray, span: int) -> tuple[float, float]:
         """Start and end in samples; infinite without one."""
         if self.variant == "while":

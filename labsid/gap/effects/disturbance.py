@@ -75,7 +75,10 @@ class StepLoad(Effect):
         ),
     )
 
-    instants: ClassVar[tuple[str, ...]] = ("onset",)
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """The onset."""
+        return ("onset",)
 
     def _size(self, fit: Fitted) -> Value:
         raise NotImplementedError
@@ -167,9 +170,13 @@ class PassingLoad(LoadStep):
     variants = ("ends",)
     late = True
     planted_variants = ()
-    instants = ("onset", "end")
     grows = False
     bic_penalty = RICHER_FORM_BIC
+
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """The onset and the end."""
+        return ("onset", "end")
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """None: no other form ends."""

@@ -151,8 +151,12 @@ class PoleStep(PoleDrift):
     variants = ("step",)
     late = True
     planted_variants: ClassVar[tuple[str, ...]] = ()
-    instants = ("onset",)
     bic_penalty = RICHER_FORM_BIC
+
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """The onset."""
+        return ("onset",)
 
     def inner_forms(self) -> tuple[Effect, ...]:
         """A drift of the last nonlinear state."""
@@ -293,9 +297,13 @@ class GainStep(GainDrift):
 
     variants = ("step",)
     late = True
-    instants = ("onset",)
     planted_variants = ()
     bic_penalty = RICHER_FORM_BIC
+
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """The onset."""
+        return ("onset",)
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """A change of the reading in place of that of the actuator."""
@@ -347,9 +355,13 @@ class ReadingStep(OutputEffect):
     key_form = "reading-{}"
     variants = ("step",)
     late = True
-    instants = ("onset",)
     bic_penalty = RICHER_FORM_BIC
     position: ClassVar[int] = 3
+
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """The onset."""
+        return ("onset",)
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """A change of the gain of the actuator."""

@@ -133,3 +133,18 @@ def test_a_load_that_ends_at_the_end_of_the_record_is_one_that_begins() -> None:
     np.testing.assert_allclose(
         passing[:-1], LoadStep().columns(np.array([0.4]), SAMPLES, SAMPLES, plant, rates)[:-1], atol=1e-9
     )
+
+
+@pytest.mark.slow
+def test_a_fault_that_began_while_the_command_rested_may_have_begun_at_any_time_since() -> None:
+    u = moves(8)
+    last = int(np.flatnonzero(np.diff(u[:600]))[-1]) + 1  # the command rests from here on
+    until = int(np.flatnonzero(np.diff(u[last:]))[0]) + last + 1
+    acting = np.where(np.arange(SAMPLES) >= last, u[last], u)  # from its next move on, nothing of it arrives
+    y = first_order(acting) + NOISE * np.random.default_rng(9).standard_normal(SAMPLES)
+    (found,) = diagnose(Record(np.arange(SAMPLES) * TS, u, y, TS)).report["effects"]
+    assert found["name"] == "input-off"
+    start = found["parameters"]["onset"]
+    spread = TS * (until - last) / np.sqrt(12.0)
+    assert start["stderr"] > 0.5 * spread
+    assert abs(start["value"] - TS * 0.5 * (last + until)) < 3.0 * start["stderr"]
