@@ -1,6 +1,7 @@
 """Whether the rig itself is unstable, and the weakest feedback beside which its simulation stays bounded."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import lstsq, pinvh
@@ -74,19 +75,39 @@ def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None
     """
     if gain_from_past(data.y, data.u) < FEEDBACK_F or is_relay(data.u, data.y):
         return None  # without a controller an unstable rig would have run away, and a relay hardly holds one
-    fits = [fit for rate in START_RATES if (fit := _fitted(data, rate)) is not None]
-    if not fits:
+    best = _best_equation(data)
+    if best is None:
         return None
-    best = min(fits, key=lambda fit: fit.error)
     growth = best.fastest_growth
     if growth * data.longest < GROWTH or growth < SIGNIFICANT * best.stderr or best.gain == 0.0:
         return None
     if _error_with_direct_term(data, *best.filter) < MOST_DIRECT * best.error:
         return None  # a rig that responds within the sample, to an input that is as smooth as the output
+    if not all(map(_grows, _halves(data))):
+        return None  # the gain or the speed of a stable rig changes
     (c, k), (a1, a0) = best.filter, np.poly(best.poles).real[1:]
     gains = float(1.0 - a0 / k), float((c - a1) / k)
     feedback = OutputFeedback(gains=gains, closed=(c, k), about=float(data.y[0]))
     return feedback.on(data.y), best.gain
+
+
+def _best_equation(data: Data) -> FilteredEquation | None:
+    """The equation of least error, from filters of several rates; None if none has a solution."""
+    fits = [fit for rate in START_RATES if (fit := _fitted(data, rate)) is not None]
+    return min(fits, key=lambda fit: fit.error, default=None)
+
+
+def _grows(data: Data) -> bool:
+    """Whether the best equation has a growing pole."""
+    best = _best_equation(data)
+    return best is not None and best.fastest_growth > 0.0
+
+
+def _halves(data: Data) -> Iterator[Data]:
+    """The record with the rows of either half alone."""
+    first = np.arange(data.samples) < data.samples // 2
+    for half in (first, ~first):
+        yield replace(data, rows=data.rows & half)
 
 
 def corrected_share(data: Data, fit: Fit) -> float | None:

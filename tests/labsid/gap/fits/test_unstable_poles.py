@@ -65,6 +65,31 @@ def found_in(record: Record) -> tuple[OutputFeedback, float]:
     return found
 
 
+def drifting_loop(seed: int) -> Record:
+    """A stable first-order rig whose gain falls by 45 %, in the loop of a controller that follows ramps."""
+    rng = np.random.default_rng(seed)
+    samples, pole = 1200, np.exp(-1.0 / 38.0)
+    turns = np.arange(0, samples + 70, 70)
+    r = np.interp(np.arange(samples), turns, rng.uniform(-0.5, 0.9, turns.size))
+    gain = np.linspace(1.0, 0.55, samples)
+    noise = 0.003 * rng.standard_normal(samples)
+    u, y = np.empty(samples), np.empty(samples)
+    level = integral = before = 0.0
+    for k in range(samples):
+        y[k] = level + noise[k]
+        error = r[k] - y[k]
+        integral += 0.03 * error
+        u[k] = 1.5 * error + integral + (3.0 * (error - before) if seed % 2 else 0.0)
+        before = error
+        level = pole * level + (1.0 - pole) * gain[k] * u[k]
+    return Record(TS * np.arange(samples), u, y, TS)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_gain_that_falls_in_a_loop_makes_no_rig_unstable(seed: int) -> None:
+    assert find_stabilising_feedback(as_data(drifting_loop(seed))) is None
+
+
 def test_the_poles_are_those_of_the_rig_and_the_feedback_is_the_regulator_of_least_energy() -> None:
     record = upright()
     feedback, gain = found_in(record)
