@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from labsid.gap.batches import batch
-from labsid.gap.effects.families import CANDIDATES, FAMILIES
+from labsid.gap.effects.families import CANDIDATES, FAMILIES, LATE
 
 _TESTS = Path(__file__).resolve().parent
 FEW_IN_ONE_PROCESS = f"""
@@ -32,6 +32,7 @@ def searched(*names: str) -> Iterator[None]:
     assert not unknown, f"the search has no {sorted(unknown)}"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("labsid.gap.search.beam_search.CANDIDATES", few)
+        patch.setattr("labsid.gap.search.instants.LATE", tuple(effect for effect in LATE if effect.name in names))
         with limits_of(*names):
             yield
 

@@ -36,6 +36,7 @@ from labsid.gap.effects.sketch import Seen, Sketch, nothing, step
 
 _STEP = (ONSET, Parameter("step", -3.0, 3.0), Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
+STEP_COSINE = 0.15  # the same of a change at an instant: 6.6 scaled units, a range beyond the record
 
 
 def _course_of_change(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
@@ -331,8 +332,8 @@ class GainStep(GainDrift):
         return _rates_without_change(context)
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject instants near an end of the record, too."""
-        return is_within(fit, float(fit.theta_of(self)[0])) and super().is_plausible(fit)
+        """Reject instants near an end of the record, and a neutral input far outside it: a load does the same."""
+        return _changes_a_gain(fit, fit.theta_of(self))
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Scale the distance from the neutral input after the instant."""
@@ -402,9 +403,8 @@ class ReadingStep(OutputEffect):
         return self._factor(z.size, own)
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject instants near an end of the record, and a neutral reading far outside it: the zero has moved."""
-        onset, _, angle = fit.theta_of(self)
-        return is_within(fit, float(onset)) and bool(abs(np.cos(angle)) > MIN_COSINE)
+        """Reject instants near an end of the record, and a neutral reading far outside it: its zero has moved."""
+        return _changes_a_gain(fit, fit.theta_of(self))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drift`: relative change of the gain; `onset`: its instant."""
@@ -416,6 +416,12 @@ def _rates_without_change(context: Context) -> list[tuple[float, float]]:
     slow, fast = real_rates(*context.highpass_rates)
     alone = [single_pole(fast)] if slow * context.data.samples < 1.0 else []
     return [context.highpass_rates, *alone]
+
+
+def _changes_a_gain(fit: Fitted, own: FloatArray) -> bool:
+    """Whether what is neutral lies near the record, so that a change of the gain is no shift."""
+    onset, _, angle = own
+    return is_within(fit, float(onset)) and bool(abs(np.cos(angle)) > STEP_COSINE)
 
 
 def _step_values(fit: Fitted, own: FloatArray) -> dict[str, Value]:

@@ -26,6 +26,7 @@ from labsid.gap.search.candidates import (
     best_form,
     is_compatible,
     is_plausible,
+    penalized_bic,
     plausible_forms,
     refine_first,
     trial_fits,
@@ -97,13 +98,14 @@ def _with_instants(data: Data, levels: Levels, path: tuple[Fit, ...], highpass: 
         found = _of_size(fits, size)
         white = [fit for fit in found if residual_is_white(data, fit)]
         if size < len(path):
-            better = [fit for fit in found if fit.bic < path[-1].bic]
+            most = penalized_bic(path[-1]) + BIC_MARGIN * (len(path) - 1 - size)
+            better = [fit for fit in found if penalized_bic(fit) < most]
         else:
             better = [fit for fit in white if is_improvement(data, path[-1], fit)]
         levels = tuple(dict(levels[n]) if n < len(levels) else {} for n in range(max(len(levels), size + 1)))
         keep_best(levels[size], [*white, *better])
         if better:
-            best = min(better, key=attrgetter("bic"))
+            best = min(better, key=penalized_bic)
             parents = [one for names, one in levels[1].items() if set(names) < set(best.hypothesis.names)]
             path = (path[0], *parents[: size - 1], best)
             if residual_is_white(data, best):

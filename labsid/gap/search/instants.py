@@ -13,7 +13,7 @@ from labsid._cores import mapped
 from labsid.gap.effects.families import LATE, names_where
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
-from labsid.gap.search.candidates import best_fit, trial_fits
+from labsid.gap.search.candidates import best_fit, is_plausible, trial_fits
 from labsid.gap.search.refinement import converge, polish
 
 MOST_PARENTS = 3  # fits with one effect, to which such a change is added
@@ -43,7 +43,8 @@ def fits_with_instants(data: Data, levels: Sequence[Mapping[tuple[str, ...], Fit
         (parent, late) for parent, late in product([base, *single], LATE) if late.name not in parent.hypothesis.names
     ]
     fits = mapped(lambda pair: best_fit(data, trial_fits(data, pair[0], (pair[1],), highpass)), pairs, (data, base))
-    return [polish(data, converge(data, fit)) for fit in fits if fit is not None]
+    ends = [polish(data, converge(data, fit)) for fit in fits if fit is not None]
+    return [fit for fit in ends if is_plausible(data, fit, len(fit.hypothesis.found))]
 
 
 def may_change_at_an_instant(fit: Fit) -> bool:

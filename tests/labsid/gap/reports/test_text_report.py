@@ -368,7 +368,7 @@ def test_what_remains_of_a_closed_gap_is_no_part_of_it():
 def test_a_parameter_that_may_be_zero_is_marked():
     base = report("load-step")
     base["effects"][0]["parameters"]["size"] |= {"value": -0.0004, "stderr": 0.3}
-    line = next(line for line in format_report(base).splitlines() if "final change" in line)
+    line = next(line for line in format_report(base).splitlines() if "settled change" in line)
     assert line.endswith("0.00 ± 0.30    units of y, not told from zero")
     assert "-0.0" not in line
 
