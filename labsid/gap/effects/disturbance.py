@@ -49,9 +49,7 @@ class StepLoad(Effect):
             "An unmeasured load starts at {onset}",
             "An unmeasured load starts during the record",
         ),
-        meaning=(
-            "From this time on a further input acts on the process, such as an opened valve, a leak or an added weight."
-        ),
+        meaning="A further input acts on the process, such as an opened valve, a leak or an added weight.",
         excited_by="A record that goes on for several time constants after the load has started.",
         parameters={
             "onset": Reported("start", "s", position=True),
