@@ -82,12 +82,16 @@ def check_record(raw: RawRecord) -> RecordCheck:
     is_described = len(raw.u) == len(raw.y) and min(y.size for y in measured) >= 5
     if is_described and is_sound(raw.u) and all(map(is_sound, measured)):
         whole = cut_signals(raw, span_of_outputs(raw.y))
-        read = np.flatnonzero(~np.isnan(whole.y)) if not raw.several else np.arange(len(whole.y))
-        readings = cut_signals(whole, read) if 2 * read.size < len(whole.y) else None
-        whole = replace(whole, y=bridge_gaps(whole.y))
-        findings += about_several_signals(whole, Ts) if raw.several else about_signals(whole, Ts, readings)
+        bridged = replace(whole, y=bridge_gaps(whole.y))
+        findings += about_several_signals(bridged, Ts) if raw.several else about_signals(bridged, Ts, _readings(whole))
     notes = [Finding("note", "file", f"{note}.") for note in (*raw.notes, *jitter_note(raw.jitter, Ts))]
     return RecordCheck(raw.name, len(raw.u), Ts, faults, (*notes, *findings))
+
+
+def _readings(raw: RawRecord) -> RawRecord | None:
+    """The samples at which the output was read, if that is the smaller part of them."""
+    read = np.flatnonzero(~np.isnan(raw.y))
+    return cut_signals(raw, read) if 2 * read.size < len(raw.y) else None
 
 
 def to_json_dict(check: RecordCheck) -> dict[str, Any]:

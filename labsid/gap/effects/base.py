@@ -265,6 +265,10 @@ class Fitted:
         """Value of a parameter whose name no other effect has."""
         return float(self.theta[[parameter.name for parameter in self.hypothesis.parameters].index(name)])
 
+    def instant(self, share: float) -> Value:
+        """The time at a share of the record."""
+        return Value(float(share) * self.data.samples * self.data.Ts + self.data.start, "s")
+
     @property
     def command_unit(self) -> float:
         """Size in the record's unit of a command that drives the dynamics by one."""

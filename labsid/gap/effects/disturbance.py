@@ -91,8 +91,7 @@ class StepLoad(Effect):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `size`."""
-        onset = fit.value("onset") * fit.data.samples * fit.data.Ts + fit.data.start
-        return {"onset": Value(onset, "s"), "size": self._size(fit)}
+        return {"onset": fit.instant(fit.value("onset")), "size": self._size(fit)}
 
 
 class LoadStep(StepLoad, AdditiveEffect):
@@ -208,8 +207,8 @@ class PassingLoad(LoadStep):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """Also `end` in seconds."""
-        onset, end = (float(at) * fit.data.samples * fit.data.Ts + fit.data.start for at in fit.theta_of(self))
-        return {"onset": Value(onset, "s"), "end": Value(end, "s"), "size": self._size(fit)}
+        onset, end = map(fit.instant, fit.theta_of(self))
+        return {"onset": onset, "end": end, "size": self._size(fit)}
 
     def _size(self, fit: Fitted) -> Value:
         """Change of the output that the load would settle at; its largest one if the dynamics are too slow for that."""

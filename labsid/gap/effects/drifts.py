@@ -34,7 +34,6 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.disturbance import best_onsets, is_within
 from labsid.gap.effects.sketch import Seen, Sketch, nothing, step
 
-_STEP = (ONSET, Parameter("step", -3.0, 3.0), Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 STEP_COSINE = 0.15  # the same of a change at an instant: 6.6 scaled units, a range beyond the record
 
@@ -43,6 +42,53 @@ def _course_of_change(x: FloatArray, p: Mapping[str, float], seen: Seen) -> Floa
     if "onset" in p:
         return p["drift"] * step(x - p["onset"], p, seen)
     return np.asarray(p.get("drift", p.get("pole", 0.0)) * (x - x[0]) / (x[-1] - x[0]))
+
+
+class _Once(Effect):
+    """What changes once, at an instant."""
+
+    variants: ClassVar[tuple[str, ...]] = ("step",)
+    planted_variants: ClassVar[tuple[str, ...]] = ()
+    late = True
+    bic_penalty = RICHER_FORM_BIC
+
+    @property
+    def instants(self) -> tuple[str, ...]:
+        """The onset."""
+        return ("onset",)
+
+    def rates(self, context: Context) -> list[tuple[float, float]]:
+        """Those of the high-pass fit, into which the change brings no slow pole; also its fast pole alone.
+
+        The fast pole alone if the other one is slower than the record shows.
+        """
+        slow, fast = real_rates(*context.highpass_rates)
+        alone = [single_pole(fast)] if slow * context.data.samples < 1.0 else []
+        return [context.highpass_rates, *alone]
+
+
+class _GainOnce(_Once):
+    """A gain that changes once, about a neutral value of the signal, at which the change has no influence."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The instant as a share of the record, the relative change, and the angle of the neutral value."""
+        return (ONSET, Parameter("step", -3.0, 3.0), Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Reject instants near an end of the record, and a neutral value far outside it: a shift does the same."""
+        onset, _, angle = fit.theta_of(self)
+        return is_within(fit, float(onset)) and bool(abs(np.cos(angle)) > STEP_COSINE)
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`drift`: relative change of the gain; `onset`: its instant."""
+        onset, size, angle = fit.theta_of(self)
+        return {"drift": Value(float(size * np.cos(angle)), "1"), "onset": fit.instant(onset)}
+
+    def changed(self, x: FloatArray, own: FloatArray, span: int) -> FloatArray:
+        """A signal whose distance from the neutral value is scaled after the instant."""
+        onset, size, angle = own
+        return np.asarray(x + size * (np.cos(angle) * x + np.sin(angle)) * step_signal(float(onset), x.size, span))
 
 
 class PoleDrift(PlantEffect):
@@ -146,18 +192,8 @@ class PoleDrift(PlantEffect):
         ]
 
 
-class PoleStep(PoleDrift):
+class PoleStep(_Once, PoleDrift):
     """A pole that changes once, possibly with the gain."""
-
-    variants = ("step",)
-    late = True
-    planted_variants: ClassVar[tuple[str, ...]] = ()
-    bic_penalty = RICHER_FORM_BIC
-
-    @property
-    def instants(self) -> tuple[str, ...]:
-        """The onset."""
-        return ("onset",)
 
     def inner_forms(self) -> tuple[Effect, ...]:
         """A drift of the last nonlinear state."""
@@ -166,10 +202,6 @@ class PoleStep(PoleDrift):
     def extend(self, plant: Plant) -> Plant:
         """Dynamics whose rates step at the onset."""
         return plant.modified(kind="varying", drift_degree=1, steps=True)
-
-    def rates(self, context: Context) -> list[tuple[float, float]]:
-        """Those without a slow pole that the change has brought into a linear fit."""
-        return _rates_without_change(context)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Instants at which a change of the restoring force and of the gain reduces the residual most."""
@@ -192,8 +224,7 @@ class PoleStep(PoleDrift):
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """As of a drift, and `onset`, the instant."""
-        at = fit.value("onset") * fit.data.samples * fit.data.Ts + fit.data.start
-        return {**super().values(fit), "onset": Value(at, "s")}
+        return {**super().values(fit), "onset": fit.instant(fit.value("onset"))}
 
     def _ends(self, fit: Fitted) -> FloatArray:
         return np.array([0.0, fit.value("drift")])
@@ -293,27 +324,12 @@ class GainDrift(InputEffect):
         return [Planted("drift", {"shape1": 0.5 * sign * share, "angle": 0.0}) for sign in (1.0, -1.0)]
 
 
-class GainStep(GainDrift):
-    """A gain that changes once, about a neutral input, at which the change has no influence."""
-
-    variants = ("step",)
-    late = True
-    planted_variants = ()
-    bic_penalty = RICHER_FORM_BIC
-
-    @property
-    def instants(self) -> tuple[str, ...]:
-        """The onset."""
-        return ("onset",)
+class GainStep(_GainOnce, GainDrift):
+    """A gain of the actuator that changes once."""
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """A change of the reading in place of that of the actuator."""
         return [ReadingStep("step")]
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """The instant as a share of the record, the relative change, and the angle of the neutral input."""
-        return _STEP
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Instants at which such a change reduces the residual most."""
@@ -327,51 +343,21 @@ class GainStep(GainDrift):
 
         return _step_starts(context, response(w), columns_of, response, w)
 
-    def rates(self, context: Context) -> list[tuple[float, float]]:
-        """Those without a slow pole that the change has brought into a linear fit."""
-        return _rates_without_change(context)
-
-    def is_plausible(self, fit: Fitted) -> bool:
-        """Reject instants near an end of the record, and a neutral input far outside it: a load does the same."""
-        return _changes_a_gain(fit, fit.theta_of(self))
-
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
-        """Scale the distance from the neutral input after the instant."""
-        onset, size, angle = own
-        return np.asarray(w + size * (np.cos(angle) * w + np.sin(angle)) * step_signal(float(onset), w.size, span))
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`drift`: relative change of the gain; `onset`: its instant."""
-        return _step_values(fit, fit.theta_of(self))
-
-    def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """None: a drift of the gain is."""
-        return []
+        """The command, changed."""
+        return self.changed(w, own, span)
 
 
-class ReadingStep(OutputEffect):
-    """A gain of the reading that changes once, about a neutral reading: another range, a new calibration."""
+class ReadingStep(_GainOnce, OutputEffect):
+    """A gain of the reading that changes once: another range, a new calibration."""
 
     name = "parameter-drift"
     key_form = "reading-{}"
-    variants = ("step",)
-    late = True
-    bic_penalty = RICHER_FORM_BIC
     position: ClassVar[int] = 3
-
-    @property
-    def instants(self) -> tuple[str, ...]:
-        """The onset."""
-        return ("onset",)
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """A change of the gain of the actuator."""
         return [GainStep("step")]
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """The instant as a share of the record, the relative change, and the angle of the neutral reading."""
-        return _STEP
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Instants at which such a change reduces the residual most."""
@@ -382,52 +368,14 @@ class ReadingStep(OutputEffect):
 
         return _step_starts(context, x, columns_of, lambda one: one, x)
 
-    def rates(self, context: Context) -> list[tuple[float, float]]:
-        """Those without a slow pole that the change has brought into a linear fit."""
-        return _rates_without_change(context)
-
-    def _factor(self, samples: int, own: FloatArray) -> FloatArray:
-        """The gain of the reading at each sample."""
-        onset, size, angle = own
-        return np.asarray(1.0 + size * np.cos(angle) * step_signal(float(onset), samples, samples))
-
     def apply(self, z: FloatArray, own: FloatArray) -> FloatArray:
-        """Scale the distance from the neutral reading after the instant."""
-        onset, size, angle = own
-        return np.asarray(
-            self._factor(z.size, own) * z + size * np.sin(angle) * step_signal(float(onset), z.size, z.size)
-        )
+        """The reading, changed."""
+        return self.changed(z, own, z.size)
 
     def slope(self, z: FloatArray, own: FloatArray) -> FloatArray:
         """The gain of the reading."""
-        return self._factor(z.size, own)
-
-    def is_plausible(self, fit: Fitted) -> bool:
-        """Reject instants near an end of the record, and a neutral reading far outside it: its zero has moved."""
-        return _changes_a_gain(fit, fit.theta_of(self))
-
-    def values(self, fit: Fitted) -> dict[str, Value]:
-        """`drift`: relative change of the gain; `onset`: its instant."""
-        return _step_values(fit, fit.theta_of(self))
-
-
-def _rates_without_change(context: Context) -> list[tuple[float, float]]:
-    """Rates of the high-pass fit; also its fast pole alone, if the other one is slower than the record shows."""
-    slow, fast = real_rates(*context.highpass_rates)
-    alone = [single_pole(fast)] if slow * context.data.samples < 1.0 else []
-    return [context.highpass_rates, *alone]
-
-
-def _changes_a_gain(fit: Fitted, own: FloatArray) -> bool:
-    """Whether what is neutral lies near the record, so that a change of the gain is no shift."""
-    onset, _, angle = own
-    return is_within(fit, float(onset)) and bool(abs(np.cos(angle)) > STEP_COSINE)
-
-
-def _step_values(fit: Fitted, own: FloatArray) -> dict[str, Value]:
-    onset, size, angle = (float(x) for x in own)
-    at = onset * fit.data.samples * fit.data.Ts + fit.data.start
-    return {"drift": Value(size * float(np.cos(angle)), "1"), "onset": Value(at, "s")}
+        onset, size, angle = own
+        return np.asarray(1.0 + size * np.cos(angle) * step_signal(float(onset), z.size, z.size))
 
 
 def _step_starts(

@@ -85,21 +85,24 @@ def search_effects(
     highpass = fit_highpass(data, base)
     base = whiter_baseline(data, polish(data, base), highpass)
     levels, path = _with_driven_poles(data, structure, base, highpass, most, progress)
-    levels, path = _with_instants(data, levels, path, highpass) if most else (levels, path)
+    levels, path = _with_instants(data, levels, path, highpass, most)
     return levels, nested_path(levels, path)
 
 
-def _with_instants(data: Data, levels: Levels, path: tuple[Fit, ...], highpass: Fit) -> tuple[Levels, tuple[Fit, ...]]:
+def _with_instants(
+    data: Data, levels: Levels, path: tuple[Fit, ...], highpass: Fit, most: int
+) -> tuple[Levels, tuple[Fit, ...]]:
     """The same with a change at an instant, where it explains more with as many effects, or all with one more."""
-    if residual_is_white(data, path[-1]) and not may_change_at_an_instant(path[-1]):
+    sizes = range(1, min(most, 2) + 1)
+    if not sizes or (residual_is_white(data, path[-1]) and not may_change_at_an_instant(path[-1])):
         return levels, path
-    fits = fits_with_instants(data, levels, highpass)
-    for size in (1, 2):
+    fits = fits_with_instants(data, levels[: len(sizes)], highpass)
+    for size in sizes:
         found = _of_size(fits, size)
         white = [fit for fit in found if residual_is_white(data, fit)]
         if size < len(path):
-            most = penalized_bic(path[-1]) + BIC_MARGIN * (len(path) - 1 - size)
-            better = [fit for fit in found if penalized_bic(fit) < most]
+            highest = penalized_bic(path[-1]) + BIC_MARGIN * (len(path) - 1 - size)
+            better = [fit for fit in found if penalized_bic(fit) < highest]
         else:
             better = [fit for fit in white if is_improvement(data, path[-1], fit)]
         levels = tuple(dict(levels[n]) if n < len(levels) else {} for n in range(max(len(levels), size + 1)))
