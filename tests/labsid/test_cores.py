@@ -31,18 +31,15 @@ def test_results_stand_in_the_order_of_the_items(jobs: int) -> None:
 
 @needs_cores
 def test_several_processes_take_part(tmp_path: Path) -> None:
-    caller, begun = os.getpid(), tmp_path / "begun"
-
     def who(_: int) -> int:
-        if os.getpid() != caller:
-            begun.touch()
-        for _ in range(6000):  # until the other one has an item, however busy the machine is
-            if begun.exists():
+        (tmp_path / str(os.getpid())).touch()
+        for _ in range(6000):  # until the other one has an item, too, however busy the machine is
+            if len(list(tmp_path.iterdir())) > 1:
                 break
             sleep(0.01)
         return os.getpid()
 
-    assert {caller} < set(with_jobs(2, who, list(range(60))))
+    assert {os.getpid()} < set(with_jobs(2, who, list(range(60))))
 
 
 @needs_cores
