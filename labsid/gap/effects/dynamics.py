@@ -468,8 +468,8 @@ class CoulombFriction(PlantEffect):
         return found
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """Friction up to half the range of the input."""
-        return [Planted("friction", {"friction": 0.5 * share * fit.input_range})]
+        """Friction up to the range of the input."""
+        return [Planted("friction", {"friction": share * fit.input_range})]
 
 
 def moves_both_ways(speed: FloatArray, least: float = 0.0) -> bool:

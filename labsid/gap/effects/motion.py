@@ -201,6 +201,6 @@ class QuadraticDrag(PlantEffect):
         return {"drag": Value(float(size), "u s^2/y^2")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """A resistance at the largest speed of up to half the range of the input."""
+        """A resistance at the largest speed of up to the range of the input."""
         speed = float(np.abs(fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 1]).max())
-        return [Planted("drag", {"drag": 0.5 * share * fit.input_range / max(speed, 1e-9) ** 2})]
+        return [Planted("drag", {"drag": share * fit.input_range / max(speed, 1e-9) ** 2})]

@@ -62,8 +62,8 @@ class Friction(_AroundGiven):
         return {"friction": Value(fit.value("friction") * fit.command_unit, "u")}
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """Friction up to half the range of the input."""
-        return [Planted("friction", {"friction": 0.5 * share * fit.input_range})]
+        """Friction up to the range of the input."""
+        return [Planted("friction", {"friction": share * fit.input_range})]
 
 
 class Spring(_AroundGiven):

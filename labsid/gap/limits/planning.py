@@ -65,7 +65,7 @@ def with_planted(data: Data, fit: Fit, limits: Limits, share: float, rng: np.ran
     for plantation in plantations(data, fit):
         places = plantation.places(share) if plantation.effect.name == limits.name else []
         if places and places[0].parameter == limits.parameter:
-            change = plantation.change(places[0])
+            change = plantation.changes(share)[0]
             white = np.sqrt(fit.noise.sigma2) * rng.standard_normal(data.samples)
             noise = lfilter([1.0], np.concatenate([[1.0], -fit.noise.ar]), white)
             return None if change is None else np.asarray(data.y_scale.back(fit.output + change + noise))

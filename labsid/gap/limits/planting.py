@@ -20,6 +20,7 @@ from labsid.gap.search.candidates import is_compatible
 from labsid.gap.search.forms import extended_hypotheses, transfer_theta
 
 STATE_STEP = 0.1  # scaled: for the derivative by an initial state
+NOTHING = 1e-9  # share of the whole: what a simulation of another kind differs by at this size is no effect
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,8 +53,17 @@ class Plantation:
         """The effect at a size, for each place; none where it cannot have this size."""
         return self.effect.planted(self.zero if isinstance(self.effect, PlantEffect) else self.fit, share)
 
-    def change(self, planted: Planted) -> FloatArray | None:
-        """Change of the output by a planted effect, shape (N,); None if the simulation diverges."""
+    def changes(self, share: float) -> list[FloatArray | None]:
+        """Change of the output by the effect at a size, shape (N,), for each place; None where it diverges."""
+        changes = [self._difference(planted) for planted in self.places(share)]
+        if not _is_of_another_kind(self.fit, self.form):
+            return changes
+        unlike = [self._difference(planted) for planted in self.places(NOTHING)] or [None] * len(changes)
+        return [
+            one if one is None or other is None else one - other for one, other in zip(changes, unlike, strict=True)
+        ]
+
+    def _difference(self, planted: Planted) -> FloatArray | None:
         if isinstance(self.effect, Placed):
             passed = self.effect.passed(self.fit.data.u, planted.values)
             output: FloatArray | None = self.fit.hypothesis.output(self.fit.theta, self.fit.gains, passed)

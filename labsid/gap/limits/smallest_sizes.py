@@ -168,8 +168,8 @@ def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
     share, going, visible = 1.0, True, False
     while going and share >= LEAST_SHARE:
         strongest = 0.0
-        for place, planted in enumerate(plantation.places(share)):
-            change = plantation.change(planted)
+        planted_at = plantation.places(share)
+        for place, change in enumerate(plantation.changes(share)):
             if change is None:
                 continue
             vector, size = refit.left(change)
@@ -177,7 +177,7 @@ def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
             strongest = max(strongest, power)
             if np.isfinite(power) and power > 0.0:
                 seen.setdefault(place, []).append(_Change(share, change, vector, size))
-                parameters[place] = planted.parameter
+                parameters[place] = planted_at[place].parameter
         visible |= strongest > INVISIBLE
         going = not plantation.is_linear and (strongest > INVISIBLE or not visible)
         share /= COARSE if strongest > PLAIN else FINE

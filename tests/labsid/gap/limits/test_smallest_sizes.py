@@ -64,8 +64,7 @@ def test_a_delay_is_as_far_away_as_a_refit_of_it_says(plain):
     late = 4
     refit = Refit.about(data, fit, rms(data, fit))
     delay = next(one for one in plantations(data, fit) if isinstance(one.effect, Delay))
-    (planted,) = delay.places(late / delay.fit.slowest_time)
-    change = delay.change(planted)
+    (change,) = delay.changes(late / delay.fit.slowest_time)
     expected = data.y_scale.of(first_order(np.asarray(data.u_scale.back(data.u)), late))
     assert np.std(fit.output + change - expected) < 0.02
     exact = replace(data, y=fit.output + change)
@@ -82,7 +81,7 @@ def test_the_linearized_refit_is_right_about_a_static_curve(plain):
     data, fit = plain
     refit = Refit.about(data, fit, rms(data, fit))
     curve = next(one for one in plantations(data, fit) if one.effect.key == "input-nonlinearity")
-    change = curve.change(curve.places(0.03)[0])
+    change = curve.changes(0.03)[0]
     vector, size = refit.left(change)
     exact, exact_size, _ = refit.left_exactly(change)
     assert vector @ vector == pytest.approx(exact @ exact, rel=0.05)
@@ -104,7 +103,7 @@ def test_the_size_is_that_of_the_planted_rig_in_its_units(plain):
         "input-backlash": share * u_range,
         "input-dead-zone": share * u_range,
         "input-saturation/high": float(np.max(data.u_scale.back(data.u))) - share * u_range,
-        "coulomb-friction/position": 0.5 * share * u_range,
+        "coulomb-friction/position": share * u_range,
         "slow-mode": share,
         "parameter-drift/gain-1": pytest.approx((1.0 + share / 2.0) / (1.0 - share / 2.0) - 1.0),
     }
@@ -146,7 +145,7 @@ def test_the_distance_grows_with_the_length_of_the_record_so_limits_shrink_with_
         data, fit = record(samples, u=np.tile(np.repeat(LEVELS[:20], 20), samples // 400))
         refit = Refit.about(data, fit, rms(data, fit))
         play = next(one for one in plantations(data, fit) if one.effect.key == "output-backlash")
-        vector, _ = refit.left(play.change(play.places(0.02)[0]))
+        vector, _ = refit.left(play.changes(0.02)[0])
         powers.append(float(vector @ vector) * refit.sigma**2 / np.ptp(fit.output) ** 2)
     assert powers[1] / powers[0] == pytest.approx(4.0, rel=0.15)
 
@@ -202,3 +201,18 @@ def test_effects_that_do_not_fit_beside_the_tanks_found_are_not_those_of_a_close
     reasons = {one.name: one.reason for one in rows}
     assert reasons["cubic-stiffness"] == reasons["end-stop"] == "beside"
     assert "closed" not in reasons.values()
+
+
+def test_effects_of_no_size_change_nothing_in_a_record_with_hardly_any_noise():
+    """The simulation of a mass with friction or a stop differs from linear dynamics by more than their size then."""
+    u = np.repeat(LEVELS, 20)[:600]
+    y = lfilter([0.0, 0.02, 0.018], [1.0, -1.70, 0.738], u - u[0]) + 1e-5 * np.random.default_rng(4).normal(size=600)
+    data = scaled(u, y, np.ones(600, bool), 0.1)
+    fit = fit_baseline(data)
+    refit = Refit.about(data, fit, rms(data, fit))
+    planted = [one for one in plantations(data, fit) if one.form.plant.kind == "mechanics"]
+    assert {one.effect.name for one in planted} >= {"coulomb-friction", "end-stop", "quadratic-drag"}
+    for plantation in planted:
+        for change in plantation.changes(1e-8):
+            vector, _ = refit.left(change)
+            assert vector @ vector < 0.01, plantation.effect.key
