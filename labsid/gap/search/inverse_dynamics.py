@@ -43,7 +43,10 @@ IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFricti
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
 GIVING = ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # laws, with the way before the joint slides
 # (radians): a long way makes the error smooth
-STAGES = (5, 5, 15)  # iterations from the best start point of each filter; the better half goes on to the next stage
+STAGES = ((5, 1e3), (5, 30.0), (15, 30.0))
+"""Iterations from the best start point of each filter, of those with an error (mean square over that of the linear
+model) up to the second number; the better half goes on to the next stage. What ended below half of the linear error had
+at most 100 at its start and 4 after five iterations; on records of no joint, hundreds are left then."""
 STILL = 0.1  # of the spread of the speed: below it friction is not known from the direction of the motion
 MOST_STILL = 0.05  # share of such samples within the filter
 MIN_MOVING = 40  # samples in motion
@@ -88,8 +91,9 @@ def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> 
 
 def _descended(trials: list[Trial], most: float) -> list[Trial]:
     """The trials that are best after each stage of the fit, of least error first; none with an error above `most`."""
-    for number, iterations in enumerate(STAGES):
+    for number, (iterations, ratio) in enumerate(STAGES):
         kept = trials[: -(-len(trials) // 2)] if number else trials
+        kept = [one for one in kept if one.point.cost <= ratio * most]
         trials = [Trial(one.problem, descend(one.problem, one.point, iterations)) for one in kept]
         trials.sort(key=attrgetter("point.cost"))
     return [one for one in trials if one.point.cost <= most]
