@@ -70,9 +70,48 @@ def test_a_right_hand_side_in_the_column_space_leaves_no_error() -> None:
     stated("least-squares", "it is its own projection: some $\\theta$ satisfies all equations")
 
 
+def test_the_eigenvalues_of_the_two_by_two_form() -> None:
+    np.testing.assert_allclose(np.linalg.eigvalsh([[1, -1], [-1, 1]]), [0, 2], atol=1e-12)
+    stated("least-squares", r"= \lambda(\lambda - 2)$: the eigenvalues are 2 and 0")
+
+
+@pytest.mark.parametrize("beside", [0.0, 1.0, 30.0])
+def test_a_relative_error_is_magnified_by_at_most_the_condition_number_over_the_cosine(beside: float) -> None:
+    U, s, Vt = np.linalg.svd(np.random.default_rng(4).standard_normal((6, 3)))
+    Phi = U[:, :3] * s @ Vt
+    Y = U[:, 0] + beside * U[:, 5]  # theta is as short as it can be for this Y; the error goes along the smallest value
+    theta, changed = np.linalg.lstsq(Phi, np.column_stack([Y, Y + 0.01 * U[:, 2]]))[0].T
+    magnified = np.linalg.norm(changed - theta) / np.linalg.norm(theta) / (0.01 / np.linalg.norm(Y))
+    assert magnified == pytest.approx(np.linalg.cond(Phi) * np.linalg.norm(Y))  # cos(alpha) = 1 / |Y|
+    stated("least-squares", r"magnified in $\hat\theta$ by up to $\kappa/\cos\alpha$")
+    stated("least-squares", r"by up to $\kappa$ if the fit is good")
+
+
 def test_the_inverse_by_the_lemma() -> None:
     np.testing.assert_allclose(np.linalg.inv([[2, 1], [1, 2]]), np.array([[2, -1], [-1, 2]]) / 3)
     stated("least-squares", r"I - \frac13\,\phi\,\phi^T = \frac13\begin{bmatrix} 2 & -1 \\ -1 & 2 \end{bmatrix}")
+
+
+def test_the_second_order_model_that_the_lab_starts_by_hand() -> None:
+    y = lfilter([0, 1, 0.5], [1, -1.5, 0.7], [1.0, 1, 1])
+    np.testing.assert_allclose(y, [0, 1, 3])
+    stated("lab-identification", r"$y(2) = 1.5\,y(1) - 0.7\,y(0) + 1\,u(1) + 0.5\,u(0) = 3$")
+    stated("model-structures", r"$y(k) - 1.5\,y(k-1) + 0.7\,y(k-2) = u(k-1) + 0.5\,u(k-2)$")
+
+
+def test_the_difference_equation_of_a_transfer_function() -> None:
+    z = 1.3 + 0.4j
+    assert (2 / z + 1 / z**2) / (1 - 0.5 / z) == pytest.approx((2 * z + 1) / (z**2 - 0.5 * z))
+    stated("model-structures", r"$y(k) - 0.5\,y(k-1) = 2\,u(k-1) + u(k-2)$")
+
+
+def test_the_first_order_step_responses_by_hand() -> None:
+    K, tau, td, amplitude = 2.5, 6.0, 1.0, 4.0
+    reached = [K * amplitude * (1 - np.exp(-(t - td) / tau)) for t in (3.0, 7.0)]
+    np.testing.assert_allclose(reached, [2.83, 6.32], atol=0.005)
+    stated("step-response", r"$K = 10/4 = 2.5$, $\tau = 1.5\,(7 - 3) = 6$ s, $t_d = 7 - 6 = 1$ s")
+    assert 2 * (1 - np.exp(-(8 - 3) / 5)) == pytest.approx(1.26, abs=0.005)
+    stated("step-response", "At 8 s it has reached 63 % of it, 1.26")
 
 
 def test_the_rows_of_higher_order_armax_and_their_start() -> None:

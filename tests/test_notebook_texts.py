@@ -3,6 +3,7 @@
 import re
 from functools import cache
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -19,6 +20,8 @@ MINUTES_OF = {
     r"tags: \[demonstration\]": 2,
 }
 TOLERANCE = 0.25
+
+LONGEST_READING, MEDIAN_READING = 400, 200  # words: two minutes and one, read once
 
 
 @cache
@@ -55,6 +58,30 @@ def test_the_first_lines_say_what_is_assumed_and_how_many_marks_there_are(name: 
         round(1000 * float(each)) for each in re.findall(r'grade_id"?: "?[\w-]+"?, "?points"?: ([\d.]+)', text_of(name))
     )
     assert points == 1000 * int(re.search(r"\*\*Marks:\*\* (\d)\.", start)[1])
+
+
+def readings(name: str) -> dict[str, int]:
+    """Words before each thing to do: answer, prediction or prompt "(no marks)". A formula is a word, a fold none."""
+    text = text_of(name).split("---\n", 2)[2]
+    text = re.sub(r"<details>.*?</details>", "", text, flags=re.DOTALL)
+    by_hand = r'\+\+\+ \{"nbgrader": \{"grade_id": "([\w-]+)".*?(?=\n\+\+\+|\n```\{|\Z)'
+    text = re.sub(by_hand, "\0\\1\0", text, flags=re.DOTALL)
+    text = re.sub(r"```\{code-cell\}\n:nbgrader: \{grade_id: ([\w-]+)(.*?)\n```\n", what_to_do, text, flags=re.DOTALL)
+    text = re.sub(r"\$\$.*?\$\$|\$[^$]*\$", "formula", text, flags=re.DOTALL)
+    text = re.sub(r"\(no marks\): ([^\n]+)", "\\1\0\\1\0", text)
+    parts = text.split("\0")
+    return {do: len(re.findall(r"\S*\w\S*", prose)) for prose, do in zip(parts[::2], parts[1::2], strict=False)}
+
+
+def what_to_do(cell: re.Match[str]) -> str:
+    """The mark of a code cell in which the student does something."""
+    return f"\0{cell[1]}\0" if re.search(r"solution: true|check\.predict\(", cell[2]) else ""
+
+
+def test_there_is_something_to_do_after_two_minutes_of_reading_and_mostly_after_one() -> None:
+    words = {(name, do): number for name in NAMES for do, number in readings(name).items()}
+    assert {where: number for where, number in words.items() if number > LONGEST_READING} == {}
+    assert median(words.values()) <= MEDIAN_READING
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if estimated_minutes(name) > 180])

@@ -243,4 +243,5 @@ def time_zone(name: str) -> tzinfo:
 def local_time(when: datetime, zone_name: str | None) -> str:
     """A time for students, in a time zone, which is UTC if it is None."""
     zone = UTC if zone_name is None else time_zone(zone_name)
-    return f"{when.astimezone(zone):%d %B %Y, %H:%M} ({zone_name or 'UTC'})"
+    there = when.astimezone(zone)
+    return f"{there.day} {there:%B %Y, %H:%M} ({zone_name or 'UTC'})"

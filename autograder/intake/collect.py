@@ -190,6 +190,7 @@ def _write_assignment(
     else:  # those of a hand-in before, which the student does not send any more
         (folder / name / tries_file_name(name)).unlink(missing_ok=True)
     notes = [f"the latest of {len(versions)} versions: {shortened(latest.path)}"] if len(versions) > 1 else []
+    notes += [] if latest.is_readable else ["cannot be read as a notebook"]
     notes += [f"not clear which is the latest: {'; '.join(doubts)}"] if doubts else []
     notes += ["replaces what was collected before"] if replaced else []
     (folder / name / UNTOUCHED_FILE).unlink(missing_ok=True)

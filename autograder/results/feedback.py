@@ -220,6 +220,11 @@ def printable(text: str) -> str:
     return "".join(c for c in text if c in "\n\t" or c.isprintable())
 
 
+def as_sentence(text: str) -> str:
+    """A text with a capital at its beginning, unless that may be a name in code."""
+    return text[:1].upper() + text[1:] if re.match(r"(a|[a-z]{2,}) ", text) else text
+
+
 def with_code(text: str) -> markupsafe.Markup:
     """Escaped HTML of a text, with backticked names as code."""
     parts = str(text).split("`")
@@ -233,5 +238,5 @@ def load_template(name: str, folder: Path = TEMPLATES) -> jinja2.Template:
     """Load a page template; it escapes all values."""
     loader = jinja2.FileSystemLoader(folder)
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    environment.filters["with_code"] = with_code
+    environment.filters |= {"with_code": with_code, "as_sentence": as_sentence}
     return environment.get_template(name)

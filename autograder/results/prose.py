@@ -92,7 +92,7 @@ def _apart(text: str) -> str:
 
 def keep_slow_texts(out: Path) -> None:
     """Keep what takes long to render in ``OUT/rendered``, for this process and later ones."""
-    _KEPT[:] = [out / "rendered"]
+    _KEPT[:] = [out.absolute() / "rendered"]
 
 
 @lru_cache(maxsize=4096)

@@ -8,6 +8,7 @@ from typing import Any
 from urllib.parse import quote
 
 from autograder.course.plain_text import plain_decimal
+from autograder.course.students import STUDENTS_FILE, read_students
 from autograder.results import gradebook, grades, result_files
 from autograder.results.feedback import FeedbackTexts, load_template, printable, unique_headings, write_feedback
 from autograder.results.gradebook import ManualGrades
@@ -46,7 +47,10 @@ def write_report(out: Path, texts: FeedbackTexts | None = None) -> Path:
     list(write_feedback(out, texts))
     stored = result_files.load_all(out)
     sent = {name: load_sent(out, name) for name in {result.assignment for result in stored}}
-    page = report_page(stored, gradebook.read_manual_grades(out), gradebook.read_names(out), texts.title, sent)
+    students = out / STUDENTS_FILE
+    listed = {student.id: student.name for student in (read_students(students) if students.is_file() else ())}
+    names = {student: name for student, name in listed.items() if name} | gradebook.read_names(out)
+    page = report_page(stored, gradebook.read_manual_grades(out), names, texts.title, sent, tuple(listed))
     write_text(path, load_template("report.html.j2").render(page=page))
     table = out / HARD_TABLE
     if page["hard"]:
@@ -62,6 +66,7 @@ def report_page(
     student_names: Mapping[str, str] | None = None,
     course: str = "",
     sent: Mapping[str, Sequence[StudentTries]] | None = None,
+    listed: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The content of the report, as plain text and numbers.
 
@@ -75,12 +80,15 @@ def report_page(
         Title of the course.
     sent : mapping, optional
         The tries that students sent, by assignment.
+    listed : sequence of str
+        IDs of the students of the course, if they are known.
 
     Returns
     -------
     dict
     """
     names = sorted({result.assignment for result in stored}, key=in_course_order)
+    graded = {result.student for result in stored}
     by_name = {name: [result for result in stored if result.assignment == name] for name in names}
     levels = Counter(result.isolation for result in stored)
     equal = find_equal(stored)
@@ -96,12 +104,13 @@ def report_page(
         "course": course,
         "names": {printable(student): printable(name) for student, name in (student_names or {}).items()},
         "class": _class_list(stored, names, manual),
-        "students": len({result.student for result in stored}),
+        "students": len(graded),
         "submissions": len(stored),
         "isolation": [{"level": printable(level), "count": count} for level, count in levels.most_common()],
         "unisolated": levels.get("none", 0),
         "assignments": [_assignment(by_name[name], manual) for name in names],
         "missing": _missing(stored),
+        "absent": [printable(student) for student in listed if student not in graded],
         "reviews": sorted(
             (review for result in stored if (review := _review(result, manual)) is not None),
             key=lambda review: (-review["weight"], review["student"]),

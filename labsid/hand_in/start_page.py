@@ -27,10 +27,10 @@ _WORK = """\
 
 - Write your answer into the cell that asks for it, run it (Shift+Enter), and run the *check* below it. A check answers
   at once: ✓ if the step is right, ✗ and the reason if it is not. You may run it as often as you like.
-- **Stuck?** `check.hint()` in a new cell below helps with the check that failed last: first where to look, then, once
-  you have changed your answer or after two minutes, how it is done. `check.practice("name-of-the-check")` gives a small
-  exercise of the same kind. None of it costs marks. `check.skip("name-of-the-check")` goes on from the reference's
-  values on your own data; the step that you skip earns nothing, the steps after it do.
+- **Stuck?** `check.hint()` in a new cell below helps with the check that failed last, once you have changed your answer
+  or after two minutes: first where to look, the next time how it is done. `check.practice("name-of-the-check")` gives a
+  small exercise of the same kind. None of it costs marks. `check.skip("name-of-the-check")` goes on from the
+  reference's values on your own data; the step that you skip earns nothing, the steps after it do.
 - **Compute it.** Grading runs your hand-in a second time, on another record under the same file name, with other
   numbers in it. A number that you type instead of computing it is right on your record only, and earns nothing. It
   counts only where the pen ✎ stands beside the check.

@@ -7,6 +7,7 @@ from labsid.plots.predictions import View, view_png
 from labsid.predictions.prediction import Experiment, Prediction
 
 _STYLE = "max-width:760px;border-left:4px solid #0072B2;padding:.2em 0 .2em .9em;margin:.4em 0"
+_OPENS = "display:list-item;cursor:pointer"  # the classic notebook would hide the triangle
 
 
 def prediction_text(prediction: Prediction) -> str:
@@ -26,7 +27,7 @@ def still_html(prediction: Prediction, experiment: Experiment) -> str:
     options = "".join(f"<li>{escape(option)}</li>" for option in prediction.options)
     seen = view_html(experiment.view(prediction.asked))
     holds = f"<p><b>{escape(prediction.options[outcome.holds])}</b> {escape(outcome.said)}</p>"
-    folded = f"<details><summary>Choose one first, then open this.</summary>{seen}{holds}</details>"
+    folded = f'<details><summary style="{_OPENS}">Choose one first, then open this.</summary>{seen}{holds}</details>'
     return f'{question_html(prediction)}<ol type="a">{options}</ol>{folded}'
 
 

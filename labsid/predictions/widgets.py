@@ -35,7 +35,8 @@ def prediction_widget(prediction: Prediction, experiment: Experiment) -> Any:
     """
     options = [(option, index) for index, option in enumerate(prediction.options)]
     choice = ipywidgets.RadioButtons(options=options, value=None, layout={"width": "auto", "max_width": "760px"})
-    commit = ipywidgets.Button(description="This is my prediction", disabled=True, layout={"width": "auto"})
+    one_line = {"width": "auto", "align_self": "flex-start"}
+    commit = ipywidgets.Button(description="This is my prediction", disabled=True, layout=one_line)
     box = ipywidgets.VBox([ipywidgets.HTML(_CSS + question_html(prediction)), choice, commit])
     box.add_class("labsid-prediction")
     figure = ipywidgets.HTML()

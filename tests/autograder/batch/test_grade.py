@@ -427,7 +427,7 @@ def test_what_was_given_by_hand_outlives_a_new_grading(
     list(write_feedback(again.out))
     page = (again.out / "feedback" / "ada" / f"{PRELAB}.html").read_text(encoding="utf-8")
     assert "Nearly: see &lt;the&gt; hint &amp; 3a." in page
-    assert "graded by hand" in page
+    assert "Graded by hand" in page
     assert "<strong>0.99</strong> of 1" in page
     assert "more wait" not in page
 

@@ -183,7 +183,7 @@ def test_the_last_list_with_a_name_counts() -> None:
 
 def test_due_dates_are_said_in_the_time_of_the_course(settings: Callable[[str], CourseSettings]) -> None:
     assert settings(WHOLE).due_texts() == {
-        "two": "01 December 2026, 19:00 (Australia/Sydney)",
+        "two": "1 December 2026, 19:00 (Australia/Sydney)",
         "one": "30 November 2026, 23:59 (Australia/Sydney)",
     }
 

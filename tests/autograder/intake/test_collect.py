@@ -202,7 +202,7 @@ def test_a_later_zip_does_not_replace_the_hand_ins_of_earlier_weeks(
 def test_a_broken_notebook_is_taken_for_what_it_is_called(course: Course, tmp_path: Path) -> None:
     path = moodle(tmp_path / "m.zip", [(entry(f"{ADA}/My {LAB} final.ipynb"), b"{"), (entry(f"{BEN}/x.ipynb"), b"[]")])
     assert list(collect_submissions(course, path, tmp_path / "out")) == [
-        f"1001 (Ada Lovelace): {LAB}",
+        f"1001 (Ada Lovelace): {LAB} (cannot be read as a notebook)",
         "1002 (Ben O'Neil): no notebook of this course; skipped: x.ipynb: not a notebook of this course",
     ]
     assert (tmp_path / "out" / "1001" / LAB / f"{LAB}.ipynb").read_bytes() == b"{"

@@ -189,7 +189,7 @@ def test_a_mark_is_in_the_gradebook_and_on_every_page(client: Client, out: Path)
     assert section.startswith(' class="partial">')
     assert 'aria-label="partly right">◐' in section
     assert "0.04 / 0.05" in section
-    assert "marked by Dr Öz on 2026-11-24" in section
+    assert "Marked by Dr Öz on 2026-11-24" in section
     assert "Which\nclock?" in section
     assert "<em>clock</em>" in section
     assert "<script" not in page

@@ -9,7 +9,14 @@ from autograder.course.layout import Course
 from autograder.course.questions import Criterion, QuestionText, read_questions
 from autograder.judge.outcome import QuestionResult
 from autograder.results import result_files
-from autograder.results.feedback import FeedbackTexts, feedback_page, load_template, values_of, write_feedback
+from autograder.results.feedback import (
+    FeedbackTexts,
+    as_sentence,
+    feedback_page,
+    load_template,
+    values_of,
+    write_feedback,
+)
 from autograder.results.gradebook import ManualGrades, Mark
 from autograder.results.result_files import StoredResult
 
@@ -99,3 +106,14 @@ def test_a_page_says_what_of_the_rubric_was_found() -> None:
     assert shown((0,)) == [("0.06", True), ("0.04", False)]
     assert shown((0,), with_models=False) == []  # it would tell the answer
     assert shown(()) == []  # other points were given
+
+
+def test_a_reason_begins_with_a_capital_unless_it_may_be_a_name_in_code() -> None:
+    reasons = (
+        "a column of 801 rows.",
+        "three columns.",
+        "`t_new` starts at 20 s.",
+        "low, high noted.",
+        "y (V) is missing.",
+    )
+    assert [as_sentence(one)[:3] for one in reasons] == ["A c", "Thr", "`t_", "low", "y ("]
