@@ -368,12 +368,21 @@ def _answer(found: _Comparison, complete: Complete, steps: DecisionSteps) -> Ans
         evidence={} if search is None else evidence_by_name(search),
         elsewhere=_elsewhere(found, decision, search),
         closed=_closed_by_step(found, search),
-        share_left=1.0 - (decision.closed if search is None else score.closed or 0.0),
+        share_left=_share_left(decision, search, score),
         fits=dict(item for level in explanation.levels for item in level.items()) if search is None else search.fits,
         start=found.before.held_out.start,
         corrected=corrected,
         steps=steps,
     )
+
+
+def _share_left(decision: Decision, search: HeldOutSearch | None, score: GapScore) -> float:
+    """Share of the gap that is left: on held-out samples, unless the fitted ones show nothing but noise."""
+    if decision.verdict == "none" or (search is None and decision.closed == 1.0):
+        return 0.0
+    if search is None and score.closed is None:
+        return 1.0 - decision.closed
+    return 1.0 - (score.closed or 0.0)
 
 
 def _on_other(answer: Answer, found: _Comparison) -> Answer:

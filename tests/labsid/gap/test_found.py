@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from gap_story import disagreements
 from representatives import mostly_exhaustive
 
 from labsid.blind.honest import has_right_numbers, is_accepted, wrong_names
@@ -98,6 +99,7 @@ def test_the_answer_is_right_and_names_nothing_else(found: Found, found_data: Pa
     assert not wrong_names(case, 0.5), said
     assert is_accepted(case), (case.result["verdict"], said)
     assert has_right_numbers(case), case.result["simulation"]["numbers"]
+    assert not disagreements(case.result)
     if found.name == "coarse-command":
         assert any("logged in steps of 0.02" in text for text in case.result["screen"])
 
