@@ -152,8 +152,7 @@ _LIMITS = (
 _ORIGIN = re.compile(r"(?:^|[;:] |of the )((?:fitted (?:by|to|with)|measured on|lowered by hand|`dev` records) .*)$")
 _ORIGINS = (
     "The last column says on what a constant was fitted, where the code says it; see also "
-    "[What the probabilities mean]"
-    "(../../labsid/gap/README.md#what-the-probabilities-mean-and-on-what-they-were-measured). "
+    "[What the probabilities mean](probabilities.md). "
     "A dash means that it does not. The kept answers and the sealed check hold all of them "
     "([Change the diagnosis](../../labsid/gap/README.md#change-the-diagnosis))."
 )
