@@ -18,6 +18,8 @@ from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
 from labsid.checks.python_errors import told
 from labsid.checks.time_limit import CELL_SECONDS
 
+CHECK_FAILED = "CheckFailed"  # kind of the error that ends the cell of a check
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class QuestionCells:
@@ -80,6 +82,14 @@ class QuestionCells:
         if run.seconds > CELL_SECONDS:
             return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
         return None
+
+    def stopped_before(self) -> str | None:
+        """The cell that was run before the check stopped; asked where the answer cell is not known by its id."""
+        run = next((run for run in reversed(self.runs.runs) if run.stop is None or run.stop.kind != CHECK_FAILED), None)
+        if self.has_ids or run is None or run.stop is None:
+            return None
+        why = told(run.stop, "the cell that was run before this check", self.making_cells)
+        return f"{why} Correct that and run the cell, then this check."
 
     def making_cells(self, name: str) -> str:
         """Which cells above this one define a name, in a sentence; empty if none does."""

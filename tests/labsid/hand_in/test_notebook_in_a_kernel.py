@@ -159,8 +159,16 @@ def test_a_program_that_sends_no_ids_or_ids_of_its_own_gets_plain_checks(
             return kernel.run(source, None if prefix is None else f"{prefix}{name}", 20)
 
         run(cells["prelab-setup"].source, "a")
+        run("t = np.linspce(0, 100, 1001)", "b")
+        for _ in range(2):
+            shown = run(f'check("{CHECK}")', "c")
+            assert shown.error == "CheckFailed"
+            assert "the cell that was run before this check stopped with AttributeError" in shown.text
+            assert shown.text.endswith("Correct that and run the cell, then this check.")
         run("t = 3", "b")
-        assert run(f'check("{CHECK}")', "c").error == "CheckFailed"
+        shown = run(f'check("{CHECK}")', "c")
+        assert shown.error == "CheckFailed"
+        assert "stopped" not in shown.text
         run(TIME, "b")
         run("t = undefined", "b")
         assert run(f'check("{CHECK}")', "c").printed.startswith("✓")
