@@ -196,6 +196,9 @@ def exercise_of(assignment: Assignment, question: Question, number: int) -> Exer
         return None
     if asked.arguments is not None:
         return _call(question, ask, {**before, **first.known_values} if before else {}, asked)
+    facts = {} if origin is None or assignment.practice_facts is None else assignment.practice_facts(origin)
+    if asked.name in facts:
+        return _values(question, ask, given, {asked.name: facts[asked.name]})
     if answers is None:
         return _without_solution(question, ask, given, asked.name)
     return _values(question, ask, given, right)
@@ -261,7 +264,7 @@ def _values(
         return {name: as_student_object(right[name]) for name in names}
 
     wanted = ", ".join(f"{name}=..." for name in names)
-    text = f"Compute {' and '.join(names)} as in the step, then run p.check({wanted})."
+    text = f"Find {' and '.join(names)} as in the step, then run p.check({wanted})."
     objects = {name: as_student_object(value) for name, value in given.items()}
     return Exercise(question, text, objects, names, judged, solution)
 

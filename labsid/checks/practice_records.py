@@ -54,6 +54,15 @@ def gap_record(rng: np.random.Generator) -> Record:
     return withheld_record(_rig_of(gap_origin(rng)))
 
 
+def gap_facts(origin: Origin) -> dict[str, Value]:
+    """The effect of that rig, its path and its parameters."""
+    return _facts(_rig_of(origin))
+
+
+def _facts(rig: WithheldRig) -> dict[str, Any]:
+    return {"effect": rig.effect, "path": rig.path, "parameters": dict(rig.parameters)}
+
+
 def _rig_of(origin: Origin) -> WithheldRig:
     return withheld_rig(origin.student, origin.secret)
 
@@ -84,7 +93,7 @@ class UnaidedRig:
 
     def solution(self) -> dict[str, Any]:
         """The effect, its path and its parameters."""
-        return {"effect": self._rig.effect, "path": self._rig.path, "parameters": dict(self._rig.parameters)}
+        return _facts(self._rig)
 
 
 def unaided_rig(number: int) -> UnaidedRig:

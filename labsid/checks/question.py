@@ -150,6 +150,8 @@ class Assignment:
         ``practice_record(rng) -> Record`` makes a small record to practise with, where the answers follow from one.
     practice_origin : callable or None
         ``practice_origin(rng) -> Origin``: of that record, where its rig has more to ask than the record shows.
+    practice_facts : callable or None
+        ``practice_facts(origin) -> {name: value}``: what is asked of that rig.
     practice_given : callable or None
         ``practice_given(record) -> {name: value}``: what the notebook's given cells make of a record.
     """
@@ -161,6 +163,7 @@ class Assignment:
     practice_record: Callable[[np.random.Generator], Record] | None = None
     practice_given: Callable[[Record], Mapping[str, Value]] | None = None
     practice_origin: Callable[[np.random.Generator], Origin] | None = None
+    practice_facts: Callable[[Origin], Mapping[str, Value]] | None = None
 
     def question(self, question_id: str) -> Question:
         """The question with that id; `ValueError` lists the valid ids."""
@@ -172,7 +175,7 @@ class Assignment:
 
 
 def nothing_new(ask: Ask) -> None:
-    """The `instance` of a question that has nothing to practise with: the text gives everything, or grading decides."""
+    """The `instance` of a question that has nothing to practise with: the text gives everything."""
 
 
 def returned(ask: Ask, name: str, *arguments: Value) -> Value:

@@ -17,11 +17,9 @@ from labsid.checks.practice_records import gap_origin, unaided_rig
 from labsid.checks.question import Ask
 from labsid.checks.verdict import Verdict
 from labsid.rig.switchable.withheld import withheld_rig, withheld_validation_data
+from labsid.rig.switchable.withheld_effects import EFFECT_PATHS
 
-WITHOUT = {
-    "prelab-1-time",  # its numbers are those of the text
-    "gap-8-effect", "gap-8-path", "gap-8-parameters",  # what is right, grading alone can tell
-}  # fmt: skip
+WITHOUT = {"prelab-1-time"}  # its numbers are those of the text
 NAMES = {"ri-6-figures": ("fig_9", "fig_10")}
 """Of questions that ask for more than what they ask for first."""
 OF_ITS_MODEL = "lab-3b-initial-state"
@@ -172,7 +170,7 @@ def test_no_right_value_of_the_notebook_is_given(name: str) -> None:
 
 
 def test_which_questions_cannot_be_practised() -> None:
-    """What the text gives whole, and what grading alone can tell."""
+    """What the text gives whole."""
     without = {
         question.id
         for name in assignment_names()
@@ -192,3 +190,18 @@ def test_a_rig_without_steps_tells_its_effect_and_the_error_of_a_simulation() ->
         static = rig.error(lambda u, first=rig.record.u[0], rest=rest, gain=gain: rest + gain * (u - first))
         assert 0.02 < static < rig.error(lambda u, rest=rest: np.full(u.size, rest))
         assert rig.solution()["effect"] not in repr(rig)
+
+
+@pytest.mark.parametrize("number", range(1, 5))
+def test_the_effect_of_another_rig_can_be_named(number: int, capsys: pytest.CaptureFixture[str]) -> None:
+    """Judged as at grading, on the rig that was made for the exercise."""
+    assignment = load_assignment("sim-to-real-gap")
+    exercise = exercise_of(assignment, assignment.question("gap-8-effect"), number)
+    assert exercise is not None
+    right = exercise.solution()["effect"]
+    assert right not in str(exercise)
+    passed = []
+    for effect in EFFECT_PATHS:
+        exercise.check(effect=effect)
+        passed += [effect] * capsys.readouterr().out.startswith("✓")
+    assert passed == [right]

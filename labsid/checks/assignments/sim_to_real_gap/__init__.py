@@ -10,8 +10,8 @@ from labsid.checks.assignments.sim_to_real_gap.simulation_with_effect import (
     check_simulation,
 )
 from labsid.checks.assignments.sim_to_real_gap.stages import STAGES
-from labsid.checks.practice_records import gap_origin, gap_record, signals_of
-from labsid.checks.question import Assignment, FollowsFrom, Question, nothing_new
+from labsid.checks.practice_records import gap_facts, gap_origin, gap_record, signals_of
+from labsid.checks.question import Assignment, FollowsFrom, Question
 from labsid.rig.switchable.withheld_effects import RECORD_FILE
 
 _REST, _LINEAR, _SIZE = "gap-1-rest", "gap-2-linear", "gap-3-size"
@@ -32,9 +32,9 @@ ASSIGNMENT = Assignment(
             judge_first=check_one_run,
             follows_from=FollowsFrom.OWN_RIG,
         ),
-        Question("gap-8-effect", check_effect, follows_from=FollowsFrom.EYE, instance=nothing_new),
-        Question("gap-8-path", check_path, follows_from=FollowsFrom.EYE, instance=nothing_new),
-        Question("gap-8-parameters", check_parameters, follows_from=FollowsFrom.EYE, instance=nothing_new),
+        Question("gap-8-effect", check_effect, follows_from=FollowsFrom.EYE),
+        Question("gap-8-path", check_path, follows_from=FollowsFrom.EYE),
+        Question("gap-8-parameters", check_parameters, follows_from=FollowsFrom.EYE),
         Question(
             "gap-9-closed",
             check_closed,
@@ -47,4 +47,5 @@ ASSIGNMENT = Assignment(
     gap_record,
     signals_of,
     gap_origin,
+    gap_facts,
 )
