@@ -306,4 +306,27 @@ TRIES = (
         r"3 points in place of 1000.*first \*row\*",
     ),
     Try(LIM, "0 for b", limit(end="[a - c * var_e / var_y, 0]"), "returns 0 for b", never="changes b"),
+    Try(BIAS, "root of M - 1", bias(se="s / np.sqrt(len(estimates) - 1)"), "holds the M - 1 already"),
+    Try(
+        BIAS,
+        "spread first",
+        f(
+            "bias_of(estimates, truth)",
+            "s = np.std(estimates, axis=0, ddof=1)\n    "
+            "return s, np.mean(estimates, axis=0) - truth, s / np.sqrt(len(estimates))",
+        ),
+        "returns the spread first",
+    ),
+    Try(
+        BIAS,
+        "standard error second",
+        f(
+            "bias_of(estimates, truth)",
+            "s = np.std(estimates, axis=0, ddof=1)\n    "
+            "return np.mean(estimates, axis=0) - truth, s / np.sqrt(len(estimates)), s",
+        ),
+        "standard error before the spread",
+    ),
+    Try(ARMAX, "b added", armax(w="y[1:] + a * y[:-1] + b * u[:-1]"), r"adds b u\(t-1\)"),
+    Try(LIK, "mean", lik("np.mean(-np.log(2 * np.pi * var_e) / 2 - E**2 / (2 * var_e))"), "log densities are added up"),
 )

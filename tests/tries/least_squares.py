@@ -504,4 +504,27 @@ TRIES = (
         f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:-1][::-1] / c[-1]"),
         "returns 1 number for 2 powers",
     ),
+    Try(CONF, "sigma", conf(s2="np.sqrt(E @ E / (N - p))"), "inverse of Phi'Phi by sigma"),
+    Try(
+        CAY,
+        "first coefficient",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:][::-1] / c[0]"),
+        "which is 1",
+    ),
+    Try(FITS, "y'y", fits(result="theta, y @ y"), "is y'y"),
+    Try(
+        FITS,
+        "x explained by y",
+        fits("[y**p for p in powers]", E="x - Phi @ theta").replace("(Phi, y)", "(Phi, x)"),
+        "fits x to y",
+    ),
+    Try(
+        F5,
+        "grid between the points",
+        "grid = np.linspace(2, 6, 41)\nfig_5, ax = plt.subplots()\nax.plot(u_1, y_1, 'o', label='data')\n"
+        "ax.plot(grid, np.polyval(theta_line, grid), label='line')\n"
+        "ax.plot(grid, np.polyval(theta_parabola, grid), label='parabola')\nax.set(xlabel='u', ylabel='y')\n"
+        "ax.legend()",
+        "does not cover all points",
+    ),
 )

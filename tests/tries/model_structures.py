@@ -413,4 +413,57 @@ TRIES = (
         "        y[k] = -A[1] * y[k - 1] + B[1] * u[k - 1] + e[k]\n    return y\n",
         r"only A\[1\] and B\[1\]",
     ),
+    Try(EQ, "from the end", eq(k0="N"), "returns no rows"),
+    Try(
+        EQ,
+        "minus before the inputs",
+        eq(us="[-u[k0 - i : N - i] for i in range(d, d + nb)]"),
+        "minus before the inputs",
+    ),
+    Try(
+        SS,
+        "all of den in the last row",
+        f(
+            "state_space(num, den)",
+            "n = len(den)\n    A = np.eye(n, k=1)\n    A[-1] = -np.array(den[::-1])\n    B = np.zeros((n, 1))\n"
+            "    B[-1, 0] = 1\n    C = np.r_[num[::-1], np.zeros(n - len(num))].reshape(1, n)\n"
+            "    return A, B, C, np.zeros((1, 1))",
+        ),
+        "makes 3 states",
+    ),
+    Try(
+        ORD,
+        "V in place of its logarithm",
+        order(crit="N * V + 2 * p, N * V + p * np.log(N), V * (1 + p / N) / (1 - p / N)"),
+        "takes V itself",
+    ),
+    Try(ORD, "outputs squared", order("np.mean(Y**2)"), "mean square of y"),
+    Try(
+        SHIFT,
+        "first sample held",
+        f(
+            "apply(P, x)",
+            "n = len(P)\n    before = np.r_[np.full(n, x[0]), x]\n"
+            "    return sum(P[i] * before[n - i : n - i + len(x)] for i in range(n))",
+        ),
+        "repeats the first sample",
+    ),
+    Try(SIM, "noise alone", f("simulate(A, B, C, u, e)", f"return {LF}(C, A, e)"), "leaves the input out"),
+    Try(
+        SIM,
+        "input not through 1/A",
+        f("simulate(A, B, C, u, e)", f"return {LF}(B, [1], u) + {LF}(C, A, e)"),
+        "noise alone run through",
+    ),
+    Try(
+        CAN,
+        "what they share",
+        f(
+            "cancel(P, Q, within)",
+            "p, q = np.roots(P), np.roots(Q)\n"
+            "    pairs = (p, q), (q, p)\n    return [np.atleast_1d(np.poly([r for r in one\n"
+            "        if np.min(abs(other - r), initial=1e9) < within])).real for one, other in pairs]",
+        ),
+        "what they have in common",
+    ),
 )

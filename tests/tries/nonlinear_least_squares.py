@@ -352,4 +352,29 @@ TRIES = (
         ),
         r"the \*squared\* errors",
     ),
+    Try(
+        EXP,
+        "a and b swapped in the figure",
+        exp(FIT + ".x").replace("theta_exp[1] * np.exp(theta_exp[0] *", "theta_exp[0] * np.exp(theta_exp[1] *"),
+        "`theta_exp` has a and b swapped",
+    ),
+    Try(LM, "mu D alone", lm("mu * np.diag(np.diag(JJ))"), "leaves J'J itself out"),
+    Try(GN, "path not returned", gn().replace("return np", "np"), "a function without `return` gives that"),
+    Try(LM, "theta not returned", lm().replace("    return theta", "    theta"), "returns nothing"),
+    Try(GN, "a start of its own", gn().replace("np.array(theta0, float)", "np.ones(len(theta0))"), "is not theta0"),
+    Try(LM, "every step taken", lm(test="True"), "Singular matrix"),
+    Try(
+        LOC,
+        "second coordinate first",
+        f(
+            "locate(beacons, ranges)",
+            "c, r = beacons.mean(axis=0), ranges.mean()\n"
+            "    fits = [scipy.optimize.least_squares(lambda th: np.linalg.norm(beacons - th, axis=1) - ranges,\n"
+            "            c + r * np.array([np.cos(v), np.sin(v)])) for v in np.arange(8) * np.pi / 4]\n"
+            "    return min(fits, key=lambda fit: fit.cost).x[::-1]",
+        ),
+        "second coordinate first",
+    ),
+    Try(STEP, "per theta", step(end="fit.x, sd / fit.x"), "relative errors"),
+    Try(STEP, "per size of theta", step(end="fit.x, sd / abs(fit.x)"), "relative errors"),
 )

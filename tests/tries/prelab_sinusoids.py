@@ -154,4 +154,34 @@ TRIES = (
     Try(N, "1000 flat numbers", waves("np.sin(2 * np.pi * t / 100)", "rng.uniform(-0.2, 0.2, 1000)"), "flat noise"),
     Try(M, "columns in an array, transposed", "data_new = np.array([t_new, y1_new, y2_new]).T", "turns all three"),
     Try(M, "columns in an array", "data_new = np.array([t_new, y1_new, y2_new])", "along a new one", never="turns all"),
+    Try(T, "single precision", "t = np.linspace(0, 100, 1001, dtype=np.float32).reshape(-1, 1)", "float32.*digits"),
+    Try(N, "complex exponential", waves("np.exp(0.02j * np.pi * t)"), "imaginary part"),
+    Try(
+        C,
+        "set back by the sample before",
+        "t_new = t[200:] - t[199]\ny1_new = y1[200:]\ny2_new = y2[200:]",
+        "own first",
+    ),
+    Try(C, "whole time set back", "t -= 20\nt_new = t[200:]\ny1_new = y1[200:]\ny2_new = y2[200:]", "`t` has changed"),
+    Try(A, "a curve for the figure", "fig_1 = plt.plot(t, y1)", "should be the figure itself"),
+    Try(
+        A,
+        "names of the variables",
+        "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, 'r', label='y1')\n"
+        "ax_a.step(t, y2, where='post', color=(0.6, 0.7, 0.8), label='y2')\n"
+        "ax_a.set(xlim=(0, 140), ylim=(-1.5, 1.5), title='(a) Original data', xlabel='Time (s)', ylabel='Amplitude')\n"
+        "ax_a.legend()\nax_a.grid(True)",
+        "no entry sin",
+    ),
+    Try(
+        B,
+        "a figure of its own",
+        "fig_1, ax_b = plt.subplots()\nax_b.plot(t_new, y1_new, 'r')\nax_b.step(t_new, y2_new, where='post')",
+        "should have two panels",
+    ),
+    Try(T, "counted from 1", "t = 0.1 * np.arange(1, 1001).reshape(-1, 1)", "should start at 0"),
+    Try(T, "a hundredth", "t = np.linspace(0, 100, 10001).reshape(-1, 1)", "steps of 0.01 s"),
+    Try(T, "100 points", "t = np.linspace(0, 100, 100).reshape(-1, 1)", "has 100 points"),
+    Try(F, "rows numbered", cut("r = data[n:].copy(); r[:, 0] = np.arange(len(r)); return r"), "numbers the rows"),
+    Try(F, "times set to zero", cut("r = data[n:].copy(); r[:, 0] = 0; return r"), "whole first column to zero"),
 )

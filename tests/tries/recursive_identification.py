@@ -333,4 +333,41 @@ TRIES = (
         "        a[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n    return history, a\n",
         "is P phi, undivided",
     ),
+    Try(
+        INF,
+        "inverse",
+        f("add_sample(M, v, phi, y)", "return np.linalg.inv(M + np.outer(phi, phi)), v + phi * y"),
+        "inverts M",
+    ),
+    Try(INF, "taken away", f("add_sample(M, v, phi, y)", "return M - np.outer(phi, phi), v + phi * y"), "away from M"),
+    Try(STEP, "sum in place of P", step("np.linalg.inv(P) + np.outer(phi, phi)"), "returns the inverse of P"),
+    Try(STEP, "correction alone", step(end="K * error, P"), "correction alone"),
+    Try(STEP, "theta as it was", step(end="theta, P"), "hands theta back as it was"),
+    Try(
+        REG,
+        "Y first",
+        reg().replace(
+            "return np.column_stack([-y[1:-1], -y[:-2], u[1:-1]]), y[2:]",
+            "return y[2:], np.column_stack([-y[1:-1], -y[:-2], u[1:-1]])",
+        ),
+        "returns Y before Phi",
+    ),
+    Try(REG, "input for the output", reg(Y="u[2:]"), "Y of `regressors` holds the input"),
+    Try(
+        FIG,
+        "nothing drawn",
+        "fig_9, ax_9 = plt.subplots()\nfig_10, ax_10 = plt.subplots()",
+        "is empty: draw in its axes",
+    ),
+    Try(
+        CAR,
+        "gain after the update",
+        "def rls_careless(Phi, Y, lam, LN):\n    p = Phi.shape[1]\n    theta, P = np.zeros(p), LN * np.eye(p)\n"
+        "    history, asymmetry = np.zeros(Phi.shape), np.zeros(len(Y))\n    for k in range(len(Y)):\n"
+        "        phi = Phi[k]\n        q = P @ phi\n        P = (P - np.outer(q, q) / (lam + phi @ q)) / lam\n"
+        "        K = P @ phi / (lam + phi @ q)\n        theta = theta + K * (Y[k] - phi @ theta)\n"
+        "        history[k] = theta\n        asymmetry[k] = np.max(np.abs(P - P.T)) / np.max(np.abs(P))\n"
+        "    return history, asymmetry\n",
+        "takes from the new P",
+    ),
 )

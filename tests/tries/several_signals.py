@@ -37,6 +37,7 @@ def loop(body: str) -> str:
 
 
 PHI_Y = "Phi = np.column_stack([y[1:-1], u[1:-1]]); Z = np.column_stack([r[1:-1], r[:-2]]); "
+PAST = "signals = {}\n    return np.column_stack([x[n - lag : N - lag] for x in signals for lag in range(1, n + 1)]), "
 FILTERS = "[scipy.signal.lfilter(np.r_[0, theta[n + j * n : n + (j + 1) * n]], np.r_[1, -theta[:n]], u[:, j]) for j in "
 
 TRIES = (
@@ -316,4 +317,84 @@ TRIES = (
         run(f"return sum({FILTERS.replace('n + j * n : n + (j + 1) * n', 'j * n : (j + 1) * n')}range(u.shape[1])])"),
         "the first n numbers of theta are -a",
     ),
+    Try(
+        READ,
+        "first values taken off",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u - record.u[0], record.y, record.Ts"),
+        "without its offset",
+    ),
+    Try(
+        READ,
+        "one input twice",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u[:, [0, 0]], record.y, record.Ts"),
+        "same signal",
+    ),
+    Try(
+        OFF,
+        "u as it is",
+        off("n = np.argmax(np.any(u != u[0], axis=1))\n    return u, y - y[:n].mean(axis=0)"),
+        "returns u as it is",
+    ),
+    Try(OFF, "y as it is", off("return u - u[0], y"), "returns y as it is"),
+    Try(OFF, "axis 1", off("return u - u[0], y - y.mean(axis=1, keepdims=True)"), "means over the signals"),
+    Try(PHI, "inputs backwards", phi(PAST.format("[y[:, i], *u.T[::-1]]") + "y[n:, i]"), "has the last input first"),
+    Try(
+        PHI,
+        "Y one sample early",
+        phi(PAST.format("[y[:, i], *u.T]") + "y[n - 1 : -1, i]"),
+        r"should be y_i\(k\) of its rows",
+    ),
+    Try(PHI, "Y too long", phi(PAST.format("[y[:, i], *u.T]") + "y[:, i]"), r"one y\(k\) for each row"),
+    Try(
+        PHI,
+        "rolled",
+        phi("return np.column_stack([np.roll(x, lag) for x in [y[:, i], *u.T] for lag in range(1, n + 1)]), y[:, i]"),
+        "rows for .* samples",
+    ),
+    Try(
+        PHI,
+        "a row lost",
+        phi(
+            PAST.format("[y[:, i], *u.T]").replace("return np", "Phi = np").rstrip(", ")
+            + "\n    return Phi[1:], y[n + 1:, i]"
+        ),
+        "rows for .* samples",
+    ),
+    Try(
+        THETA,
+        "Phi'Y",
+        theta("return np.array([P.T @ Y for P, Y in (regressor(u, y, i, n) for i in range(y.shape[1]))])"),
+        "inverse of Phi'Phi is missing",
+    ),
+    Try(
+        THETA,
+        "last output first",
+        theta("return np.array([np.linalg.lstsq(*regressor(u, y, i, n))[0] for i in range(y.shape[1])])[::-1]"),
+        "rows in the wrong order",
+    ),
+    Try(
+        THETA,
+        "half of the record",
+        theta(
+            "h = len(y) // 2\n    return np.array([np.linalg.lstsq(*regressor(u[:h], y[:h], i, n))[0] "
+            "for i in range(y.shape[1])])"
+        ),
+        "fits the first half",
+    ),
+    Try(
+        RUN,
+        "inputs backwards",
+        run(f"u = u[:, ::-1]\n    return sum({FILTERS}range(u.shape[1])])"),
+        "inputs in reverse order",
+    ),
+    Try(
+        RUN,
+        "nothing fed back",
+        run(f"return sum({FILTERS}range(u.shape[1])])".replace("np.r_[1, -theta[:n]]", "[1.0]")),
+        "feeds nothing back",
+    ),
+    Try(LOOP, "Phi'Z", loop(PHI_Y + "return np.linalg.solve(Phi.T @ Z, Z.T @ y[2:])"), "solves with Phi'Z"),
+    Try(LOOP, "exchanged", loop(PHI_Y + "return np.linalg.solve(Phi.T @ Z, Phi.T @ y[2:])"), "Phi and Z exchanged"),
+    Try(LOOP, "b first", loop(PHI_Y + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])[::-1]"), "returns b first"),
+    Try(LOOP, "Z'Y", loop(PHI_Y + "return Z.T @ y[2:]"), "inverse of Z'Phi is missing"),
 )

@@ -382,4 +382,61 @@ TRIES = (
         named("input-saturation", "{'low': '1.2 V', 'high': '3.4 V'}"),
         "is text: give the number",
     ),
+    Try(OPER, "shares of the output", cells(u="u_act, y, edges_u"), "made of the output in place of the error"),
+    Try(OPER, "output over the edges of u", cells(u="y_act, e, edges_u"), "sorts by the other signal"),
+    Try(
+        OPER,
+        "right edges",
+        cells(
+            "k = np.digitize(x, edges, right=True)\n"
+            "    h = np.array([np.sum(e[k == j + 1]**2) for j in range(len(edges) - 1)])\n    return h / np.sum(h)"
+        ),
+        "lie on the first edge",
+    ),
+    Try(
+        OPER,
+        "roots",
+        cells("h = np.sqrt(np.histogram(x, edges, weights=e**2)[0])\n    return h / np.sum(h)"),
+        "takes roots",
+    ),
+    Try(
+        TIME,
+        "counted from 1",
+        time(RIGHT, worst="((i + 1) * N // 16 * Ts, (i + 2) * N // 16 * Ts)"),
+        "one stretch late",
+    ),
+    Try(
+        TIME,
+        "sums squared",
+        time("s = np.sum(np.reshape(e, (parts, -1)), axis=1)**2\n    return s / np.sum(s)"),
+        "squares the sum",
+    ),
+    Try(SIZE, "largest", "gap_before = np.max(abs(e[half:]))", "is the largest error"),
+    Try(SIZE, "mean", "gap_before = np.mean(e[half:])", "mean of the errors"),
+    Try(LIN, "measured output", linear(run="y"), "measured output itself"),
+    Try(REST, "peak to peak", rest(sd="np.ptp(y_act[:n])"), "peak to peak"),
+    Try(
+        SIM,
+        "half the input",
+        "def simulate_better(u_act):\n    return y_offset + free_run(theta_hat, u_act[: len(u_act) // 2] - u_offset)\n",
+        "half of them",
+    ),
+    Try(
+        CLOSED,
+        "swapped",
+        closed(body="1 - np.sqrt(max(mse_before - sigma**2, 0)) / np.sqrt(mse_after - sigma**2)"),
+        "before and after swapped",
+    ),
+    Try(
+        CLOSED,
+        "noise off one error",
+        closed(body="1 - np.sqrt(max(mse_after - sigma**2, 0)) / np.sqrt(mse_before)"),
+        "one of the errors only",
+    ),
+    Try(
+        CLOSED,
+        "noise off the roots",
+        closed(body="1 - max(np.sqrt(mse_after) - sigma, 0) / (np.sqrt(mse_before) - sigma)"),
+        "sigma from the roots",
+    ),
 )

@@ -38,6 +38,10 @@ def cut(
     )
 
 
+def mse(value: str) -> str:
+    return f"y_approx = first_order_response(t_step, K, tau, td, amplitude)\nmse_approx = {value}"
+
+
 def fun(name: str, args: str, body: str) -> str:
     return f"def {name}({args}):\n    {body}\n"
 
@@ -278,4 +282,38 @@ TRIES = (
     ),
     Try(FUN, "half for 63.2 %", reader().replace("way >= 0.632", "way >= 0.5"), "50 %|28.3 %", VAGUE, never="33.3 %"),
     Try(GRAD, "Phi Phi'", fun("gradient", A, "return Phi @ Phi.T @ theta - Phi.T @ Y"), "Phi Phi', N by N"),
+    Try(MSE, "absolute", mse("np.mean(abs(y_step - y_approx))"), r"mean of the errors, or of \|error\|"),
+    Try(MSE, "square of the mean", mse("np.mean(y_step - y_approx)**2"), "square of the mean error"),
+    Try(MSE, "half", mse("np.mean((y_step - y_approx)**2) / 2"), "factor 1/2"),
+    Try(CUT, "mean of the step", cut("np.mean(y_act[first:second])"), "not the mean over the step"),
+    Try(
+        CUT,
+        "from the start",
+        cut()
+        .replace("y_act[first:second] -", "y_act[:second] -")
+        .replace("t_act[first:second] - t_act[first]", "t_act[:second]"),
+        "start at the first change",
+    ),
+    Try(
+        CUT,
+        "the period before",
+        cut("np.mean(y_act[:first])")
+        .replace("y_act[first:second] -", "y_act[:first] -")
+        .replace("t_act[first:second] - t_act[first]", "t_act[:first]"),
+        "the step comes after it",
+    ),
+    Try(ERR, "absolute", fun("error_vector", A, "return np.abs(Y - Phi @ theta)"), "keep their signs"),
+    Try(MIN, "minus", fun("best_theta", "Phi, Y", "return -np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)"), "wrong sign"),
+    Try(RESP, "no K", response("amplitude * (1 - np.exp(-np.maximum(t - td, 0) / tau))"), "does not depend on K"),
+    Try(RESP, "grows", response("K * amplitude * (1 - np.exp(np.maximum(t - td, 0) / tau))"), "exponent is negative"),
+    Try(RESP, "tau + td", response("K * amplitude * (1 - np.exp(-t / (tau + td)))"), r"tau \+ td in the exponent"),
+    Try(RESP, "no tau", response("K * amplitude * (1 - np.exp(-np.maximum(t - td, 0)))"), "does not use tau"),
+    Try(RESP, "a step", response("np.where(t >= td, K * amplitude, 0)"), "jumps to its end"),
+    Try(
+        RESP,
+        "sample td",
+        response("K * amplitude * (1 - np.exp(-np.maximum(t - t[round(td)], 0) / tau))"),
+        "uses td as a number of samples",
+    ),
+    Try(RESP, "t + td", response("K * amplitude * (1 - np.exp(-(t + td) / tau))"), "starts before the step"),
 )

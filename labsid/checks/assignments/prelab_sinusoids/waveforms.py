@@ -88,9 +88,9 @@ def check_cut(ask: Ask) -> Verdict:
     if verdict.passed and not _same(_vector(ask.value("t")), t):
         return Verdict(
             False,
-            "`t` has changed in this step, and Fig. 1(a) needs it as it was: `t[200:]` is a view of `t`, so that "
-            "changing it in place (`t_new -= ...`) changes `t`, too. Make a new array.",
-            "a view changed in place",
+            "`t` has changed in this step, and Fig. 1(a) needs it as it was. Take the time off `t_new` alone, and run "
+            "the cell of `t` again.",
+            "time itself changed",
         )
     return verdict
 

@@ -114,7 +114,7 @@ def _noise(ask: Ask, record: Record) -> Verdict:
         [
             Slip("variance for standard deviation", "`noise_sd` is the variance: take its root.", lambda: sd**2),
             Slip("spread of the whole record", moving, lambda: float(np.std(record.y))),
-            Slip("spread of the first half", moving, lambda: float(np.std(record.y[: record.y.size // 2]))),
+            Slip("spread of the whole record", moving, lambda: float(np.std(record.y[: record.y.size // 2]))),
             Slip(
                 "mean left in",
                 "`noise_sd` is the root mean square of the output: its mean must be taken off first, as `np.std` does.",
