@@ -148,12 +148,12 @@ class Assignment:
         The hints of each question, by its id.
     practice_record : callable or None
         ``practice_record(rng) -> Record`` makes a small record to practise with, where the answers follow from one.
+    practice_given : callable or None
+        ``practice_given(record) -> {name: value}``: what the notebook's given cells make of a record.
     practice_origin : callable or None
         ``practice_origin(rng) -> Origin``: of that record, where its rig has more to ask than the record shows.
     practice_facts : callable or None
         ``practice_facts(origin) -> {name: value}``: what is asked of that rig.
-    practice_given : callable or None
-        ``practice_given(record) -> {name: value}``: what the notebook's given cells make of a record.
     """
 
     name: str
