@@ -126,7 +126,7 @@ TRIES = (
         EXP,
         "logarithm",
         exp("c = np.polyfit(x, np.log(y), 1)\n    return np.array([c[0], np.exp(c[1])])"),
-        "nan|logarithm|finite|SVD",
+        "returns nan: does it take a logarithm",
     ),
     Try(
         EXP,
@@ -154,7 +154,7 @@ TRIES = (
             "e = lambda th: th[1] * np.sin(th[0] * t) + th[2] * np.cos(th[0] * t) - y\n    return "
             "scipy.optimize.least_squares(e, [(low + high) / 2, 1, 1]).x[0]",
         ),
-        "local minimum|outside",
+        "local minimum",
     ),
     Try(
         FREQ,
@@ -163,7 +163,7 @@ TRIES = (
             "fit_frequency(t, y, low, high)",
             "f = np.fft.rfftfreq(len(t), t[1] - t[0])\n    return f[np.argmax(abs(np.fft.rfft(y)))]",
         ),
-        "Hz|outside",
+        "returns Hz",
     ),
     Try(
         LOC,
@@ -193,7 +193,7 @@ TRIES = (
             "e = lambda th: np.linalg.norm(beacons - th) - ranges\n    return "
             "scipy.optimize.least_squares(e, beacons.mean(axis=0)).x",
         ),
-        "centre of the beacons",
+        "an error for each beacon",
     ),
     Try(
         LOC,
@@ -362,7 +362,6 @@ TRIES = (
     Try(GN, "path not returned", gn().replace("return np", "np"), "a function without `return` gives that"),
     Try(LM, "theta not returned", lm().replace("    return theta", "    theta"), "returns nothing"),
     Try(GN, "a start of its own", gn().replace("np.array(theta0, float)", "np.ones(len(theta0))"), "is not theta0"),
-    Try(LM, "every step taken", lm(test="True"), "Singular matrix"),
     Try(
         LOC,
         "second coordinate first",

@@ -41,15 +41,15 @@ PAST = "signals = {}\n    return np.column_stack([x[n - lag : N - lag] for x in 
 FILTERS = "[scipy.signal.lfilter(np.r_[0, theta[n + j * n : n + (j + 1) * n]], np.r_[1, -theta[:n]], u[:, j]) for j in "
 
 TRIES = (
-    Try(READ, "no columns named", read(""), "no columns|inputs"),
-    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "comma"),
+    Try(READ, "no columns named", read(""), "which columns are inputs and which outputs"),
+    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "both columns named"),
     Try(READ, "swapped", read(', inputs="T1,T2", outputs="Q1,Q2"'), "powers are inputs"),
     Try(READ, "alternating", read(', inputs="Q1,T1", outputs="Q2,T2"'), "alternate"),
     Try(
         READ,
         "first column of each",
         read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u[:, 0], record.y[:, 0], record.Ts"),
-        "shape \\(600, 2\\)",
+        "whole of `record.u` taken",
     ),
     Try(
         READ,
@@ -60,7 +60,12 @@ TRIES = (
     Try(
         READ, "Ts forgotten", read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y = record.u, record.y"), "no variable `Ts`"
     ),
-    Try(OFF, "no axis", off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u[0], y - np.mean(y[:n])"), "axis=0"),
+    Try(
+        OFF,
+        "no axis",
+        off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u[0], y - np.mean(y[:n])"),
+        "without `axis=0` is one number",
+    ),
     Try(
         OFF,
         "first input only",
@@ -69,7 +74,12 @@ TRIES = (
     ),
     Try(OFF, "all over the record", off("return u - u[0], y - y.mean(axis=0)"), "whole record"),
     Try(OFF, "first row", off("return u - u[0], y - y[0]"), "noise"),
-    Try(OFF, "nothing returned", off("n = np.argmax(np.any(u != u[0], axis=1)); y - y[:n].mean(axis=0)"), "return"),
+    Try(
+        OFF,
+        "nothing returned",
+        off("n = np.argmax(np.any(u != u[0], axis=1)); y - y[:n].mean(axis=0)"),
+        "returns nothing",
+    ),
     Try(OFF, "y alone", off("n = np.argmax(np.any(u != u[0], axis=1)); return y - y[:n].mean(axis=0)"), "two arrays"),
     Try(
         OFF,
@@ -95,7 +105,7 @@ TRIES = (
         PHI,
         "rows of u",
         phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u) for l in range(1, n + 1)]), y[n:, i]"),
-        "dimension|shape|length|size",
+        "same number of rows",
     ),
     Try(
         PHI,
@@ -122,10 +132,13 @@ TRIES = (
         PHI,
         "all of y in Y",
         phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u.T) for l in range(1, n + 1)]), y[n:]"),
-        "Y of",
+        "holds all 2 outputs",
     ),
     Try(
-        THETA, "first output", theta("Phi, Y = regressor(u, y, 0, n); return np.linalg.lstsq(Phi, Y)[0]"), "one output"
+        THETA,
+        "first output",
+        theta("Phi, Y = regressor(u, y, 0, n); return np.linalg.lstsq(Phi, Y)[0]"),
+        "theta of one output: return a row",
     ),
     Try(
         THETA,
@@ -179,11 +192,11 @@ TRIES = (
         RUN,
         "whole u",
         run("return scipy.signal.lfilter(np.r_[0, theta[n:]], np.r_[1, -theta[:n]], u)"),
-        "column of numbers|shape",
+        "one column of numbers",
     ),
     Try(LOOP, "least squares", loop(PHI_Y + "return np.linalg.lstsq(Phi, y[2:])[0]"), "biased"),
     Try(LOOP, "on Z", loop(PHI_Y + "return np.linalg.lstsq(Z, y[2:])[0]"), "regresses on Z"),
-    Try(LOOP, "elementwise", loop(PHI_Y + "return np.linalg.solve(Z.T * Phi, Z.T @ y[2:])"), "@|shape|broadcast"),
+    Try(LOOP, "elementwise", loop(PHI_Y + "return np.linalg.solve(Z.T * Phi, Z.T @ y[2:])"), "broadcast"),
     Try(
         LOOP,
         "past inputs",
