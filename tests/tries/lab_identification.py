@@ -39,6 +39,7 @@ def start(body: str) -> str:
     )
 
 
+IN_PLACE = "y_offset = np.mean(y_act[:n_first])\nu_offset = u_act[0]\n{}\n"
 PHI_HEAD = "half = len(y) // 2\n"
 
 TRIES = (
@@ -514,4 +515,18 @@ TRIES = (
         "mse_half = np.mean((y[half:] - y_sim_half)**2)\nmse_all = np.mean((y[half:] - y_sim[half:])**2)",
         "use the entire record",
     ),
+    Try(
+        OFF,
+        "changed in place, run twice",
+        2 * IN_PLACE.format("u_act -= u_offset; y_act -= y_offset; u, y = u_act, y_act"),
+        "`y_act` itself has changed",
+    ),
+    Try(
+        OFF,
+        "a second name, run twice",
+        2 * IN_PLACE.format("u, y = u_act, y_act; y -= y_offset; u -= u_offset"),
+        "`y_act` itself has changed",
+    ),
+    Try(OFF, "u from u", offsets(rest="u = u - u_offset"), "`u_offset` is taken off `u` twice"),
+    Try(OFF, "y from y", offsets(rest="y = y - y_offset"), "`y_offset` is taken off `y` twice"),
 )

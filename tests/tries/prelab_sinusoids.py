@@ -48,7 +48,7 @@ TRIES = (
     Try(C, "time not reset", "t_new = t[200:]\ny1_new = y1[200:]\ny2_new = y2[200:]", "starts at 20 s"),
     Try(C, "last cut", "t_new = t[:-200]\ny1_new = y1[:-200]\ny2_new = y2[:-200]", "last 200"),
     Try(C, "20 rows", "t_new = t[20:] - t[20]\ny1_new = y1[20:]\ny2_new = y2[20:]", "20 s are 200 samples"),
-    Try(C, "in place", "t_new = t[200:]\nt_new -= 20\ny1_new = y1[200:]\ny2_new = y2[200:]", "view"),
+    Try(C, "in place", "t_new = t[200:]\nt_new -= 20\ny1_new = y1[200:]\ny2_new = y2[200:]", "changed, by 20 s"),
     Try(C, "columns", "t_new = t[:, 200:]\ny1_new = y1[:, 200:]\ny2_new = y2[:, 200:]", "A slice took nothing"),
     Try(C, "from 20 s", "t_new = t[t >= 20]\ny1_new = y1[200:]\ny2_new = y2[200:]", "starts at 20 s"),
     Try(M, "vstack", "data_new = np.vstack([t_new, y1_new, y2_new])", "one below the other"),
@@ -195,4 +195,16 @@ TRIES = (
     Try(T, "100 points", "t = np.linspace(0, 100, 100).reshape(-1, 1)", "has 100 points"),
     Try(F, "rows numbered", cut("r = data[n:].copy(); r[:, 0] = np.arange(len(r)); return r"), "numbers the rows"),
     Try(F, "times set to zero", cut("r = data[n:].copy(); r[:, 0] = 0; return r"), "whole first column to zero"),
+    Try(
+        C,
+        "in place, run twice",
+        2 * "t_new = t[200:]\nt_new -= 20\ny1_new = y1[200:]\ny2_new = y2[200:]\n",
+        "has changed, by 40 s",
+    ),
+    Try(
+        C,
+        "own names, run twice",
+        2 * "t = t[200:] - t[200]\ny1 = y1[200:]\ny2 = y2[200:]\n" + "t_new, y1_new, y2_new = t, y1, y2",
+        "`t` itself has changed: it has 601",
+    ),
 )

@@ -444,4 +444,11 @@ TRIES = (
         closed(body="1 - max(np.sqrt(mse_after) - sigma, 0) / (np.sqrt(mse_before) - sigma)"),
         "sigma from the roots",
     ),
+    Try(
+        REST,
+        "changed in place, run twice",
+        2 * rest(more="u_act -= u_offset\ny_act -= y_offset\nu, y = u_act, y_act\n"),
+        "itself has changed",
+    ),
+    Try(REST, "y from y", rest(more="y = y - y_offset"), "`y_offset` is taken off `y` twice"),
 )

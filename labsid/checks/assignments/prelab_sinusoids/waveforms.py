@@ -98,14 +98,22 @@ def check_cut(ask: Ask) -> Verdict:
 def _require_unchanged_time(ask: Ask, t: FloatArray) -> None:
     """Refuse a `t` that was changed with its view `t_new`: `t_new = t[200:]`, then `t_new -= 20`."""
     now = as_vector("t", ask.value("t"))
-    changed = t.copy()
-    changed[CUT:] -= t[CUT]
-    if _same(now, changed):
+    if now.size != t.size:
         raise NoAnswer(
-            "`t` itself has changed: `t[200:]` is a view of `t`, and `t_new -= 20` writes into it. Write "
-            "`t_new = t_new - 20`, or cut a copy, and run the cell of `t` again.",
-            "a view changed",
+            f"`t` itself has changed: it has {now.size} of its {t.size} samples, and each run of a cell that cuts `t` "
+            "cuts it once more. Give the result a name of its own, `t_new`, and run the cell of `t` again.",
+            "cut under its own name",
         )
+    changed = t.copy()
+    for runs in (1, 2, 3):
+        changed[CUT:] -= t[CUT]
+        if _same(now, changed):
+            raise NoAnswer(
+                f"`t` itself has changed, by {20 * runs} s: `t[200:]` is a view of `t`, and `t_new -= 20` writes into "
+                "it, once more each time the cell is run. Write `t_new = t_new - 20`, or cut a copy, and run the cell "
+                "of `t` again.",
+                "a view changed",
+            )
 
 
 def check_matrix(ask: Ask) -> Verdict:
