@@ -174,6 +174,26 @@ TRIES = (
         "own first",
     ),
     Try(C, "whole time set back", "t -= 20\nt_new = t[200:]\ny1_new = y1[200:]\ny2_new = y2[200:]", "`t` has changed"),
+    Try(
+        A,
+        "plt.step draws below",
+        "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, 'r')\nplt.step(t, y2, where='post')",
+        r"lower panel.*ax_a\.plot",
+    ),
+    Try(
+        A,
+        "plt.title below",
+        "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, 'r', label='sin')\n"
+        "ax_a.step(t, y2, where='post', color=(0.6, 0.7, 0.8), label='cos')\n"
+        "plt.xlim(0, 140)\nplt.ylim(-1.5, 1.5)\nplt.title('(a) Original data')\nplt.legend()\nplt.grid(True)",
+        r"`plt\.title`, .* act on the axes made last",
+    ),
+    Try(
+        N,
+        "both of 100 t",
+        "y1, y2 = (wave(100 * t) + rng.uniform(-0.2, 0.2, t.shape) for wave in (np.sin, np.cos))",
+        "100 s is the period T, not the factor",
+    ),
     Try(A, "a curve for the figure", "fig_1 = plt.plot(t, y1)", "should be the figure itself"),
     Try(
         A,
