@@ -22,8 +22,8 @@ def main() -> None:
             tries = [one for one in tries_of(name) if one.question == question.id]
             outcomes = [(one, said_to(one, solved)) for one in tries]
             grades = Counter(
-                TICK if ticked and one.grade != ACCEPTED else VAGUE if fault_of(one, ticked, message) else one.grade
-                for one, (ticked, message) in outcomes
+                TICK if said.ticked and one.grade != ACCEPTED else VAGUE if fault_of(one, said) else one.grade
+                for one, said in outcomes
             )
             total += grades
             counts = "".join(f"{grades[grade]:12}" for grade in GRADES)

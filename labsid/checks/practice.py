@@ -7,13 +7,14 @@ input.
 
 from collections.abc import Callable, Container, Iterator, Mapping
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from labsid.checks.compare import kind_of
 from labsid.checks.notebook_ask import PUBLIC_SEED
-from labsid.checks.question import Assignment, Question
+from labsid.checks.question import Assignment, Origin, Question
 from labsid.checks.summary import FAILED, PASSED, SIGNS
 from labsid.checks.values import Value, as_student_object, plain
 from labsid.checks.verdict import NoAnswer, Verdict
@@ -35,11 +36,10 @@ class _Asked(Exception):
 class _PracticeAsk:
     """Answers a check with one result, or with values by name; the calls after the first with the reference."""
 
-    origin: None = None
-
     def __init__(
         self,
         record: Record | None,
+        origin: Origin | None,
         known: Mapping[str, Value],
         rng: np.random.Generator,
         reference: Callable[..., Value] | None = None,
@@ -47,6 +47,7 @@ class _PracticeAsk:
         results: tuple[Value, ...] | None = None,
         answers: Container[str] | None = None,
     ) -> None:
+        self.origin = origin
         self.rng = rng
         self._answers = answers
         self.known_values = known
@@ -169,13 +170,15 @@ def questions_with_practice(assignment: Assignment) -> Iterator[Question]:
 def exercise_of(assignment: Assignment, question: Question, number: int) -> Exercise | None:
     """The `number`-th instance of a question; None if it has no numbers to practise with."""
     rng = np.random.default_rng([PUBLIC_SEED, number, *question.id.encode()])
+    question = replace(question, judge=question.judge_first or question.judge)
+    origin = None if assignment.practice_origin is None else assignment.practice_origin(deepcopy(rng))
     record = None if assignment.practice_record is None else assignment.practice_record(rng)
     known = _known_before(assignment, question, record, rng)
     if question.gives is None and record is not None and assignment.practice_given is not None:
         known = {**assignment.practice_given(record), **known}
 
     def ask(**answer: Any) -> _PracticeAsk:
-        made = _PracticeAsk(record, deepcopy(known), deepcopy(rng), question.reference, **answer)
+        made = _PracticeAsk(record, origin, deepcopy(known), deepcopy(rng), question.reference, **answer)
         if question.instance is not None:
             made.instance = question.instance(made)
             made.known_values = {**made.known_values, **(made.instance or {})}
@@ -193,6 +196,9 @@ def exercise_of(assignment: Assignment, question: Question, number: int) -> Exer
         return None
     if asked.arguments is not None:
         return _call(question, ask, {**before, **first.known_values} if before else {}, asked)
+    facts = {} if origin is None or assignment.practice_facts is None else assignment.practice_facts(origin)
+    if asked.name in facts:
+        return _values(question, ask, given, {asked.name: facts[asked.name]})
     if answers is None:
         return _without_solution(question, ask, given, asked.name)
     return _values(question, ask, given, right)
@@ -218,7 +224,7 @@ def _known_before(
         if one.id == question.id:
             break
         if one.gives is not None and (record is not None or assignment.record_file is None):
-            known.update(one.gives(_PracticeAsk(record, dict(known), rng, values={})))
+            known.update(one.gives(_PracticeAsk(record, None, dict(known), rng, values={})))
     return known
 
 
@@ -229,7 +235,11 @@ def _call(question: Question, ask: Callable[..., _PracticeAsk], before: Mapping[
 
     def judged(result: Value) -> Verdict:
         verdict = question.verdict(ask(results=(result,)))
-        return Verdict(True, "this is right.") if _LATER in verdict.reason else verdict
+        if _LATER not in verdict.reason:
+            return verdict
+        if _LATER in question.verdict(ask(results=(_moved(result),))).reason:
+            return Verdict(False, "this cannot be judged from one result: run the check of the notebook.")
+        return Verdict(True, "this is right.")
 
     call = f"{asked.name}({', '.join(f'p.{name}' for name in handed)})"
     text = f"What does `{call}` return if it is right? Work it out, then run p.check(result)."
@@ -254,7 +264,7 @@ def _values(
         return {name: as_student_object(right[name]) for name in names}
 
     wanted = ", ".join(f"{name}=..." for name in names)
-    text = f"Compute {' and '.join(names)} as in the step, then run p.check({wanted})."
+    text = f"Find {' and '.join(names)} as in the step, then run p.check({wanted})."
     objects = {name: as_student_object(value) for name, value in given.items()}
     return Exercise(question, text, objects, names, judged, solution)
 
@@ -270,6 +280,13 @@ def _without_solution(
     text = f"Make {name} of these data as in the step, then run p.check({name}=...)."
     objects = {key: as_student_object(value) for key, value in given.items()}
     return Exercise(question, text, objects, (name,), judged, None)
+
+
+def _moved(result: Value) -> Value:
+    """A result of the same form with other numbers, which a check that has judged the result refuses."""
+    if isinstance(result, tuple | list):
+        return type(result)(map(_moved, result))
+    return 1.3 * result + 1 if isinstance(result, int | float | np.ndarray) else None
 
 
 def _said(value: Any) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.question import Origin
 from labsid.checks.values import Value
 from labsid.lab.offset import find_offsets
 from labsid.records.record import Record
@@ -43,9 +44,27 @@ def tank_record(rng: np.random.Generator) -> Record:
     )
 
 
+def gap_origin(rng: np.random.Generator) -> Origin:
+    """Origin of a rig with one effect."""
+    return Origin(f"practice-{rng.integers(10**6)}", _SHARED)
+
+
 def gap_record(rng: np.random.Generator) -> Record:
-    """A record of a rig with one effect."""
-    return withheld_record(withheld_rig(f"practice-{rng.integers(10**6)}", _SHARED))
+    """A record of that rig."""
+    return withheld_record(_rig_of(gap_origin(rng)))
+
+
+def gap_facts(origin: Origin) -> dict[str, Value]:
+    """The effect of that rig, its path and its parameters."""
+    return _facts(_rig_of(origin))
+
+
+def _facts(rig: WithheldRig) -> dict[str, Any]:
+    return {"effect": rig.effect, "path": rig.path, "parameters": dict(rig.parameters)}
+
+
+def _rig_of(origin: Origin) -> WithheldRig:
+    return withheld_rig(origin.student, origin.secret)
 
 
 def signals_of(record: Record) -> dict[str, Value]:
@@ -74,7 +93,7 @@ class UnaidedRig:
 
     def solution(self) -> dict[str, Any]:
         """The effect, its path and its parameters."""
-        return {"effect": self._rig.effect, "path": self._rig.path, "parameters": dict(self._rig.parameters)}
+        return _facts(self._rig)
 
 
 def unaided_rig(number: int) -> UnaidedRig:

@@ -111,6 +111,8 @@ class Question:
     instance : callable or None
         ``instance(ask) -> {name: value}``: what is given to practise with, where that is not what the earlier questions
         give; None where there is nothing new to compute.
+    judge_first : callable or None
+        Judges the first result of the answer's function where `judge` needs more of them: practice has only one.
     """
 
     id: str
@@ -120,6 +122,7 @@ class Question:
     follows_from: FollowsFrom = FollowsFrom.DATA
     reference: Callable[..., Value] | None = None
     instance: Callable[[Ask], Mapping[str, Value] | None] | None = None
+    judge_first: Callable[[Ask], Verdict] | None = None
 
     def verdict(self, ask: Ask) -> Verdict:
         """Judge the answer; a missing or unreadable answer fails."""
@@ -147,6 +150,10 @@ class Assignment:
         ``practice_record(rng) -> Record`` makes a small record to practise with, where the answers follow from one.
     practice_given : callable or None
         ``practice_given(record) -> {name: value}``: what the notebook's given cells make of a record.
+    practice_origin : callable or None
+        ``practice_origin(rng) -> Origin``: of that record, where its rig has more to ask than the record shows.
+    practice_facts : callable or None
+        ``practice_facts(origin) -> {name: value}``: what is asked of that rig.
     """
 
     name: str
@@ -155,6 +162,8 @@ class Assignment:
     stages: Mapping[str, Stages] = field(default_factory=dict, hash=False)
     practice_record: Callable[[np.random.Generator], Record] | None = None
     practice_given: Callable[[Record], Mapping[str, Value]] | None = None
+    practice_origin: Callable[[np.random.Generator], Origin] | None = None
+    practice_facts: Callable[[Origin], Mapping[str, Value]] | None = None
 
     def question(self, question_id: str) -> Question:
         """The question with that id; `ValueError` lists the valid ids."""
@@ -166,7 +175,7 @@ class Assignment:
 
 
 def nothing_new(ask: Ask) -> None:
-    """The `instance` of a question that has nothing to practise with: the text gives everything, or grading decides."""
+    """The `instance` of a question that has nothing to practise with: the text gives everything."""
 
 
 def returned(ask: Ask, name: str, *arguments: Value) -> Value:
@@ -179,7 +188,11 @@ def returned(ask: Ask, name: str, *arguments: Value) -> Value:
 
 def returned_parts(ask: Ask, name: str, wanted: str, count: int, *arguments: Value) -> list[Value]:
     """The `count` parts of the result of a student's function; parts of equal shape may be stacked in one array."""
-    value = returned(ask, name, *arguments)
+    return parts_of(returned(ask, name, *arguments), name, wanted, count)
+
+
+def parts_of(value: Value, name: str, wanted: str, count: int) -> list[Value]:
+    """The `count` parts of a result that the function of that name has returned."""
     parts = tuple(value) if isinstance(value, np.ndarray) and value.ndim else value
     if isinstance(parts, (tuple, list)) and len(parts) == count:
         return list(parts)

@@ -4,6 +4,7 @@ import linecache
 import re
 from dataclasses import dataclass
 from importlib import import_module
+from typing import NamedTuple
 
 from one_answer import Solved, quietly, solve
 
@@ -64,8 +65,16 @@ def tries_of(assignment: str) -> tuple[Try, ...]:
     return tries
 
 
-def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
-    """Whether a try gets a tick, and the message, as the notebook's check gives them."""
+class Said(NamedTuple):
+    """The outcome of a try: whether it gets a tick, the message of the notebook's check, and the slip it names."""
+
+    ticked: bool
+    message: str
+    slip: str | None = None
+
+
+def said_to(one: Try, solved: Solved) -> Said:
+    """What the notebook's check says to a try."""
     cells = {**dict(one.more), f"{one.question}-answer": one.code}
     ids = list(solved.cells)
     first = min(map(ids.index, cells))
@@ -80,7 +89,7 @@ def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
                 with limit_time(_SECONDS):
                     exec(compile(source, name, "exec"), variables)
             except (Exception, OutOfTime) as error:
-                return False, told(stop_of(error, variables, source), "its answer cell")
+                return Said(False, told(stop_of(error, variables, source), "its answer cell"), PYTHON_ERROR)
         ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
         verdict = solved.assignment.question(one.question).verdict(ask)
     question = solved.assignment.question(one.question)
@@ -88,17 +97,18 @@ def said_to(one: Try, solved: Solved) -> tuple[bool, str]:
     tried = "" if verdict.slip is not None or verdict.passed or for_values else ask.tried
     beside = ask.beside if verdict.slip in (None, PYTHON_ERROR) and not verdict.passed else ""
     said = " ".join(filter(None, (verdict.reason, beside, tried)))
-    return verdict.passed and not verdict.noted, said
+    return Said(verdict.passed and not verdict.noted, said, verdict.slip)
 
 
-def outcome(one: Try) -> tuple[bool, str]:
+def outcome(one: Try) -> Said:
     """What is said to a try at its assignment's model solution."""
     name = next(name for name in ASSIGNMENTS if one in tries_of(name))
     return said_to(one, solve(name))
 
 
-def fault_of(one: Try, ticked: bool, message: str) -> str:
+def fault_of(one: Try, said: Said) -> str:
     """What is wrong with the outcome of a try; empty if nothing is."""
+    ticked, message, _ = said
     if one.grade == ACCEPTED:
         return "" if ticked else f"an acceptable answer is refused: {message}"
     if ticked:

@@ -121,12 +121,12 @@ TRIES = (
     Try(TAB, "same time", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "takes u\\(t\\)"),
     Try(TAB, "whole lstsq", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])"), "`\\[0\\]`"),
     Try(BIAS, "no axis", bias("np.mean(estimates) - truth", "np.std(estimates)"), "throws all parameters|axis"),
-    Try(BIAS, "ddof", bias(s="np.std(estimates, axis=0)"), "M - 1"),
+    Try(BIAS, "ddof", bias(s="np.std(estimates, axis=0)"), "divide by M - 1"),
     Try(BIAS, "sign", bias("truth - np.mean(estimates, axis=0)"), "other sign"),
     Try(BIAS, "M", bias(se="s / len(estimates)"), "divided by M"),
     Try(BIAS, "rows", bias("np.mean(estimates, axis=1) - 1", "np.std(estimates, axis=1)"), "along the rows"),
     Try(LIM, "sign", limit(end="[a + c * var_e / var_y, b]"), "wrong way"),
-    Try(LIM, "no cross", limit("(b**2 * var_u + (1 + c**2) * var_e) / (1 - a**2)"), "correlated"),
+    Try(LIM, "no cross", limit("(b**2 * var_u + (1 + c**2) * var_e) / (1 - a**2)"), "are correlated, which"),
     Try(LIM, "no 1 - a^2", limit("b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e"), "a\\^2 times itself"),
     Try(LIM, "bias only", limit(end="[-c * var_e / var_y, 0]"), "bias alone"),
     Try(LIM, "caret", limit("(b^2 * var_u) / (1 - a^2)"), r"write `\*\*`"),
@@ -151,7 +151,9 @@ TRIES = (
     Try(RELS, "old gain", rels(K="q"), "before the sample"),
     Try(RELS, "plus y", rels(phi="y[n - 1], u[n - 1], eps"), "other sign of a"),
     Try(RELS, "u now", rels(phi="-y[n - 1], u[n], eps"), "takes u\\(n\\)"),
-    Try(F14, "rows", "fig_14, ax = plt.subplots()\nax.plot(theta_rels[-1])", "rows are drawn|no curve"),
+    Try(
+        F14, "rows", "fig_14, ax = plt.subplots()\nax.plot(theta_rels[-1])", r"3 points in place of 1000.*first \*row\*"
+    ),
     Try(F14, "no legend", "fig_14, ax = plt.subplots()\nax.plot(theta_rels)\nax.set_xlabel('n')", "legend"),
     Try(IV, "predicted", iv("-theta[0] * np.r_[0, y[:-1]] + theta[1] * np.r_[0, u[:-1]]"), "measured output"),
     Try(IV, "Z for all", iv(solve="np.linalg.lstsq(Z, Y)[0]"), "Z instead of Phi"),
@@ -237,7 +239,7 @@ TRIES = (
     Try(LIM, "1 + a^2", limit("(b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e) / (1 + a**2)"), "by 1 \\+ a\\^2"),
     Try(LIM, "root", limit(end="[a - c * var_e / np.sqrt(var_y), b]"), "standard deviation of y"),
     Try(COV, "weighted", cov(THREE, "np.linalg.inv(Phi.T @ np.linalg.inv(R) @ Phi)"), "\\*weighted\\* estimate"),
-    Try(ARMAX, "share of theta", armax(move="share * new"), "a share of the \\*step\\*"),
+    Try(ARMAX, "share of theta", armax(move="share * new"), "takes a share of the new theta"),
     Try(IV, "not delayed", iv().replace("-y_M[:-1], u[:-1]])\n", "-y_M[1:], u[1:]])\n"), "y_M\\(t\\), u\\(t\\)"),
     Try(
         REC,
@@ -296,7 +298,7 @@ TRIES = (
         ARMAX,
         "share of theta",
         armax(move="share * new"),
-        "takes a share of the new theta|not renewed",
+        "takes a share of the new theta",
         never="adds a share",
     ),
     Try(
@@ -306,4 +308,27 @@ TRIES = (
         r"3 points in place of 1000.*first \*row\*",
     ),
     Try(LIM, "0 for b", limit(end="[a - c * var_e / var_y, 0]"), "returns 0 for b", never="changes b"),
+    Try(BIAS, "root of M - 1", bias(se="s / np.sqrt(len(estimates) - 1)"), "holds the M - 1 already"),
+    Try(
+        BIAS,
+        "spread first",
+        f(
+            "bias_of(estimates, truth)",
+            "s = np.std(estimates, axis=0, ddof=1)\n    "
+            "return s, np.mean(estimates, axis=0) - truth, s / np.sqrt(len(estimates))",
+        ),
+        "returns the spread first",
+    ),
+    Try(
+        BIAS,
+        "standard error second",
+        f(
+            "bias_of(estimates, truth)",
+            "s = np.std(estimates, axis=0, ddof=1)\n    "
+            "return np.mean(estimates, axis=0) - truth, s / np.sqrt(len(estimates)), s",
+        ),
+        "standard error before the spread",
+    ),
+    Try(ARMAX, "b added", armax(w="y[1:] + a * y[:-1] + b * u[:-1]"), r"adds b u\(t-1\)"),
+    Try(LIK, "mean", lik("np.mean(-np.log(2 * np.pi * var_e) / 2 - E**2 / (2 * var_e))"), "log densities are added up"),
 )

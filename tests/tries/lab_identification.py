@@ -39,6 +39,7 @@ def start(body: str) -> str:
     )
 
 
+IN_PLACE = "y_offset = np.mean(y_act[:n_first])\nu_offset = u_act[0]\n{}\n"
 PHI_HEAD = "half = len(y) // 2\n"
 
 TRIES = (
@@ -53,7 +54,7 @@ TRIES = (
     Try(EX, "MATLAB slice", extract(y='LogData["signals"][0]["values"](:, 2)'), "square ones"),
     Try(EX, "a structure", extract(u='LogData["signals"][1]'), "still a structure"),
     Try(TS, "min", "Ts = (t[1] - t[0]) / 60", "minutes"),
-    Try(TS, "number", "Ts = len(t)", "number of samples"),
+    Try(TS, "number", "Ts = len(t)", r"is the number of samples\."),
     Try(TS, "frequency", "Ts = 1 / (t[1] - t[0])", "sampling frequency"),
     Try(TS, "smallest time", "Ts = np.min(t)", "time of the first sample"),
     Try(TS, "duration over N", "Ts = (t[-1] - t[0]) / len(t)", "one interval fewer"),
@@ -93,7 +94,7 @@ TRIES = (
         LOOP,
         "falls only",
         loop("n = 1\n    while u[n] >= u[0]:\n        n += 1\n    return n"),
-        "upwards|out of bounds",
+        "upwards",
     ),
     Try(
         LOOP, "missing colon", loop("n = 1\n    while u[n] == u[0]\n        n += 1\n    return n"), "ends with a colon"
@@ -108,14 +109,14 @@ TRIES = (
     Try(OFF, "typed 2.0", offsets("2.5"), "lies (above|below) all"),
     Try(OFF, "input mean", offsets(u="np.mean(u_act)"), "mean over the whole record"),
     Try(OFF, "mean of the input range", offsets(u="(u_act.max() + u_act.min()) / 2"), "middle of the input range"),
-    Try(OFF, "from the wrong samples", offsets("np.mean(y_act[n_first : 2 * n_first])"), "lies (above|below) all|more"),
+    Try(OFF, "from the wrong samples", offsets("np.mean(y_act[n_first : 2 * n_first])"), "lies (above|below) all"),
     Try(OFF, "cut", offsets(rest="y = y_act[:n_first] - y_offset"), "entire signal"),
     Try(OFF, "added", offsets(rest="y = y_act + y_offset"), "was added"),
     Try(
         F6,
         "old signals",
         "fig_6, (a, b) = plt.subplots(2, 1)\na.plot(t, y_act)\nb.plot(t, u_act)",
-        "no curve shows `y`",
+        "constant added. Often here: is an offset",
     ),
     Try(F6, "swapped", "fig_6, (a, b) = plt.subplots(2, 1)\na.plot(t, u)\nb.plot(t, y)", "swapped"),
     Try(F6, "name", "fig_7, (a, b) = plt.subplots(2, 1)\na.plot(t, y)", "no variable `fig_6`"),
@@ -202,7 +203,7 @@ TRIES = (
     ),
     Try(PAR, "round brackets", "a1 = -theta_hat(1)", "square ones"),
     Try(PAR, "no signs", "a1, a2, b1, b2 = theta_hat", "change the signs"),
-    Try(PAR, "a and b", "b1, b2, a1, a2 = theta_hat", "swapped|a and b|signs"),
+    Try(PAR, "a and b", "b1, b2, a1, a2 = theta_hat", "a and b are swapped"),
     Try(PAR, "rounded", "a1, a2, b1, b2 = np.round(theta_hat, 2) * [-1, -1, 1, 1]", "rounded"),
     Try(PAR, "three names", "a1, a2, b1 = theta_hat", "as many names"),
     Try(TF, "dt True", "G = ct.tf([b1, b2], [1, a1, a2], True)", "or, with `True`"),
@@ -218,7 +219,7 @@ TRIES = (
     Try(SS, "H a row", "G_ss = ct.ss([[0, 1], [-a2, -a1]], [0, 1], [b2, b1], 0, Ts)", "", "acceptable"),
     Try(SS, "no Ts", "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[0], [1]], [[b2, b1]], [[0]])", "no sampling time"),
     Try(HALF, "one step", "y_sim_half = Phi @ theta_hat", "one-step predictions of the \\*first\\* half"),
-    Try(HALF, "all", "y_sim_half = ct.forced_response(G, inputs=u).outputs", "entire input"),
+    Try(HALF, "all", "y_sim_half = ct.forced_response(G, inputs=u).outputs", "covers the entire input"),
     Try(HALF, "cut", "y_sim_half = ct.forced_response(G, inputs=u).outputs[half:]", "by itself"),
     Try(HALF, "response", "y_sim_half = ct.forced_response(G, inputs=u[half:])", "take its `.outputs`"),
     Try(HALF, "first half", "y_sim_half = ct.forced_response(G, inputs=u[:half]).outputs", "first half"),
@@ -262,8 +263,8 @@ TRIES = (
         "mse_half = np.mean(y[half:] - y_sim_half)**2\nmse_all = np.mean(y - y_sim)**2",
         "square of the mean error",
     ),
-    Try(MSE, "sum", "mse_half = np.sum((y[half:] - y_sim_half)**2)\nmse_all = np.sum((y - y_sim)**2)", "sum"),
-    Try(MSE, "root", "mse_half = np.sqrt(np.mean((y[half:] - y_sim_half)**2))\nmse_all = 1", "root"),
+    Try(MSE, "sum", "mse_half = np.sum((y[half:] - y_sim_half)**2)\nmse_all = np.sum((y - y_sim)**2)", "is the sum of"),
+    Try(MSE, "root", "mse_half = np.sqrt(np.mean((y[half:] - y_sim_half)**2))\nmse_all = 1", "is the root of"),
     Try(
         F7,
         "first times",
@@ -425,7 +426,7 @@ TRIES = (
         "zeros for the simulation",
         "fig_7, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t[half:], y[half:], label='actual')\n"
         "ax_a.plot(t[half:], 0 * y_sim_half, label='simulated')\nax_b.plot(t, y)\nax_b.plot(t, y_sim)",
-        "no curve shows `y_sim_half`|zero",
+        "All of it is zero",
         never="second half of `y_sim`",
     ),
     Try(
@@ -448,4 +449,84 @@ TRIES = (
         loop("n = 1\n    while abs(u[n] - u[0]) < 0.15:\n        n = n + 1\n    return n"),
         "does not see a small change",
     ),
+    Try(TS, "mean of the times", "Ts = np.mean(t)", "mean of the times"),
+    Try(TS, "two apart", "Ts = t[2] - t[0]", "twice the sampling time"),
+    Try(
+        OFF,
+        "up to the second change",
+        offsets("np.mean(y_act[: n_first + np.argmax(u_act[n_first:] != u_act[n_first])])"),
+        "more than the first period",
+    ),
+    Try(OFF, "output offset zero", offsets("0"), "`y_offset` is zero"),
+    Try(OFF, "input offset zero", offsets(u="0"), "`u_offset` is zero"),
+    Try(OFF, "last value", offsets("y_act[-1]"), "last value of the output"),
+    Try(OFF, "mean of half", offsets("np.mean(y_act[: len(y_act) // 2])"), "first half of the record"),
+    Try(OFF, "input after the change", offsets(u="u_act[n_first]"), "level after the first change"),
+    Try(OFF, "offset of the output", offsets(u="y_offset"), "offset of the output"),
+    Try(OFF, "divided", offsets(rest="y = y_act / y_offset"), "divided by the offset"),
+    Try(SS, "first order", "G_ss = ct.ss([[-a1]], [[1]], [[b1]], [[0]], Ts)", "1 states"),
+    Try(
+        PAR,
+        "read backwards",
+        "b1, b2 = theta_hat[3], theta_hat[2]\na1, a2 = -theta_hat[1], -theta_hat[0]",
+        "reverse order",
+    ),
+    Try(
+        MSE,
+        "one sample less",
+        "mse_half = np.mean((y[half + 1:] - y_sim_half[1:])**2)\nmse_all = np.mean((y - y_sim)**2)",
+        "leaves a sample out",
+    ),
+    Try(THETA, "turned round", "theta_hat = np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)[::-1]", "wrong order"),
+    Try(THETA, "minus", "theta_hat = -np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)", "All signs"),
+    Try(
+        PHI,
+        "two rows",
+        "Phi = np.column_stack([y[1:3], y[0:2], u[1:3], u[0:2]])\nY = y[2:4]",
+        "fewer than the 4 unknowns",
+    ),
+    Try(TF, "denominator backwards", "G = ct.tf([b1, b2], [a2, a1, 1], Ts)", "denominator is in reverse order"),
+    Try(TF, "a zero too many", "G = ct.tf([b1, b2], [1, a1, a2, 0], Ts)", "one power of z too low"),
+    Try(
+        PHI,
+        "minus Y",
+        PHI_HEAD + "Phi = np.column_stack([y[1:half-1], y[:half-2], u[1:half-1], u[:half-2]])\nY = -y[2:half]",
+        "`Y` has the wrong sign",
+    ),
+    Try(
+        PHI,
+        "by lags",
+        PHI_HEAD + "Phi = np.column_stack([y[1:half-1], u[1:half-1], y[:half-2], u[:half-2]])\nY = y[2:half]",
+        "columns of y and u alternate",
+    ),
+    Try(
+        MSE, "loss", "mse_half = np.sum((y[half:] - y_sim_half)**2) / 2\nmse_all = np.sum((y - y_sim)**2) / 2", "loss V"
+    ),
+    Try(
+        MSE,
+        "half of it",
+        "mse_half = np.mean((y[half:] - y_sim_half)**2) / 2\nmse_all = np.mean((y - y_sim)**2) / 2",
+        "leave out the factor 1/2",
+    ),
+    Try(MSE, "errors", "mse_half = np.mean(y[half:] - y_sim_half)\nmse_all = np.mean(y - y_sim)", "mean of the errors"),
+    Try(
+        MSE,
+        "half for all",
+        "mse_half = np.mean((y[half:] - y_sim_half)**2)\nmse_all = np.mean((y[half:] - y_sim[half:])**2)",
+        "use the entire record",
+    ),
+    Try(
+        OFF,
+        "changed in place, run twice",
+        2 * IN_PLACE.format("u_act -= u_offset; y_act -= y_offset; u, y = u_act, y_act"),
+        "`y_act` itself has changed",
+    ),
+    Try(
+        OFF,
+        "a second name, run twice",
+        2 * IN_PLACE.format("u, y = u_act, y_act; y -= y_offset; u -= u_offset"),
+        "`y_act` itself has changed",
+    ),
+    Try(OFF, "u from u", offsets(rest="u = u - u_offset"), "`u_offset` is taken off `u` twice"),
+    Try(OFF, "y from y", offsets(rest="y = y - y_offset"), "`y_offset` is taken off `y` twice"),
 )

@@ -84,7 +84,7 @@ TRIES = (
         KIND,
         "determinants",
         f("kind(M)", "return 'positive definite' if np.linalg.det(M) > 0 else 'indefinite'"),
-        "is wrong for|product|calls",
+        "is wrong for",
     ),
     Try(
         DEL,
@@ -136,7 +136,7 @@ TRIES = (
     Try(DER, "2Ax", der("2 * A @ x"), "only for symmetric A"),
     Try(DER, "Ax", der("A @ x"), "only one of the two terms"),
     Try(DER, "*", der("A * x + A.T * x"), "table"),
-    Try(DER, "transpose of x", der("x.T @ A @ x"), "number|vector|elements"),
+    Try(DER, "transpose of x", der("x.T @ A @ x"), "should hold 3 numbers"),
     Try(DER, "3x^2", der(jacobian="3 * x**2"), "should return a matrix"),
     Try(DER, "caret", der(jacobian="3 * x^2"), r"write `\*\*`"),
     Try(DER, "x x' once", der(jacobian="(x @ x) * np.eye(len(x)) + np.outer(x, x)"), "once"),
@@ -243,13 +243,13 @@ TRIES = (
             "all_solutions(Phi, Y)",
             "V = np.linalg.svd(Phi)[2]\n    r = np.linalg.matrix_rank(Phi)\n    return np.linalg.pinv(Phi) @ Y, V[r:]",
         ),
-        "as rows|transpose",
+        "as rows",
     ),
     Try(
         SOL,
         "inv",
         f("all_solutions(Phi, Y)", "return np.linalg.inv(Phi.T @ Phi) @ Phi.T @ Y, np.eye(3)"),
-        "no inverse|does not solve",
+        "Phi'Phi has no inverse",
     ),
     Try(SOL, "theta only", f("all_solutions(Phi, Y)", "return np.linalg.pinv(Phi) @ Y"), "theta and the matrix N"),
     Try(
@@ -284,7 +284,7 @@ TRIES = (
             "weighted_fit(Phi, Y, sigma)",
             "W = 1 / sigma**2\n    return np.linalg.solve(Phi.T @ W @ Phi, Phi.T @ W @ Y)",
         ),
-        "columns|rows|dimension|core",
+        r"`np\.diag\(W\)`",
     ),
     Try(
         WEI,
@@ -328,7 +328,7 @@ TRIES = (
     Try(CONF, "half only", conf(end="theta, -half, half"), "half width"),
     Try(CONF, "sum of squares", conf("E @ E"), "SSE is not divided"),
     Try(CAY, "order", f("inverse_weights(A)", "c = np.poly(A)\n    return -c[:-1] / c[-1]"), "highest power"),
-    Try(CAY, "sign", f("inverse_weights(A)", "c = np.poly(A)\n    return c[:-1][::-1] / c[-1]"), "wrong sign"),
+    Try(CAY, "sign", f("inverse_weights(A)", "c = np.poly(A)\n    return c[:-1][::-1] / c[-1]"), "has the wrong sign"),
     Try(CAY, "all", f("inverse_weights(A)", "return np.poly(A)"), "n \\+ 1 numbers"),
     Try(CAY, "inverse", f("inverse_weights(A)", "return np.linalg.inv(A)"), "returns a matrix"),
     Try(CAY, "no division", f("inverse_weights(A)", "c = np.poly(A)\n    return -c[:-1][::-1]"), "division by c_n"),
@@ -503,5 +503,28 @@ TRIES = (
         "one weight short",
         f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:-1][::-1] / c[-1]"),
         "returns 1 number for 2 powers",
+    ),
+    Try(CONF, "sigma", conf(s2="np.sqrt(E @ E / (N - p))"), "inverse of Phi'Phi by sigma"),
+    Try(
+        CAY,
+        "first coefficient",
+        f("inverse_weights(A)", "c = np.poly(A)\n    return -c[1:][::-1] / c[0]"),
+        "which is 1",
+    ),
+    Try(FITS, "y'y", fits(result="theta, y @ y"), "is y'y"),
+    Try(
+        FITS,
+        "x explained by y",
+        fits("[y**p for p in powers]", E="x - Phi @ theta").replace("(Phi, y)", "(Phi, x)"),
+        "fits x to y",
+    ),
+    Try(
+        F5,
+        "grid between the points",
+        "grid = np.linspace(2, 6, 41)\nfig_5, ax = plt.subplots()\nax.plot(u_1, y_1, 'o', label='data')\n"
+        "ax.plot(grid, np.polyval(theta_line, grid), label='line')\n"
+        "ax.plot(grid, np.polyval(theta_parabola, grid), label='parabola')\nax.set(xlabel='u', ylabel='y')\n"
+        "ax.legend()",
+        "does not cover all points",
     ),
 )

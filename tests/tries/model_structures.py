@@ -80,7 +80,7 @@ TRIES = (
     Try(SHIFT, "product", f("apply(P, x)", "return P * x"), "do not pair up"),
     Try(SHIFT, "lfilter wrong way", f("apply(P, x)", "return scipy.signal.lfilter([1], P, x)"), "divides by P"),
     Try(SHIFT, "roll", f("apply(P, x)", "return sum(P[i] * np.roll(x, i) for i in range(len(P)))"), "go round"),
-    Try(SHIFT, "unequal", f("apply(P, x)", "return P[0] * x + P[1] * x[:-1]"), "samples"),
+    Try(SHIFT, "unequal", f("apply(P, x)", "return P[0] * x + P[1] * x[:-1]"), "cover the same samples"),
     Try(
         SHIFT,
         "two only",
@@ -100,10 +100,10 @@ TRIES = (
         eq(us="[u[k0 - i : N - i] for i in range(d, d + nb + 1)]", k0="max(na, d + nb)"),
         "column too many",
     ),
-    Try(EQ, "lag 1", eq(us="[u[k0 - i : N - i] for i in range(1, nb + 1)]"), "wrong lags|number of rows|d is"),
+    Try(EQ, "lag 1", eq(us="[u[k0 - i : N - i] for i in range(1, nb + 1)]"), "wrong lags"),
     Try(EQ, "from 0", eq("[-y[k0 - i : N - i] for i in range(na)]"), "y\\(k\\) in the row"),
     Try(EQ, "Y whole", eq(end="np.column_stack(ys + us), y"), "one y\\(k\\) for each row"),
-    Try(EQ, "no case nb = 0", eq(k0="d + nb - 1"), "nobody recorded|number of rows|empty|rows"),
+    Try(EQ, "no case nb = 0", eq(k0="d + nb - 1"), "One is empty"),
     Try(
         SIM,
         "plus a",
@@ -206,13 +206,13 @@ TRIES = (
         ORD,
         "AIC price",
         order(crit="N * np.log(V) + p, N * np.log(V) + p * np.log(N), V * (1 + p / N) / (1 - p / N)"),
-        "price in AIC",
+        "AIC is p:",
     ),
     Try(
         ORD,
         "FPE upside down",
         order(crit="N * np.log(V) + 2 * p, N * np.log(V) + p * np.log(N), V * (1 - p / N) / (1 + p / N)"),
-        "above and",
+        r"above and \(1",
     ),
     Try(CAN, "nothing", f("cancel(P, Q, within)", "return P, Q"), "nearer than `within`"),
     Try(
@@ -302,7 +302,7 @@ TRIES = (
     Try(SS, "not reversed", space("-a[1:]", "(b - b[0] * a)[1:].reshape(1, n)"), "both the last row of A and C"),
     Try(SS, "B", space().replace("B[-1, 0]", "B[0, 0]"), "B of .* first row"),
     Try(EQ, "delay not used", eq(us="[u[k0 - i : N - i] for i in range(1, nb + 1)]", k0="max(na, nb)"), "wrong lags"),
-    Try(EQ, "rows too early", eq(k0="max(na, nb)"), "same number of rows|nobody recorded", never="wrong lags"),
+    Try(EQ, "rows too early", eq(k0="max(na, nb)"), "One is empty.*begin below zero", never="wrong lags"),
     Try(
         SIM,
         "times A",
@@ -412,5 +412,58 @@ TRIES = (
         "def simulate(A, B, C, u, e):\n    y = np.zeros(len(u))\n    for k in range(1, len(u)):\n"
         "        y[k] = -A[1] * y[k - 1] + B[1] * u[k - 1] + e[k]\n    return y\n",
         r"only A\[1\] and B\[1\]",
+    ),
+    Try(EQ, "from the end", eq(k0="N"), "returns no rows"),
+    Try(
+        EQ,
+        "minus before the inputs",
+        eq(us="[-u[k0 - i : N - i] for i in range(d, d + nb)]"),
+        "minus before the inputs",
+    ),
+    Try(
+        SS,
+        "all of den in the last row",
+        f(
+            "state_space(num, den)",
+            "n = len(den)\n    A = np.eye(n, k=1)\n    A[-1] = -np.array(den[::-1])\n    B = np.zeros((n, 1))\n"
+            "    B[-1, 0] = 1\n    C = np.r_[num[::-1], np.zeros(n - len(num))].reshape(1, n)\n"
+            "    return A, B, C, np.zeros((1, 1))",
+        ),
+        "makes 3 states",
+    ),
+    Try(
+        ORD,
+        "V in place of its logarithm",
+        order(crit="N * V + 2 * p, N * V + p * np.log(N), V * (1 + p / N) / (1 - p / N)"),
+        "takes V itself",
+    ),
+    Try(ORD, "outputs squared", order("np.mean(Y**2)"), "mean square of y"),
+    Try(
+        SHIFT,
+        "first sample held",
+        f(
+            "apply(P, x)",
+            "n = len(P)\n    before = np.r_[np.full(n, x[0]), x]\n"
+            "    return sum(P[i] * before[n - i : n - i + len(x)] for i in range(n))",
+        ),
+        "repeats the first sample",
+    ),
+    Try(SIM, "noise alone", f("simulate(A, B, C, u, e)", f"return {LF}(C, A, e)"), "leaves the input out"),
+    Try(
+        SIM,
+        "input not through 1/A",
+        f("simulate(A, B, C, u, e)", f"return {LF}(B, [1], u) + {LF}(C, A, e)"),
+        "noise alone run through",
+    ),
+    Try(
+        CAN,
+        "what they share",
+        f(
+            "cancel(P, Q, within)",
+            "p, q = np.roots(P), np.roots(Q)\n"
+            "    pairs = (p, q), (q, p)\n    return [np.atleast_1d(np.poly([r for r in one\n"
+            "        if np.min(abs(other - r), initial=1e9) < within])).real for one, other in pairs]",
+        ),
+        "what they have in common",
     ),
 )

@@ -126,7 +126,7 @@ TRIES = (
         EXP,
         "logarithm",
         exp("c = np.polyfit(x, np.log(y), 1)\n    return np.array([c[0], np.exp(c[1])])"),
-        "nan|logarithm|finite|SVD",
+        "returns nan: does it take a logarithm",
     ),
     Try(
         EXP,
@@ -154,7 +154,7 @@ TRIES = (
             "e = lambda th: th[1] * np.sin(th[0] * t) + th[2] * np.cos(th[0] * t) - y\n    return "
             "scipy.optimize.least_squares(e, [(low + high) / 2, 1, 1]).x[0]",
         ),
-        "local minimum|outside",
+        "local minimum",
     ),
     Try(
         FREQ,
@@ -163,7 +163,7 @@ TRIES = (
             "fit_frequency(t, y, low, high)",
             "f = np.fft.rfftfreq(len(t), t[1] - t[0])\n    return f[np.argmax(abs(np.fft.rfft(y)))]",
         ),
-        "Hz|outside",
+        "returns Hz",
     ),
     Try(
         LOC,
@@ -193,7 +193,7 @@ TRIES = (
             "e = lambda th: np.linalg.norm(beacons - th) - ranges\n    return "
             "scipy.optimize.least_squares(e, beacons.mean(axis=0)).x",
         ),
-        "centre of the beacons",
+        "an error for each beacon",
     ),
     Try(
         LOC,
@@ -352,4 +352,28 @@ TRIES = (
         ),
         r"the \*squared\* errors",
     ),
+    Try(
+        EXP,
+        "a and b swapped in the figure",
+        exp(FIT + ".x").replace("theta_exp[1] * np.exp(theta_exp[0] *", "theta_exp[0] * np.exp(theta_exp[1] *"),
+        "`theta_exp` has a and b swapped",
+    ),
+    Try(LM, "mu D alone", lm("mu * np.diag(np.diag(JJ))"), "leaves J'J itself out"),
+    Try(GN, "path not returned", gn().replace("return np", "np"), "a function without `return` gives that"),
+    Try(LM, "theta not returned", lm().replace("    return theta", "    theta"), "returns nothing"),
+    Try(GN, "a start of its own", gn().replace("np.array(theta0, float)", "np.ones(len(theta0))"), "is not theta0"),
+    Try(
+        LOC,
+        "second coordinate first",
+        f(
+            "locate(beacons, ranges)",
+            "c, r = beacons.mean(axis=0), ranges.mean()\n"
+            "    fits = [scipy.optimize.least_squares(lambda th: np.linalg.norm(beacons - th, axis=1) - ranges,\n"
+            "            c + r * np.array([np.cos(v), np.sin(v)])) for v in np.arange(8) * np.pi / 4]\n"
+            "    return min(fits, key=lambda fit: fit.cost).x[::-1]",
+        ),
+        "second coordinate first",
+    ),
+    Try(STEP, "per theta", step(end="fit.x, sd / fit.x"), "relative errors"),
+    Try(STEP, "per size of theta", step(end="fit.x, sd / abs(fit.x)"), "relative errors"),
 )

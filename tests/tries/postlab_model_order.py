@@ -89,7 +89,12 @@ TRIES = (
         "wrong sign of a",
     ),
     Try(RUN, "response", "y_sim_1 = ct.forced_response(G_1, inputs=u)\ny_sim_2 = y_sim_1", "`.outputs`"),
-    Try(MSE, "root", "mse_1 = np.sqrt(np.mean((y - y_sim_1)**2))\nmse_2 = np.sqrt(np.mean((y - y_sim_2)**2))", "root"),
+    Try(
+        MSE,
+        "root",
+        "mse_1 = np.sqrt(np.mean((y - y_sim_1)**2))\nmse_2 = np.sqrt(np.mean((y - y_sim_2)**2))",
+        "is the root of",
+    ),
     Try(MSE, "y_act", "mse_1 = np.mean((y_act - y_sim_1)**2)\nmse_2 = np.mean((y_act - y_sim_2)**2)", "offset"),
     Try(MSE, "swapped", "mse_2 = np.mean((y - y_sim_1)**2)\nmse_1 = np.mean((y - y_sim_2)**2)", "swapped"),
     Try(MSE, "half", "mse_1 = np.mean((y[half:] - y_sim_1[half:])**2)\nmse_2 = 1", "second half only"),
@@ -160,7 +165,7 @@ TRIES = (
         "def fit_order(u, y, n):\n    N = min(len(y), half)\n"
         f"    Phi = np.column_stack({Y_LAGS} + {U_LAGS})\n    return np.linalg.lstsq(Phi, y[n:N])[0]\n\n\n"
         "theta_2 = fit_order(u[:half], y[:half], 2)",
-        "first `half` samples",
+        "only the first `half`",
         never="first half of what",
     ),
     Try(

@@ -37,18 +37,19 @@ def loop(body: str) -> str:
 
 
 PHI_Y = "Phi = np.column_stack([y[1:-1], u[1:-1]]); Z = np.column_stack([r[1:-1], r[:-2]]); "
+PAST = "signals = {}\n    return np.column_stack([x[n - lag : N - lag] for x in signals for lag in range(1, n + 1)]), "
 FILTERS = "[scipy.signal.lfilter(np.r_[0, theta[n + j * n : n + (j + 1) * n]], np.r_[1, -theta[:n]], u[:, j]) for j in "
 
 TRIES = (
-    Try(READ, "no columns named", read(""), "no columns|inputs"),
-    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "comma"),
+    Try(READ, "no columns named", read(""), "which columns are inputs and which outputs"),
+    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "both columns named"),
     Try(READ, "swapped", read(', inputs="T1,T2", outputs="Q1,Q2"'), "powers are inputs"),
     Try(READ, "alternating", read(', inputs="Q1,T1", outputs="Q2,T2"'), "alternate"),
     Try(
         READ,
         "first column of each",
         read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u[:, 0], record.y[:, 0], record.Ts"),
-        "shape \\(600, 2\\)",
+        "whole of `record.u` taken",
     ),
     Try(
         READ,
@@ -59,7 +60,12 @@ TRIES = (
     Try(
         READ, "Ts forgotten", read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y = record.u, record.y"), "no variable `Ts`"
     ),
-    Try(OFF, "no axis", off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u[0], y - np.mean(y[:n])"), "axis=0"),
+    Try(
+        OFF,
+        "no axis",
+        off("n = np.argmax(np.any(u != u[0], axis=1)); return u - u[0], y - np.mean(y[:n])"),
+        "without `axis=0` is one number",
+    ),
     Try(
         OFF,
         "first input only",
@@ -68,7 +74,12 @@ TRIES = (
     ),
     Try(OFF, "all over the record", off("return u - u[0], y - y.mean(axis=0)"), "whole record"),
     Try(OFF, "first row", off("return u - u[0], y - y[0]"), "noise"),
-    Try(OFF, "nothing returned", off("n = np.argmax(np.any(u != u[0], axis=1)); y - y[:n].mean(axis=0)"), "return"),
+    Try(
+        OFF,
+        "nothing returned",
+        off("n = np.argmax(np.any(u != u[0], axis=1)); y - y[:n].mean(axis=0)"),
+        "returns nothing",
+    ),
     Try(OFF, "y alone", off("n = np.argmax(np.any(u != u[0], axis=1)); return y - y[:n].mean(axis=0)"), "two arrays"),
     Try(
         OFF,
@@ -94,7 +105,7 @@ TRIES = (
         PHI,
         "rows of u",
         phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u) for l in range(1, n + 1)]), y[n:, i]"),
-        "dimension|shape|length|size",
+        "same number of rows",
     ),
     Try(
         PHI,
@@ -121,10 +132,13 @@ TRIES = (
         PHI,
         "all of y in Y",
         phi("return np.column_stack([x[n - l : N - l] for x in (y[:, i], *u.T) for l in range(1, n + 1)]), y[n:]"),
-        "Y of",
+        "holds all 2 outputs",
     ),
     Try(
-        THETA, "first output", theta("Phi, Y = regressor(u, y, 0, n); return np.linalg.lstsq(Phi, Y)[0]"), "one output"
+        THETA,
+        "first output",
+        theta("Phi, Y = regressor(u, y, 0, n); return np.linalg.lstsq(Phi, Y)[0]"),
+        "theta of one output: return a row",
     ),
     Try(
         THETA,
@@ -178,11 +192,11 @@ TRIES = (
         RUN,
         "whole u",
         run("return scipy.signal.lfilter(np.r_[0, theta[n:]], np.r_[1, -theta[:n]], u)"),
-        "column of numbers|shape",
+        "one column of numbers",
     ),
     Try(LOOP, "least squares", loop(PHI_Y + "return np.linalg.lstsq(Phi, y[2:])[0]"), "biased"),
     Try(LOOP, "on Z", loop(PHI_Y + "return np.linalg.lstsq(Z, y[2:])[0]"), "regresses on Z"),
-    Try(LOOP, "elementwise", loop(PHI_Y + "return np.linalg.solve(Z.T * Phi, Z.T @ y[2:])"), "@|shape|broadcast"),
+    Try(LOOP, "elementwise", loop(PHI_Y + "return np.linalg.solve(Z.T * Phi, Z.T @ y[2:])"), "broadcast"),
     Try(
         LOOP,
         "past inputs",
@@ -316,4 +330,84 @@ TRIES = (
         run(f"return sum({FILTERS.replace('n + j * n : n + (j + 1) * n', 'j * n : (j + 1) * n')}range(u.shape[1])])"),
         "the first n numbers of theta are -a",
     ),
+    Try(
+        READ,
+        "first values taken off",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u - record.u[0], record.y, record.Ts"),
+        "without its offset",
+    ),
+    Try(
+        READ,
+        "one input twice",
+        read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u[:, [0, 0]], record.y, record.Ts"),
+        "same signal",
+    ),
+    Try(
+        OFF,
+        "u as it is",
+        off("n = np.argmax(np.any(u != u[0], axis=1))\n    return u, y - y[:n].mean(axis=0)"),
+        "returns u as it is",
+    ),
+    Try(OFF, "y as it is", off("return u - u[0], y"), "returns y as it is"),
+    Try(OFF, "axis 1", off("return u - u[0], y - y.mean(axis=1, keepdims=True)"), "means over the signals"),
+    Try(PHI, "inputs backwards", phi(PAST.format("[y[:, i], *u.T[::-1]]") + "y[n:, i]"), "has the last input first"),
+    Try(
+        PHI,
+        "Y one sample early",
+        phi(PAST.format("[y[:, i], *u.T]") + "y[n - 1 : -1, i]"),
+        r"should be y_i\(k\) of its rows",
+    ),
+    Try(PHI, "Y too long", phi(PAST.format("[y[:, i], *u.T]") + "y[:, i]"), r"one y\(k\) for each row"),
+    Try(
+        PHI,
+        "rolled",
+        phi("return np.column_stack([np.roll(x, lag) for x in [y[:, i], *u.T] for lag in range(1, n + 1)]), y[:, i]"),
+        "rows for .* samples",
+    ),
+    Try(
+        PHI,
+        "a row lost",
+        phi(
+            PAST.format("[y[:, i], *u.T]").replace("return np", "Phi = np").rstrip(", ")
+            + "\n    return Phi[1:], y[n + 1:, i]"
+        ),
+        "rows for .* samples",
+    ),
+    Try(
+        THETA,
+        "Phi'Y",
+        theta("return np.array([P.T @ Y for P, Y in (regressor(u, y, i, n) for i in range(y.shape[1]))])"),
+        "inverse of Phi'Phi is missing",
+    ),
+    Try(
+        THETA,
+        "last output first",
+        theta("return np.array([np.linalg.lstsq(*regressor(u, y, i, n))[0] for i in range(y.shape[1])])[::-1]"),
+        "rows in the wrong order",
+    ),
+    Try(
+        THETA,
+        "half of the record",
+        theta(
+            "h = len(y) // 2\n    return np.array([np.linalg.lstsq(*regressor(u[:h], y[:h], i, n))[0] "
+            "for i in range(y.shape[1])])"
+        ),
+        "fits the first half",
+    ),
+    Try(
+        RUN,
+        "inputs backwards",
+        run(f"u = u[:, ::-1]\n    return sum({FILTERS}range(u.shape[1])])"),
+        "inputs in reverse order",
+    ),
+    Try(
+        RUN,
+        "nothing fed back",
+        run(f"return sum({FILTERS}range(u.shape[1])])".replace("np.r_[1, -theta[:n]]", "[1.0]")),
+        "feeds nothing back",
+    ),
+    Try(LOOP, "Phi'Z", loop(PHI_Y + "return np.linalg.solve(Phi.T @ Z, Z.T @ y[2:])"), "solves with Phi'Z"),
+    Try(LOOP, "exchanged", loop(PHI_Y + "return np.linalg.solve(Phi.T @ Z, Phi.T @ y[2:])"), "Phi and Z exchanged"),
+    Try(LOOP, "b first", loop(PHI_Y + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])[::-1]"), "returns b first"),
+    Try(LOOP, "Z'Y", loop(PHI_Y + "return Z.T @ y[2:]"), "inverse of Z'Phi is missing"),
 )

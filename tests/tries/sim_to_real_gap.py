@@ -67,7 +67,7 @@ Y_NAMED = "effect = 'output-saturation'\n"
 
 TRIES = (
     Try(REST, "mean of all", rest("np.mean(y_act)"), "mean over the whole record"),
-    Try(REST, "first sample", rest("y_act[0]"), "one sample"),
+    Try(REST, "first sample", rest("y_act[0]"), "value of one sample"),
     Try(REST, "variance", rest(sd="np.var(y_act[:n])"), "take its root"),
     Try(REST, "spread of all", rest(sd="np.std(y_act)"), "whole record"),
     Try(REST, "mean input", rest(u="np.mean(u_act)"), "mean over the record"),
@@ -99,7 +99,7 @@ TRIES = (
         TIME,
         "16 fixed",
         time("s = np.sum(e.reshape(16, -1)**2, axis=1)\n    return s / np.sum(s)"),
-        "the argument `parts`",
+        "be the argument `parts`",
     ),
     Try(
         TIME,
@@ -133,7 +133,7 @@ TRIES = (
     Try(FREQ, "no Ts", band("np.abs(E)**2", "np.fft.rfftfreq(len(e))"), "leaves Ts out"),
     Try(FREQ, "1/Ts", band("np.abs(E)**2", "np.fft.rfftfreq(len(e), 1 / Ts)"), "sampling time Ts"),
     Try(FREQ, "fftfreq", band("np.abs(E)**2", "np.fft.fftfreq(len(e), Ts)"), "one weight"),
-    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "stopped|histogram|parts of different"),
+    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "or `np.histogram`"),
     Try(
         OPER,
         "mean",
@@ -152,17 +152,17 @@ TRIES = (
         ),
         "averages within each cell",
     ),
-    Try(OPER, "y_lin as x", cells(y="y_lin, e, edges_y"), "handed over first|linear model"),
+    Try(OPER, "y_lin as x", cells(y="y_lin, e, edges_y"), "handed over first"),
     Try(OPER, "y_lin with offset as x", cells(y="y_lin + y_offset, e, edges_y"), "output of the linear model"),
     Try(OPER, "offset-free", cells(u="u, e, edges_u"), "with its offset"),
-    Try(OPER, "swapped", cells(u="y_act, e, edges_y", y="u_act, e, edges_u"), "other signal"),
+    Try(OPER, "swapped", cells(u="y_act, e, edges_y", y="u_act, e, edges_u"), "shares of the other signal"),
     Try(OPER, "counts", cells("h = np.histogram(x, edges)[0]\n    return h / np.sum(h)"), "counts samples"),
     Try(OPER, "order of arguments", cells(u="e, u_act, edges_u"), "handed over first"),
     Try(
         SIM,
         "interp of record (replay y)",
         "def simulate_better(u_act):\n    return y_act.copy()\n",
-        "record itself|replay the record",
+        "replay the record",
     ),
     Try(
         SIM,
@@ -266,9 +266,14 @@ TRIES = (
         CLOSED,
         "sigma",
         closed(body="1 - np.sqrt(max(mse_after - sigma, 0)) / np.sqrt(abs(mse_before - sigma))"),
-        "subtract its square",
+        "subtracts sigma; subtract",
     ),
-    Try(CLOSED, "no max", closed(body="1 - np.sqrt(mse_after - sigma**2) / np.sqrt(mse_before - sigma**2)"), "max"),
+    Try(
+        CLOSED,
+        "no max",
+        closed(body="1 - np.sqrt(mse_after - sigma**2) / np.sqrt(mse_before - sigma**2)"),
+        "needs `max",
+    ),
     Try(CLOSED, "no root", closed(body="1 - max(mse_after - sigma**2, 0) / (mse_before - sigma**2)"), "take the root"),
     Try(SIM, "record cut", "def simulate_better(u_act):\n    return y_act[: len(u_act)]\n", "replay the record"),
     Try(
@@ -382,4 +387,68 @@ TRIES = (
         named("input-saturation", "{'low': '1.2 V', 'high': '3.4 V'}"),
         "is text: give the number",
     ),
+    Try(OPER, "shares of the output", cells(u="u_act, y, edges_u"), "made of the output in place of the error"),
+    Try(OPER, "output over the edges of u", cells(u="y_act, e, edges_u"), "sorts by the other signal"),
+    Try(
+        OPER,
+        "right edges",
+        cells(
+            "k = np.digitize(x, edges, right=True)\n"
+            "    h = np.array([np.sum(e[k == j + 1]**2) for j in range(len(edges) - 1)])\n    return h / np.sum(h)"
+        ),
+        "lie on the first edge",
+    ),
+    Try(
+        OPER,
+        "roots",
+        cells("h = np.sqrt(np.histogram(x, edges, weights=e**2)[0])\n    return h / np.sum(h)"),
+        "takes roots",
+    ),
+    Try(
+        TIME,
+        "counted from 1",
+        time(RIGHT, worst="((i + 1) * N // 16 * Ts, (i + 2) * N // 16 * Ts)"),
+        "one stretch late",
+    ),
+    Try(
+        TIME,
+        "sums squared",
+        time("s = np.sum(np.reshape(e, (parts, -1)), axis=1)**2\n    return s / np.sum(s)"),
+        "squares the sum",
+    ),
+    Try(SIZE, "largest", "gap_before = np.max(abs(e[half:]))", "is the largest error"),
+    Try(SIZE, "mean", "gap_before = np.mean(e[half:])", "mean of the errors"),
+    Try(LIN, "measured output", linear(run="y"), "measured output itself"),
+    Try(REST, "peak to peak", rest(sd="np.ptp(y_act[:n])"), "peak to peak"),
+    Try(
+        SIM,
+        "half the input",
+        "def simulate_better(u_act):\n    return y_offset + free_run(theta_hat, u_act[: len(u_act) // 2] - u_offset)\n",
+        "half of them",
+    ),
+    Try(
+        CLOSED,
+        "swapped",
+        closed(body="1 - np.sqrt(max(mse_before - sigma**2, 0)) / np.sqrt(mse_after - sigma**2)"),
+        "before and after swapped",
+    ),
+    Try(
+        CLOSED,
+        "noise off one error",
+        closed(body="1 - np.sqrt(max(mse_after - sigma**2, 0)) / np.sqrt(mse_before)"),
+        "one of the errors only",
+    ),
+    Try(
+        CLOSED,
+        "noise off the roots",
+        closed(body="1 - max(np.sqrt(mse_after) - sigma, 0) / (np.sqrt(mse_before) - sigma)"),
+        "sigma from the roots",
+    ),
+    Try(
+        REST,
+        "changed in place, run twice",
+        2 * rest(more="u_act -= u_offset\ny_act -= y_offset\nu, y = u_act, y_act\n"),
+        "itself has changed",
+    ),
+    Try(REST, "y from y", rest(more="y = y - y_offset"), "`y_offset` is taken off `y` twice"),
 )

@@ -38,6 +38,10 @@ def cut(
     )
 
 
+def mse(value: str) -> str:
+    return f"y_approx = first_order_response(t_step, K, tau, td, amplitude)\nmse_approx = {value}"
+
+
 def fun(name: str, args: str, body: str) -> str:
     return f"def {name}({args}):\n    {body}\n"
 
@@ -45,8 +49,8 @@ def fun(name: str, args: str, body: str) -> str:
 A = "Phi, Y, theta"
 
 TRIES = (
-    Try(READ, "td=t28", read(td="t_28"), "28.3 %"),
-    Try(READ, "tau = t63", read(tau="t_63", td="0"), "measured from the step|td is zero"),
+    Try(READ, "td=t28", read(td="t_28"), "td is the time to 28.3 %"),
+    Try(READ, "tau = t63", read(tau="t_63", td="0"), "td is zero.*the delay is in it"),
     Try(READ, "factor", read(tau="t_63 - t_28"), "two thirds"),
     Try(READ, "gain not divided", read(K="y_end"), "divide it by the amplitude"),
     Try(READ, "level of 63", read(K="0.632 * y_end / amplitude"), "63.2 % of the change"),
@@ -55,7 +59,7 @@ TRIES = (
     Try(READ, "by eye", "K, tau, td = 3, 4, 2", "28.3 % at .* 63.2 % at"),
     Try(RESP, "impulse", response("np.where(t >= td, K * amplitude / tau * np.exp(-(t - td) / tau), 0)"), "impulse"),
     Try(RESP, "no zero before", response("K * amplitude * (1 - np.exp(-(t - td) / tau))"), "not zero before td"),
-    Try(RESP, "no amplitude", response("K * (1 - np.exp(-np.maximum(t - td, 0) / tau))"), "multiply by it"),
+    Try(RESP, "no amplitude", response("K * (1 - np.exp(-np.maximum(t - td, 0) / tau))"), "depend on the amplitude"),
     Try(
         RESP,
         "if on array",
@@ -94,7 +98,7 @@ TRIES = (
         MSE,
         "sum",
         "y_approx = first_order_response(t_step, K, tau, td, amplitude)\nmse_approx = np.sum((y_step - y_approx)**2)",
-        "divide by N",
+        "is the sum: divide by N",
     ),
     Try(FIG, "not the figure", "plt.plot(t_step, y_step)\nfig_a2 = plt.gca()", "figure itself"),
     Try(
@@ -162,8 +166,8 @@ TRIES = (
     Try(TWO, "MATLAB index", fun("solve_two", "U, Y", "return U(1, 1)"), "square ones"),
     Try(ERR, "*", fun("error_vector", A, "return Y - Phi * theta"), r"comes of `Phi \* theta`"),
     Try(ERR, "reversed", fun("error_vector", A, "return Phi @ theta - Y"), "wrong sign"),
-    Try(ERR, "transposed", fun("error_vector", A, "return Y - Phi.T @ theta"), "transposed|columns"),
-    Try(ERR, "theta first", fun("error_vector", A, "return Y - theta @ Phi"), "columns|transposed|rows"),
+    Try(ERR, "transposed", fun("error_vector", A, "return Y - Phi.T @ theta"), "uses Phi transposed"),
+    Try(ERR, "theta first", fun("error_vector", A, "return Y - theta @ Phi"), "uses Phi transposed"),
     Try(ERR, "squares", fun("error_vector", A, "return (Y - Phi @ theta)**2"), "do not square"),
     Try(ERR, "output", fun("error_vector", A, "return Phi @ theta"), "subtract it from Y"),
     Try(LOSS, "no half", fun("loss", A, "E = Y - Phi @ theta\n    return E @ E"), "factor 1/2"),
@@ -174,7 +178,7 @@ TRIES = (
     Try(LOSS, "quarter", fun("loss", A, "E = Y - Phi @ theta\n    return 0.5 * (0.5 * E @ E)"), "half the right value"),
     Try(GRAD, "sign", fun("gradient", A, "return Phi.T @ (Y - Phi @ theta)"), "wrong sign"),
     Try(GRAD, "twice", fun("gradient", A, "return -2 * Phi.T @ (Y - Phi @ theta)"), "twice too large"),
-    Try(GRAD, "no transpose", fun("gradient", A, "return -Phi @ (Y - Phi @ theta)"), "transposed|columns"),
+    Try(GRAD, "no transpose", fun("gradient", A, "return -Phi @ (Y - Phi @ theta)"), "uses Phi transposed"),
     Try(GRAD, "number", fun("gradient", A, "return np.sum(-Phi.T @ (Y - Phi @ theta))"), "elements|shape|one column"),
     Try(GRAD, "one term", fun("gradient", A, "return -Phi.T @ Y"), "lacks the term"),
     Try(
@@ -204,7 +208,7 @@ TRIES = (
     ),
     Try(UNI, "counted", fun("is_unique", "Phi", "return len(Phi) >= Phi.shape[1]"), "compares only the numbers"),
     Try(UNI, "rank itself", fun("is_unique", "Phi", "return np.linalg.matrix_rank(Phi)"), "True or False"),
-    Try(UNI, "det of Phi", fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"), "square"),
+    Try(UNI, "det of Phi", fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"), "only a square matrix"),
     Try(FUN, "t_step for t", reader().replace(" t[", " t_step["), "never reads its argument `t`, but `t_step`"),
     Try(FUN, "half of tau", reader(tau="0.75 * (t_63 - t_28)"), "too (early|late)", never="never reads"),
     Try(
@@ -243,7 +247,7 @@ TRIES = (
         READ,
         "no delay",
         "K, td = y_step[-1] / amplitude, 0\ntau = t_step[np.argmax(y_step >= 0.5 * y_step[-1])]",
-        "td is zero|50 %",
+        "measured to 50 %",
         never="the delay is in it",
     ),
     Try(
@@ -267,7 +271,13 @@ TRIES = (
         "the table 1/2 E E'",
     ),
     Try(GRAD, "Phi Y", fun("gradient", A, "return Phi.T @ Phi @ theta - Phi @ Y"), "multiplies Y by Phi;"),
-    Try(GRAD, "Phi E", fun("gradient", A, "return Phi @ (Phi @ theta - Y)"), "transpos", never="multiplies Y by Phi;"),
+    Try(
+        GRAD,
+        "Phi E",
+        fun("gradient", A, "return Phi @ (Phi @ theta - Y)"),
+        "uses Phi transposed",
+        never="multiplies Y by Phi;",
+    ),
     Try(MIN, "Y without Phi'", fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) @ Y"), "by Y itself"),
     Try(
         MIN,
@@ -276,6 +286,47 @@ TRIES = (
         "multiplies Y by Phi;",
         never="by Y itself",
     ),
-    Try(FUN, "half for 63.2 %", reader().replace("way >= 0.632", "way >= 0.5"), "50 %|28.3 %", VAGUE, never="33.3 %"),
+    Try(
+        FUN,
+        "half for 63.2 %",
+        reader().replace("way >= 0.632", "way >= 0.5"),
+        "at the right time, and 63.2 % .* too early",
+        VAGUE,
+        never="33.3 %",
+    ),
     Try(GRAD, "Phi Phi'", fun("gradient", A, "return Phi @ Phi.T @ theta - Phi.T @ Y"), "Phi Phi', N by N"),
+    Try(MSE, "absolute", mse("np.mean(abs(y_step - y_approx))"), r"mean of the errors, or of \|error\|"),
+    Try(MSE, "square of the mean", mse("np.mean(y_step - y_approx)**2"), "square of the mean error"),
+    Try(MSE, "half", mse("np.mean((y_step - y_approx)**2) / 2"), "factor 1/2"),
+    Try(CUT, "mean of the step", cut("np.mean(y_act[first:second])"), "not the mean over the step"),
+    Try(
+        CUT,
+        "from the start",
+        cut()
+        .replace("y_act[first:second] -", "y_act[:second] -")
+        .replace("t_act[first:second] - t_act[first]", "t_act[:second]"),
+        "start at the first change",
+    ),
+    Try(
+        CUT,
+        "the period before",
+        cut("np.mean(y_act[:first])")
+        .replace("y_act[first:second] -", "y_act[:first] -")
+        .replace("t_act[first:second] - t_act[first]", "t_act[:first]"),
+        "the step comes after it",
+    ),
+    Try(ERR, "absolute", fun("error_vector", A, "return np.abs(Y - Phi @ theta)"), "keep their signs"),
+    Try(MIN, "minus", fun("best_theta", "Phi, Y", "return -np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)"), "wrong sign"),
+    Try(RESP, "no K", response("amplitude * (1 - np.exp(-np.maximum(t - td, 0) / tau))"), "does not depend on K"),
+    Try(RESP, "grows", response("K * amplitude * (1 - np.exp(np.maximum(t - td, 0) / tau))"), "exponent is negative"),
+    Try(RESP, "tau + td", response("K * amplitude * (1 - np.exp(-t / (tau + td)))"), r"tau \+ td in the exponent"),
+    Try(RESP, "no tau", response("K * amplitude * (1 - np.exp(-np.maximum(t - td, 0)))"), "does not use tau"),
+    Try(RESP, "a step", response("np.where(t >= td, K * amplitude, 0)"), "jumps to its end"),
+    Try(
+        RESP,
+        "sample td",
+        response("K * amplitude * (1 - np.exp(-np.maximum(t - t[round(td)], 0) / tau))"),
+        "uses td as a number of samples",
+    ),
+    Try(RESP, "t + td", response("K * amplitude * (1 - np.exp(-(t + td) / tau))"), "starts before the step"),
 )

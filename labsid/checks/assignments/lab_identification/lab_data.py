@@ -1,6 +1,6 @@
 """The signals and the model from which the checks of the lab and of the post-lab start."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray, freeze
 from labsid.checks.compare import as_number, as_vector
 from labsid.checks.question import Ask
+from labsid.checks.verdict import NoAnswer, Slip, Verdict
 from labsid.lab.arx import ArxModel, arx_from_theta
 from labsid.records.record import Record
 
@@ -79,6 +80,36 @@ def noise_reduced_output(record: Record) -> FloatArray:
 def known_vector(ask: Ask, name: str) -> FloatArray:
     """A signal of an earlier step, shape (N,)."""
     return as_vector(name, ask.known(name))
+
+
+def changed_in_place(ask: Ask, recorded: Mapping[str, FloatArray]) -> Verdict | None:
+    """Whether a recorded signal is another one now: then each run of a cell gives another result."""
+    for name, was in recorded.items():
+        try:
+            by = as_vector(name, ask.value(name), was.size) - was
+        except NoAnswer:
+            continue
+        if np.any(by) and np.ptp(by) <= 1e-9 * np.ptp(was):
+            own = name.removesuffix("_act")
+            moved = f"{abs(by[0]):.4g} V {'lower' if by[0] < 0 else 'higher'}"
+            return Verdict(
+                False,
+                f"`{name}` itself has changed since it was read: it is {moved}. `{name} -= {own}_offset` changes it, "
+                f"and so does `{own} -= {own}_offset` after `{own} = {name}`; a second run of the cell starts from "
+                f"there. Write `{own} = {name} - {own}_offset`, and run the cells from where the data are read again.",
+                "a record changed",
+            )
+    return None
+
+
+def taken_off_twice(name: str, raw: FloatArray, offset: float) -> Slip[FloatArray]:
+    """A cell that starts from its own result, run twice."""
+    return Slip(
+        "offset taken off twice",
+        f"`{name}_offset` is taken off `{name}` twice. Often here: was a cell with `{name} = {name} - {name}_offset` "
+        f"run twice? `{name} = {name}_act - {name}_offset` gives the same, however often it is run.",
+        lambda: raw - 2 * offset,
+    )
 
 
 def known_data(ask: Ask) -> LabData:

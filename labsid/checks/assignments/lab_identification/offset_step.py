@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.lab_identification.lab_data import known_vector
+from labsid.checks.assignments.lab_identification.lab_data import changed_in_place, known_vector, taken_off_twice
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
@@ -32,6 +32,11 @@ def right_offsets(ask: Ask) -> dict[str, Value]:
 def check_offsets(ask: Ask) -> Verdict:
     """Step 1c: both offsets, and both signals without them."""
     u_act, y_act, y_actm = (known_vector(ask, name) for name in ("u_act", "y_act", "y_actm"))
+    verdict = _judge_offsets(ask, u_act, y_act, y_actm)
+    return verdict if verdict.passed else changed_in_place(ask, {"y_act": y_act, "u_act": u_act}) or verdict
+
+
+def _judge_offsets(ask: Ask, u_act: FloatArray, y_act: FloatArray, y_actm: FloatArray) -> Verdict:
     u_offset, y_offset = (as_number(name, ask.value(name)) for name in ("u_offset", "y_offset"))
     verdict = _output_offset(y_offset, u_act, y_act, y_actm)
     if verdict.passed:
@@ -194,6 +199,7 @@ def _offset_free(name: str, got: FloatArray, raw: FloatArray, offset: float, oth
     slips = [
         Slip("offset not removed", f"`{name}` is still `{name}_act`: subtract `{name}_offset`.", lambda: raw),
         Slip("offset added", f"`{name}_offset` was added; subtract it.", lambda: raw + offset),
+        taken_off_twice(name, raw, offset),
         Slip(
             "sign of the signal",
             f"`{name}` has the wrong sign: it is the signal minus the offset.",

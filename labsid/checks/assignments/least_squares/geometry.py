@@ -57,11 +57,6 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
                 lambda: Phi @ Phi.T / np.linalg.norm(Phi) ** 2,
                 mend="(Phi'Phi)^-1 belongs in the middle.",
             ),
-            Slip(
-                "identity",
-                "`projector` returns the identity, which has rank n; P has the rank of Phi.",
-                lambda: np.eye(n),
-            ),
         ],
     )
 

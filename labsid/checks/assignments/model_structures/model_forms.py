@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, same_response
-from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.question import Ask, parts_of, returned, returned_parts
 from labsid.checks.values import StateSpaceValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.realisation import controllable_form
@@ -122,7 +122,7 @@ def _as_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> StateSpaceVal
     value = returned(ask, "state_space", num, den)
     if isinstance(value, StateSpaceValue):
         return StateSpaceValue(value.A, value.B, value.C, value.D, 1.0)
-    parts: list[Value] = returned_parts(ask, "state_space", "four matrices", 4, num, den)
+    parts = parts_of(value, "state_space", "four matrices", 4)
     A = as_matrix("A of state_space(num, den)", _square(parts[0]), (None, None))
     n = A.shape[0]
     if A.shape != (n, n):
@@ -190,6 +190,8 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
         )
     Phi = as_matrix(f"Phi of {call}", parts[0], (None, na + nb))
     Y = as_vector(f"Y of {call}", parts[1])
+    if not Y.size:
+        return Verdict(False, f"`{call}` returns no rows: count from k0 to the last sample.", "no rows")
     if Y.size != Phi.shape[0]:
         return Verdict(
             False, f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row.", "unequal rows"

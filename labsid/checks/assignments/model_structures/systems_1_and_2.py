@@ -269,11 +269,6 @@ def _judge_run(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray) -> Verdict
                 lambda: free_run(_model(A, np.r_[0, B]), u),
             ),
             Slip(
-                "A and B swapped",
-                "`free_run` has A and B swapped: `lfilter` takes the numerator first.",
-                lambda: free_run(_model(B / B[0], A / B[0]), u),
-            ),
-            Slip(
                 "first samples left at zero",
                 "`free_run` starts at the longest lag: u(0) acts as soon as B lets it.",
                 lambda: _late_run(A, B, u),

@@ -1,5 +1,6 @@
 """Checks of the pre-lab: time vector, two noisy sinusoids, the cut, the matrix and Fig. 1."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -26,6 +27,8 @@ from labsid.checks.verdict import NoAnswer, Verdict, first_failure, judge
 from labsid.lab.sinusoid import Sinusoids, cut_off, make_sinusoids
 
 _same = close(0, absolute=1e-9)
+_ORIGINAL = r"original|\(a\)"
+"""What the title of Fig. 1(a) has."""
 
 
 def check_time(ask: Ask) -> Verdict:
@@ -88,9 +91,9 @@ def check_cut(ask: Ask) -> Verdict:
     if verdict.passed and not _same(_vector(ask.value("t")), t):
         return Verdict(
             False,
-            "`t` has changed in this step, and Fig. 1(a) needs it as it was: `t[200:]` is a view of `t`, so that "
-            "changing it in place (`t_new -= ...`) changes `t`, too. Make a new array.",
-            "a view changed in place",
+            "`t` has changed in this step, and Fig. 1(a) needs it as it was. Take the time off `t_new` alone, and run "
+            "the cell of `t` again.",
+            "time itself changed",
         )
     return verdict
 
@@ -98,14 +101,22 @@ def check_cut(ask: Ask) -> Verdict:
 def _require_unchanged_time(ask: Ask, t: FloatArray) -> None:
     """Refuse a `t` that was changed with its view `t_new`: `t_new = t[200:]`, then `t_new -= 20`."""
     now = as_vector("t", ask.value("t"))
-    changed = t.copy()
-    changed[CUT:] -= t[CUT]
-    if _same(now, changed):
+    if now.size != t.size:
         raise NoAnswer(
-            "`t` itself has changed: `t[200:]` is a view of `t`, and `t_new -= 20` writes into it. Write "
-            "`t_new = t_new - 20`, or cut a copy, and run the cell of `t` again.",
-            "a view changed",
+            f"`t` itself has changed: it has {now.size} of its {t.size} samples, and each run of a cell that cuts `t` "
+            "cuts it once more. Give the result a name of its own, `t_new`, and run the cell of `t` again.",
+            "cut under its own name",
         )
+    changed = t.copy()
+    for runs in (1, 2, 3):
+        changed[CUT:] -= t[CUT]
+        if _same(now, changed):
+            raise NoAnswer(
+                f"`t` itself has changed, by {20 * runs} s: `t[200:]` is a view of `t`, and `t_new -= 20` writes into "
+                "it, once more each time the cell is run. Write `t_new = t_new - 20`, or cut a copy, and run the cell "
+                "of `t` again.",
+                "a view changed",
+            )
 
 
 def check_matrix(ask: Ask) -> Verdict:
@@ -181,15 +192,23 @@ def _seen_rows(got: FloatArray, data: FloatArray, n: int) -> str:
 def check_original(ask: Ask) -> Verdict:
     """Step 5: Fig. 1(a)."""
     t, y1, y2 = (_vector(ask.known(name)) for name in ("t", "y1", "y2"))
-    axes = panels(ask.value("fig_1"))
-    if len(axes) > 1 and not axes[0].curves and (shows(axes[1], y1) or shows(axes[1], y2)):
-        raise NoAnswer(
-            "The original data are in the lower panel: `plt.plot` and `plt.step` draw into the axes "
-            "made last, which are "
-            "`ax_b`. Draw with `ax_a.plot` and `ax_a.step`, and run the line that makes the figure again.",
-            "drawn into the lower axes",
-        )
-    require_panel(axes[0], "Fig. 1(a)", t, {"y1": y1, "y2": y2}, r"original|\(a\)")
+    upper, *others = panels(ask.value("fig_1"))
+    for lower in others:
+        if any(shows(lower, y) and not shows(upper, y) for y in (y1, y2)):
+            raise NoAnswer(
+                "The original data are in the lower panel: `plt.plot` and `plt.step` draw into the axes made last, "
+                "which are `ax_b`. Draw with `ax_a.plot` and `ax_a.step`, and run the line that makes the figure "
+                "again.",
+                "drawn into the lower axes",
+            )
+        if re.search(_ORIGINAL, lower.title, re.IGNORECASE) and not upper.title:
+            raise NoAnswer(
+                "The title of Fig. 1(a) stands over the lower panel: `plt.title`, `plt.xlim` and the like act on the "
+                "axes made last, which are `ax_b`. Use `ax_a.set_title`, `ax_a.set_xlim`, ..., and run the line that "
+                "makes the figure again.",
+                "lower axes set",
+            )
+    require_panel(upper, "Fig. 1(a)", t, {"y1": y1, "y2": y2}, _ORIGINAL)
     return Verdict(True, "Fig. 1(a) shows the original data as the lab requires.")
 
 

@@ -48,8 +48,8 @@ def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray
     if got.ndim == 1 and any(SAME(got, column) for column in (*right.T, *other.T)):
         return Verdict(
             False,
-            f"`{name}` holds one signal; it should hold two, shape ({SAMPLES}, 2). Name both columns, with a comma "
-            "between them.",
+            f"`{name}` holds one signal; it should hold two, shape ({SAMPLES}, 2). Are both columns named, "
+            f"with a comma between them, and is the whole of `record.{name}` taken?",
             "one signal only",
         )
     if got.shape == (2, SAMPLES) and SAME(got.T, right):
@@ -93,7 +93,7 @@ def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray
 @first_failure
 def check_offsets(ask: Ask) -> Iterator[Verdict]:
     """`without_offsets(u, y)`, with each of the inputs moving first in turn."""
-    for nu, ny, first in ((2, 2, 0), (2, 2, 1), (3, 2, 2), (2, 3, 1)):
+    for nu, ny, first in ((2, 2, 0), (3, 2, 1), (2, 2, 1), (3, 2, 2), (2, 3, 1)):
         yield _judge_offsets(ask, *_trial(ask.rng, nu, ny, first))
     yield Verdict(True, "the rest ends when the first input moves, for all outputs.")
 

@@ -314,11 +314,6 @@ def _own_cells(ask: Ask, name: str, x: FloatArray, other: FloatArray, e: FloatAr
                 f"`{name}` sorts `{signal}_act` into the cells of the other signal: hand over `edges_{signal}`.",
                 lambda: over(x, e**2, _edges(other)),
             ),
-            Slip(
-                "offset-free signal sorted",
-                f"`{name}` sorts by `{signal}`, without its offset, over edges with it: hand over `{signal}_act`.",
-                lambda: over(x - (offset if signal == "y" else x[0]), e**2),
-            ),
             *(
                 Slip(
                     "another error",

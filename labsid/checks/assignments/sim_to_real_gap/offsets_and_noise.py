@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.lab_data import changed_in_place, taken_off_twice
 from labsid.checks.compare import SAME, as_number, as_vector, close
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
@@ -36,7 +37,7 @@ def check_rest(ask: Ask) -> Verdict:
     for name, raw in (("u", record.u), ("y", record.y)):
         if verdict.passed:
             verdict = _offset_free(ask, name, raw)
-    return verdict
+    return verdict if verdict.passed else changed_in_place(ask, {"y_act": record.y, "u_act": record.u}) or verdict
 
 
 @first_failure
@@ -114,7 +115,7 @@ def _noise(ask: Ask, record: Record) -> Verdict:
         [
             Slip("variance for standard deviation", "`noise_sd` is the variance: take its root.", lambda: sd**2),
             Slip("spread of the whole record", moving, lambda: float(np.std(record.y))),
-            Slip("spread of the first half", moving, lambda: float(np.std(record.y[: record.y.size // 2]))),
+            Slip("spread of the whole record", moving, lambda: float(np.std(record.y[: record.y.size // 2]))),
             Slip(
                 "mean left in",
                 "`noise_sd` is the root mean square of the output: its mean must be taken off first, as `np.std` does.",
@@ -141,5 +142,6 @@ def _offset_free(ask: Ask, name: str, raw: FloatArray) -> Verdict:
         [
             Slip("offset left in", f"The offset is still in `{name}`.", lambda: raw),
             Slip("offset added", f"The offset is added to `{name}`; take it off.", lambda: raw + offset),
+            taken_off_twice(name, raw, offset),
         ],
     )

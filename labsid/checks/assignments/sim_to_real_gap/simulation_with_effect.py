@@ -20,6 +20,8 @@ ENOUGH = 0.85
 """Share of the gap that the right effect closes with a simple integrator too (0.91 and more), and a wrong one does not
 (0.70 at most), measured over the rigs of the course."""
 
+_CLOSED = "your simulation does what the rig does."
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Run:
@@ -52,9 +54,23 @@ def check_simulation(ask: Ask) -> Verdict:
     """Step 7: `simulate_better(u_act)` on a run of the rig."""
     run = _run(ask)
     y_sim = _played(ask, run.u)
-    if run.closed(y_sim) >= ENOUGH:
+    verdict = _judge_run(ask, run, y_sim)
+    if verdict.passed:
         return _other_inputs(ask, run, y_sim)
-    slip = _slip(ask, run, y_sim)
+    slip = _slip_of_more_runs(ask, run, y_sim) if verdict.slip is None else None
+    return verdict if slip is None else Verdict(False, *slip)
+
+
+def check_one_run(ask: Ask) -> Verdict:
+    """Step 7 from one result of `simulate_better(u_act)`."""
+    run = _run(ask)
+    return _judge_run(ask, run, _played(ask, run.u))
+
+
+def _judge_run(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
+    if run.closed(y_sim) >= ENOUGH:
+        return Verdict(True, _CLOSED)
+    slip = _slip_of_one_run(ask, run, y_sim)
     if slip is not None:
         return Verdict(False, *slip)
     return Verdict(
@@ -82,10 +98,10 @@ def _other_inputs(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
             "of the whole input: an output cannot depend on what comes later, nor on the length of the input.",
             "one length only",
         )
-    return Verdict(True, "your simulation does what the rig does.")
+    return Verdict(True, _CLOSED)
 
 
-def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
+def _slip_of_one_run(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
     """What is wrong, and the name of the slip."""
     y_offset = as_number("y_offset", ask.known("y_offset"))
     if run.closed(y_sim + y_offset) >= ENOUGH:
@@ -107,6 +123,12 @@ def _slip(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
         shifted = _Run(run.u[there], run.y[there], run.linear[there], run.first, run.noise)
         if shifted.closed(moved) >= ENOUGH:
             return f"`simulate_better` is one sample {text}.", "lag off by one"
+    return None
+
+
+def _slip_of_more_runs(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
+    """What is wrong where the outputs to other inputs tell, and the name of the slip."""
+    y_offset = as_number("y_offset", ask.known("y_offset"))
     without = _played(ask, run.u - ask.record.u[0])
     if run.closed(without) >= ENOUGH or _is_near(without, run.linear, run):
         return (

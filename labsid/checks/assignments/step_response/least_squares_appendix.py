@@ -270,4 +270,5 @@ def _truth(ask: Ask, Phi: FloatArray) -> bool:
 def _on_all(ask: Ask, one: Callable[[FloatArray, FloatArray, FloatArray], Verdict]) -> Iterator[Verdict]:
     for n, p in _SHAPES:
         Phi = ask.rng.uniform(-1, 1, (n, p)) + 3 * np.eye(n, p)
-        yield one(Phi, ask.rng.uniform(-3, 3, n), ask.rng.uniform(0.5, 2, p))
+        theta, E = ask.rng.uniform(0.5, 2, p), ask.rng.uniform(0.5, 2, n) * np.where(np.arange(n) % 2, 1, -1)
+        yield one(Phi, Phi @ theta + E, theta)  # errors of both signs: |E| is not -E
