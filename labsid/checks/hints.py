@@ -63,9 +63,9 @@ class Hints:
         left = WAIT - (now - given.at)
         if given.stage < len(stages):
             if code is not None and code == given.code and left > 0:
-                shown = f"{stages[given.stage - 1]} " if given.stage else ""
+                shown, which = (f"{stages[given.stage - 1]} ", "next") if given.stage else ("", "first")
                 return (
-                    f"{shown}The next hint comes when your answer has changed and its check has been run, or in "
+                    f"{shown}The {which} hint comes when your answer has changed and its check has been run, or in "
                     f"{left:.0f} s. What does the message tell you?"
                 )
             given = self._given[question_id] = replace(given, stage=given.stage + 1, code=code, at=now)

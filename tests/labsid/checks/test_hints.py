@@ -68,7 +68,7 @@ def test_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
 
     assert "No check has failed yet" in said("check.hint()")
     assert "the sign is wrong." in said("a = -3", "check('q')")
-    assert "The next hint comes" in said("check.hint()")
+    assert "The first hint comes" in said("check.hint()")
     said("a = -3 * 1", "check('q')")
     assert "Look at eq. (1)" in said("check.hint()")
     assert "Turn it" not in said("check.hint()")
