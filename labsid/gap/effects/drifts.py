@@ -36,6 +36,8 @@ from labsid.gap.effects.sketch import Seen, Sketch, nothing, step
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
 STEP_COSINE = 0.15  # the same of a change at an instant: 6.6 scaled units, a range beyond the record
+SETTLED = 5.0  # slowest time constants after which the response to a pulse is over
+MOST_AT_ONCE = 0.9  # energy of what a lasting change does up to then, over all of it: a pulse has 0.99
 
 
 def _course_of_change(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
@@ -124,7 +126,7 @@ class PoleDrift(PlantEffect):
         sketch=Sketch(
             "Time",
             "t",
-            "Change, a slow one drawn straight, as a share",
+            "Change, as a share",
             "",
             _course_of_change,
             nothing,
@@ -219,8 +221,18 @@ class PoleStep(_Once, PoleDrift):
         ]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject instants near an end of the record, and a gain that changes its sign: a slow pole then has hidden."""
-        return is_within(fit, fit.value("onset")) and "drift" in super().values(fit)
+        """Reject instants near an end of the record, and a gain that changes its sign: a slow pole then has hidden.
+
+        Also a change that does not last: the step of a zero's coefficient passes a pulse at its instant.
+        """
+        return is_within(fit, fit.value("onset")) and "drift" in super().values(fit) and self._lasts(fit)
+
+    def _lasts(self, fit: Fitted) -> bool:
+        unchanged = fit.theta.copy()
+        unchanged[[parameter.name for parameter in fit.hypothesis.parameters].index("drift")] = 0.0
+        change = (fit.output - fit.hypothesis.output(unchanged, fit.gains, fit.data.u)) ** 2
+        until = int(fit.value("onset") * fit.data.samples + SETTLED * fit.slowest_time) + 1
+        return float(change[:until].sum()) < MOST_AT_ONCE * float(change.sum())
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """As of a drift, and `onset`, the instant."""

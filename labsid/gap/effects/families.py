@@ -122,3 +122,14 @@ DESCRIPTIONS: dict[str, Description] = descriptions_of((*FAMILIES, *detected.DET
 def names_where(holds: str) -> frozenset[str]:
     """Names of the effects with a property of `Description`, such as ``"stops"``."""
     return frozenset(name for name, one in DESCRIPTIONS.items() if getattr(one, holds))
+
+
+def magnitudes_of(name: str) -> frozenset[str]:
+    """The parameters of an effect that are no places on an axis.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    """
+    return frozenset(key for key, one in DESCRIPTIONS[name].parameters.items() if not one.position)

@@ -60,8 +60,8 @@ def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS) -> Nois
     at = np.flatnonzero(complete)
     if at.size < MIN_SAMPLES:
         raise ValueError(
-            f"only {at.size} samples follow {lags} used samples; at least {MIN_SAMPLES} must. Exclude fewer samples; "
-            "if the log repeats readings of the output, keep only the new ones."
+            f"only {at.size} samples follow {lags} used samples; at least {MIN_SAMPLES} must. The output "
+            "has too few readings of its own, or too many are excluded: record for longer, or exclude fewer."
         )
     target = e[at]
     lagged = lagged_columns(e, at, lags)

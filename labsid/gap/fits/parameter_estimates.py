@@ -1,5 +1,7 @@
 """Parameters of the effects found, in the record's units, with standard errors."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -10,6 +12,27 @@ from labsid.gap.fits.profile import profile_likelihood
 from labsid.gap.record.data import Data
 
 AT_LIMIT = 1e-6  # distance in theta
+CLEAR_ERRORS = 2.0  # standard errors: a size within them is not told from none
+
+
+def is_told_from_nothing(data: Data, fit: Fit, effect: Effect, magnitudes: Collection[str]) -> bool:
+    """Whether a magnitude of an effect is larger than `CLEAR_ERRORS` of its standard errors, by linear propagation.
+
+    Parameters
+    ----------
+    data : Data
+    fit : Fit
+    effect : Effect
+        Of the fit.
+    magnitudes : collection of str
+        Those of its values that are zero where it does nothing; without one, or without errors, it is told.
+    """
+    cov, slopes = covariance(data, fit), value_slopes(data, fit, effect)
+    values = effect.values(Fitted.of(fit, data))
+    errors = {name: _root(float(slopes[name] @ cov @ slopes[name])) for name in magnitudes if name in values}
+    if not errors or not all(np.isfinite(error) and error > 0.0 for error in errors.values()):
+        return True
+    return any(abs(values[name].value) > CLEAR_ERRORS * error for name, error in errors.items())
 
 
 def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:

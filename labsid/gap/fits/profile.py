@@ -106,16 +106,44 @@ def has_size(data: Data, fit: Fit) -> bool:
     return True
 
 
+def loss_at(data: Data, fit: Fit, place: int, value: float) -> float:
+    """Twice the loss of log likelihood of a refit with `theta[place]` at another value; infinite if there is none.
+
+    Parameters
+    ----------
+    data : Data
+    fit : Fit
+    place : int
+    value : float
+    """
+    best, other = (_held(data, fit, [place], x, fit) for x in (float(fit.theta[place]), value))
+    return np.inf if best is None or other is None else _loss(fit, other, best)
+
+
+def with_held(hypothesis: Hypothesis, places: list[int], value: FloatArray | float) -> Hypothesis:
+    """The hypothesis with some parameters fixed.
+
+    Parameters
+    ----------
+    hypothesis : Hypothesis
+    places : list of int
+        In theta.
+    value : ndarray or float
+    """
+    bounds = tuple(side.copy() for side in hypothesis.bounds)
+    for side in bounds:
+        side[places] = value
+    held: Hypothesis = copy(hypothesis)
+    object.__setattr__(held, "bounds", bounds)  # of the copy
+    return held
+
+
 def _held(data: Data, fit: Fit, places: list[int], value: FloatArray | float, near: Fit | Point) -> Point | None:
     """Refit with some parameters fixed, starting from a neighbouring point."""
     theta = near.theta.copy()
     theta[places] = value
-    bounds = tuple(side.copy() for side in fit.hypothesis.bounds)
-    for side in bounds:
-        side[places] = value
-    hypothesis: Hypothesis = copy(fit.hypothesis)
-    object.__setattr__(hypothesis, "bounds", bounds)  # of the copy
-    return minimize(data, hypothesis, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
+    held = with_held(fit.hypothesis, places, value)
+    return minimize(data, held, theta, near.gains, iterations=5, ar=fit.noise.ar, tolerance=1e-4)
 
 
 def _loss(fit: Fit, point: Point, best: Point) -> float:

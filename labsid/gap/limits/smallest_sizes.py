@@ -13,7 +13,8 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed, SlowMode
 from labsid.gap.effects.families import FAMILIES
 from labsid.gap.effects.input import Delay
-from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.fitting import Fit, Point, minimize
+from labsid.gap.fits.profile import with_held
 from labsid.gap.limits.distances import Refit, Rivals, Trace
 from labsid.gap.limits.planting import Plantation, plantations
 from labsid.gap.record.data import Data
@@ -27,6 +28,7 @@ PLAIN = 1e4  # squared distance over the variance of the noise, from which a siz
 INVISIBLE = 0.3  # the same, below which smaller sizes are not planted
 CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one
 FAINT, FAR = 8.0, 300.0  # the same, between which a limit may lie, so that exact refits are used
+MOST_REFITS = 10  # iterations of a refit with an effect of one size
 BETWEEN = 12  # interpolated sizes between two planted ones
 SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
 SEARCH_LOSS = 1.15  # over these sizes: the search refits from more starts than `Refit`; 75 % were named without it
@@ -214,9 +216,7 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
     """The limits of one parameter of an effect; the first form and place of the row states them."""
     first = row[0]
     trace = first.trace
-    seen = np.minimum(
-        np.sqrt((trace.vectors**2).sum(axis=1)) / margins.distance(trace.added), trace.changes / margins.change
-    )
+    seen = _seen(trace, margins)
     others = rivals.names != trace.name
     known, nearest = np.zeros(seen.size), np.full(seen.size, -1)
     for i in range(seen.size):
@@ -231,7 +231,7 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
     rival = str(rivals.names[nearest[at]]) if nearest[at] >= 0 else None
     excluded = None
     if refit is not None and detect is not None and not isinstance(first.plantation.effect, MOVED_POLES):
-        excluded = _excluded(row, refit, detect)
+        excluded = _excluded_in_every_form(row, refit, margins)
     shares = {
         "detect": detect,
         "named": named,
@@ -258,6 +258,12 @@ def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, ref
     )
 
 
+def _seen(trace: Trace, margins: _Margins) -> FloatArray:
+    """Distance and change of each size over what the verdict asks for: visible from one on."""
+    distances = np.sqrt((trace.vectors**2).sum(axis=1))
+    return np.minimum(distances / margins.distance(trace.added), trace.changes / margins.change)
+
+
 def _crossing(trace: Trace, score: FloatArray) -> float | None:
     """Size from which a score exceeds one, interpolated on logarithmic axes; None if it never does."""
     if trace.is_linear:
@@ -269,6 +275,53 @@ def _crossing(trace: Trace, score: FloatArray) -> float | None:
     if i == 0 or score[i - 1] <= 0.0:
         return float(trace.shares[i])
     return float(np.exp(np.interp(0.0, np.log(score[i - 1 : i + 1]), np.log(trace.shares[i - 1 : i + 1]))))
+
+
+def _excluded_in_every_form(row: list[_Sown], refit: Refit, margins: _Margins) -> float | None:
+    """The size that is excluded whichever form the effect has: friction of a mass on a spring, or of a motor."""
+    ends = []
+    for plantation in dict.fromkeys(one.plantation for one in row):
+        forms = [one for one in row if one.plantation is plantation]
+        detect = _crossing(forms[0].trace, _seen(forms[0].trace, margins))
+        end = None if detect is None else _excluded(forms, refit, detect)
+        if end is not None and plantation.form.plant.kind == "speed":
+            end = _excluded_by_refits(forms[0], refit, end)
+        if end is None:
+            return None
+        ends.append(end)
+    return max(ends)
+
+
+def _excluded_by_refits(one: _Sown, refit: Refit, least: float) -> float | None:
+    """The same by refits, from a size on: gain and poles of a motor have absorbed the most of its friction.
+
+    About the fit without friction its profile is too narrow: 7 of 8 true sizes were excluded.
+    """
+    form, data, ar = one.plantation.form, refit.data, refit.fit.noise.ar
+    names = [parameter.name for parameter in form.parameters]
+
+    def refitted(share: float, near: Point | None, is_free: bool = False) -> Point | None:
+        planted = one.planted(share)
+        places = [names.index(name) for name in planted.values]
+        theta = one.plantation.theta(planted) if near is None else near.theta.copy()
+        theta[places] = list(planted.values.values())
+        held = form if is_free else with_held(form, places, theta[places])
+        gains = None if near is None else near.gains
+        return minimize(data, held, theta, gains, iterations=MOST_REFITS, ar=ar, tolerance=1e-4)
+
+    best = refitted(least, None, is_free=True)
+    if best is None:
+        return least
+    ((name, whole),) = one.planted(1.0).values.items()
+    lowest = min(best.cost, refit.sigma**2)
+    last: Point | None = best
+    share = max(least, float(best.theta[names.index(name)]) / whole)
+    while share < 1.0:
+        last = refitted(share, last)
+        if last is None or refit.fit.noise.rows * (last.cost / lowest - 1.0) > EXCLUDED:
+            return share
+        share *= FINE**0.25
+    return None
 
 
 def _excluded(row: list[_Sown], refit: Refit, detect: float) -> float | None:

@@ -7,17 +7,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from labsid.gap.effects.command_faults import Off
+from labsid.gap.effects.disturbance import PassingLoad
 from labsid.gap.effects.dynamics import MOST_DAMPING, ExtraLag, Resonance
-from labsid.gap.effects.families import names_where
+from labsid.gap.effects.families import magnitudes_of, names_where
 from labsid.gap.effects.input import RateLimit
 from labsid.gap.effects.inside import MISMATCH
-from labsid.gap.fits.fitting import Fit, mean_square
+from labsid.gap.fits.fitting import Fit, fit_from, mean_square
+from labsid.gap.fits.parameter_estimates import is_told_from_nothing
+from labsid.gap.fits.profile import loss_at
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 from labsid.gap.fits.switching import has_equal_steps, only_switches
 from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
-from labsid.gap.search.beam_search import is_improvement
+from labsid.gap.search.beam_search import BIC_MARGIN, is_improvement
 from labsid.gap.search.explanation import Explanation
+from labsid.gap.search.forms import transfer_theta
 from labsid.gap.verdict.held_out_errors import Reduction
 from labsid.gap.verdict.held_out_search import HeldOutSearch
 
@@ -30,6 +35,10 @@ RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below
 SEEN_STOP = 0.8  # probability of an effect that stops the output, if it pays and the record shows the limit
 MIN_PART = 0.05  # of the rms gap, below which what an effect adds to others may be an error of their laws
 SWITCH_PROBABILITY = 0.4  # of an effect that the record does not tell from others, whatever its fit
+RIVAL_ITERATIONS = 25  # of the fit of a load in the place of a command that is not applied
+PULSE_PARTS = (1.0, 0.4, 0.15)  # of the time in which it is not applied: a pulse may be shorter, and larger
+LEVEL_RANGE = 0.1  # of the range of the command: what the level of a drive must be told from
+LIKELY_LOSS, UNLIKELY_LOSS = 4.0, 9.0  # twice the loss of log likelihood: two and three standard errors
 MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
 MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
 
@@ -187,6 +196,14 @@ def limit_claims(
         ),
         ("Several lags move alike.", lambda one: without_lags_as_others(one, data, best)),
         (
+            "Each of its sizes is within two standard errors of zero.",
+            lambda one: without_sizeless(one, data, best),
+        ),
+        (
+            "A load that comes and goes does the same while the command rests.",
+            lambda one: without_pulses_as_offs(one, data, best),
+        ),
+        (
             "It adds hardly anything to the other effects, whose laws are approximations.",
             lambda one: without_small_additions(one, explanation),
         ),
@@ -234,6 +251,53 @@ def without_lags_as_others(decision: Decision, data: Data, fit: Fit) -> Decision
     other = {RateLimit.name: has_equal_steps(data), Resonance.name: damped}
     lags = {name for name in decision.names if other.get(name, False)}
     return _less_likely_than_not(decision, lags, (ExtraLag.name,)) if lags else decision
+
+
+def without_sizeless(decision: Decision, data: Data, fit: Fit) -> Decision:
+    """The decision with no effect more likely than not whose every size is within its error of none."""
+    sizeless = {
+        effect.name
+        for effect in fit.hypothesis.found
+        if decision.probability.get(effect.name, 0.0) > SWITCH_PROBABILITY
+        and not is_told_from_nothing(data, fit, effect, magnitudes_of(effect.name))
+    }
+    return _less_likely_than_not(decision, sizeless) if sizeless else decision
+
+
+def without_pulses_as_offs(decision: Decision, data: Data, fit: Fit) -> Decision:
+    """The decision with no command that is not applied for a while more likely than not, if a load explains as much.
+
+    While the command rests, a load does what another command does, and few commands change within a short time. A
+    level that a drive has tells them apart: zero, or the command before.
+    """
+    found = fit.hypothesis
+    off = next((one for one in found.found if isinstance(one, Off) and one.variant == "while"), None)
+    if off is None or off.name not in decision.names or _has_level_of_drive(data, fit, off):
+        return decision
+    load = PassingLoad("ends")
+    other = found.with_effects(tuple(load if one is off else one for one in found.effects))
+    start, length, _ = fit.theta[found.slices[off.key]]
+    rivals = []
+    for part in PULSE_PARTS:
+        theta = transfer_theta(fit, other)
+        theta[other.slices[load.key]] = start, start + part * length
+        rivals.append(fit_from(data, other, theta, iterations=RIVAL_ITERATIONS))
+    if all(rival is None or rival.bic - fit.bic > BIC_MARGIN for rival in rivals):
+        return decision
+    return _less_likely_than_not(decision, {off.name}, (load.name,))
+
+
+def _has_level_of_drive(data: Data, fit: Fit, off: Off) -> bool:
+    """Whether the level of a command that is not applied is clearly zero, or clearly that of the command before."""
+    place = fit.hypothesis.slices[off.key]
+    level, near = place.stop - 1, LEVEL_RANGE * float(np.ptp(data.u))
+    before = max(int(fit.theta[place.start] * data.samples) - 1, 0)
+    usual = float(data.u_scale.of(np.zeros(1))[0]), float(data.u[before])
+    return any(
+        loss_at(data, fit, level, at) < LIKELY_LOSS
+        and min(loss_at(data, fit, level, at + side) for side in (-near, near)) > UNLIKELY_LOSS
+        for at in usual
+    )
 
 
 def without_small_additions(decision: Decision, explanation: Explanation) -> Decision:

@@ -148,3 +148,37 @@ def test_a_fault_that_began_while_the_command_rested_may_have_begun_at_any_time_
     spread = TS * (until - last) / np.sqrt(12.0)
     assert start["stderr"] > 0.5 * spread
     assert abs(start["value"] - TS * 0.5 * (last + until)) < 3.0 * start["stderr"]
+
+
+def kicked(at: int, samples: int, by: float) -> Callable[[FloatArray], FloatArray]:
+    """The rig with a short load, as of somebody who pushes against it."""
+    return lambda u: first_order(u + by * after(at, at + samples))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("at", "samples", "seed"), [(310, 2, 11), (505, 6, 12), (640, 1, 13)])
+def test_a_kick_is_neither_a_command_that_is_not_applied_nor_a_change_of_the_rig(
+    at: int, samples: int, seed: int
+) -> None:
+    report = diagnose(recorded(kicked(at, samples, 2.0), seed)).report
+    likely = {one["name"] for one in report["effects"] if one["probability"] > 0.5}
+    assert likely.isdisjoint({"input-off", "parameter-drift"})
+    if any(one["name"] == "input-off" for one in report["effects"]):
+        assert "load-step" in report["ambiguous"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", [0.0, 3.1], ids=["zero while the command rests", "any while it moves"])
+def test_a_command_that_is_not_applied_is_told_from_a_kick(level: float) -> None:
+    u = moves(21)
+    moves_at = np.flatnonzero(np.diff(u))
+    at = int(moves_at[8]) + 4
+    end = at + 14 if level == 0.0 else int(moves_at[11])
+    off = np.where((np.arange(SAMPLES) >= at) & (np.arange(SAMPLES) < end), level, u)
+    assert (np.ptp(u[at:end]) == 0.0) == (level == 0.0)
+    y = first_order(off) + NOISE * np.random.default_rng(22).standard_normal(SAMPLES)
+    (found,) = diagnose(Record(np.arange(SAMPLES) * TS, u, y, TS)).report["effects"]
+    assert found["name"] == "input-off"
+    assert found["probability"] > 0.85
+    level_found = found["parameters"]["level"]
+    assert abs(level_found["value"] - level) < 4.0 * level_found["stderr"]

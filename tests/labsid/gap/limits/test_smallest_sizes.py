@@ -216,3 +216,25 @@ def test_effects_of_no_size_change_nothing_in_a_record_with_hardly_any_noise():
         for change in plantation.changes(1e-8):
             vector, _ = refit.left(change)
             assert vector @ vector < 0.01, plantation.effect.key
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_friction_of_a_motor_that_hides_in_its_gain_and_pole_is_not_excluded(seed):
+    """Substeps of 2 ms; the size is a third of what the report says is visible."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.uniform(-1.2, 1.2, 60), 15)
+    gain, time_constant, friction, step = 8.0, 0.4, 0.008, 0.002
+    speed, y = 0.0, np.empty(u.size)
+    for n, command in enumerate(u):
+        y[n] = speed
+        for _ in range(10):
+            speed += step * (gain * command - speed) / time_constant
+            most = step * gain * friction / time_constant
+            speed -= float(np.clip(speed, -most, most))
+    data = scaled(u, y + 0.06 * rng.standard_normal(u.size), np.ones(u.size, bool), 0.02)
+    fit = fit_baseline(data)
+    rows = {one.name: one for one in find_smallest_sizes(data, fit, rms(data, fit))}
+    dry = rows["coulomb-friction"]
+    assert dry.excluded is not None
+    assert friction < dry.excluded < dry.detect
