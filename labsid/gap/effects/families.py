@@ -125,11 +125,13 @@ def names_where(holds: str) -> frozenset[str]:
 
 
 def magnitudes_of(name: str) -> frozenset[str]:
-    """The parameters of an effect that are no places on an axis.
+    """The parameters of an effect of which one is its size; empty where places on an axis give it, as of a dead zone.
 
     Parameters
     ----------
     name : str
         Of the effect.
     """
-    return frozenset(key for key, one in DESCRIPTIONS[name].parameters.items() if not one.position)
+    parameters = DESCRIPTIONS[name].parameters
+    places = {key for key, one in parameters.items() if one.position}
+    return frozenset(parameters.keys() - places) if places <= {"onset", "end"} else frozenset()

@@ -109,6 +109,10 @@ class Plantation:
         found = Fitted(self.form, self.theta(planted), self.gains(planted), self.fit.data)
         return {name: one.value for name, one in self.effect.values(found).items() if name != planted.parameter}
 
+    def turns_into(self, kind: str) -> bool:
+        """Whether the effect makes linear dynamics to those of another kind."""
+        return _is_of_another_kind(self.fit, self.form) and self.form.plant.kind == kind
+
     @property
     def is_linear(self) -> bool:
         """Whether the change is proportional to the size."""

@@ -284,7 +284,7 @@ def _excluded_in_every_form(row: list[_Sown], refit: Refit, margins: _Margins) -
         forms = [one for one in row if one.plantation is plantation]
         detect = _crossing(forms[0].trace, _seen(forms[0].trace, margins))
         end = None if detect is None else _excluded(forms, refit, detect)
-        if end is not None and plantation.form.plant.kind == "speed":
+        if end is not None and plantation.turns_into("speed"):
             end = _excluded_by_refits(forms[0], refit, end)
         if end is None:
             return None
@@ -312,7 +312,7 @@ def _excluded_by_refits(one: _Sown, refit: Refit, least: float) -> float | None:
     best = refitted(least, None, is_free=True)
     if best is None:
         return least
-    ((name, whole),) = one.planted(1.0).values.items()
+    name, whole = next(iter(one.planted(1.0).values.items()))
     lowest = min(best.cost, refit.sigma**2)
     last: Point | None = best
     share = max(least, float(best.theta[names.index(name)]) / whole)

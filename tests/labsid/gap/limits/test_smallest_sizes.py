@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from labsid.gap.effects.dynamics import CoulombFriction
 from labsid.gap.effects.input import Delay
 from labsid.gap.effects.tanks import SqrtOutflow
 from labsid.gap.fits.fitting import fit_from, mean_square, rms
@@ -216,6 +217,15 @@ def test_effects_of_no_size_change_nothing_in_a_record_with_hardly_any_noise():
         for change in plantation.changes(1e-8):
             vector, _ = refit.left(change)
             assert vector @ vector < 0.01, plantation.effect.key
+
+
+def test_beside_the_friction_of_a_motor_the_limits_of_other_effects_are_found():
+    data, linear = record(samples=300)
+    motor = linear.hypothesis.plus(CoulombFriction("speed"))
+    found = fit_from(data, motor, np.array([parameter.start for parameter in motor.parameters]))
+    names = {one.name for one in find_smallest_sizes(data, found, rms(data, found))}
+    assert {"input-backlash", "input-nonlinearity"} <= names
+    assert "coulomb-friction" not in names
 
 
 @pytest.mark.slow
