@@ -5,8 +5,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from labsid.gap.verdict.decision import SWITCH_PROBABILITY, Decision, without_doubtful_parts, without_small_additions
+from labsid.gap.effects.drifts import GainDrift
+from labsid.gap.effects.families import magnitudes_of
+from labsid.gap.fits.fitting import fit_from
+from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.record.data import scaled
+from labsid.gap.verdict.decision import (
+    SWITCH_PROBABILITY,
+    Decision,
+    without_doubtful_parts,
+    without_sizeless,
+    without_small_additions,
+)
 
 FRICTION, MODE = "coulomb-friction", "resonance"
 
@@ -48,3 +60,24 @@ def test_a_partial_explanation_that_may_close_nothing_is_less_likely_than_not(
     partial = Decision("partial", (FRICTION,), {FRICTION: 0.8}, (), {}, 0.5)
     after = without_doubtful_parts(partial, closed)
     assert after.probability == {FRICTION: SWITCH_PROBABILITY if limited else 0.8}
+
+
+@pytest.mark.parametrize(("change", "limited"), [(0.0, True), (0.5, False)], ids=["none", "half"])
+def test_an_effect_whose_every_size_is_within_its_error_is_less_likely_than_not(change: float, limited: bool) -> None:
+    rng = np.random.default_rng(3)
+    u = np.repeat(rng.uniform(0.0, 4.0, 30), 20)
+    drifting = u * (1.0 + change * np.linspace(-0.5, 0.5, u.size))
+    y = lfilter([0.0, 0.1], [1.0, -0.9], drifting) + 0.05 * rng.standard_normal(u.size)
+    data = scaled(u, y, np.ones(u.size, bool), 0.1)
+    base = fit_baseline(data)
+    drift = GainDrift("1")
+    found = fit_from(data, base.hypothesis.plus(drift), np.append(base.theta, [0.05, 0.1]), iterations=25)
+    assert found is not None
+    decision = Decision("effect", (drift.name,), {drift.name: 0.9}, (), {}, 1.0)
+    after = without_sizeless(decision, data, found)
+    assert after.probability == {drift.name: SWITCH_PROBABILITY if limited else 0.9}
+
+
+def test_sizes_are_no_places_on_an_axis() -> None:
+    assert magnitudes_of("parameter-drift") == {"drift", "pole"}
+    assert magnitudes_of("input-dead-zone") == frozenset()
