@@ -36,8 +36,9 @@ class Plantation:
         With it.
     zero : Fitted
         The form with the effect at size zero.
-    reference : ndarray, shape (N,)
-        Output of the effect at size zero: of the simulation, or of the nearest one of another kind.
+    references : tuple of ndarray, shape (N,)
+        Output of the effect without a size, of each place or of all: of the simulation, or of one of another kind with
+        an effect of the size `NOTHING`.
     added : int
         Number of parameters that the effect adds.
     """
@@ -46,7 +47,7 @@ class Plantation:
     fit: Fitted
     form: Hypothesis
     zero: Fitted
-    reference: FloatArray
+    references: tuple[FloatArray, ...]
     added: int
 
     def places(self, share: float) -> list[Planted]:
@@ -55,15 +56,14 @@ class Plantation:
 
     def changes(self, share: float) -> list[FloatArray | None]:
         """Change of the output by the effect at a size, shape (N,), for each place; None where it diverges."""
-        changes = [self._difference(planted) for planted in self.places(share)]
-        if not _is_of_another_kind(self.fit, self.form):
-            return changes
-        unlike = [self._difference(planted) for planted in self.places(NOTHING)] or [None] * len(changes)
+        last = len(self.references) - 1
         return [
-            one if one is None or other is None else one - other for one, other in zip(changes, unlike, strict=True)
+            None if output is None else output - self.references[min(place, last)]
+            for place, output in enumerate(map(self.output, self.places(share)))
         ]
 
-    def _difference(self, planted: Planted) -> FloatArray | None:
+    def output(self, planted: Planted) -> FloatArray | None:
+        """Output with a planted effect, shape (N,); None if the simulation diverges."""
         if isinstance(self.effect, Placed):
             passed = self.effect.passed(self.fit.data.u, planted.values)
             output: FloatArray | None = self.fit.hypothesis.output(self.fit.theta, self.fit.gains, passed)
@@ -74,7 +74,7 @@ class Plantation:
             output = self.form.output(self.theta(planted), self.gains(planted), self.fit.data.u)
         if output is None or not (np.abs(output) < DIVERGED).all():
             return None
-        return np.asarray(output - self.reference)
+        return np.asarray(output)
 
     def theta(self, planted: Planted) -> FloatArray:
         """Parameters of the form with a planted effect."""
@@ -132,8 +132,14 @@ def plantations(data: Data, fit: Fit) -> Iterator[Plantation]:
                 zero = _at_zero(fit, found, form, effect)
                 if form.effects[:-1] == fit.hypothesis.effects and zero is not None:
                     added = len(form.parameters) + zero.gains.size - fit.theta.size - fit.gains.size
-                    reference = zero.output if _is_of_another_kind(found, form) else fit.output
-                    yield Plantation(effect, found, form, zero, reference, max(added, 1))
+                    made = Plantation(effect, found, form, zero, (fit.output,), max(added, 1))
+                    yield _against_its_own_kind(made) if _is_of_another_kind(found, form) else made
+
+
+def _against_its_own_kind(made: Plantation) -> Plantation:
+    """The plantation whose changes are those over a simulation of its own kind, with next to no effect."""
+    outputs = [made.zero.output if one is None else one for one in map(made.output, made.places(NOTHING))]
+    return replace(made, references=tuple(outputs) or (made.zero.output,))
 
 
 def _is_of_another_kind(fit: Fitted, form: Hypothesis) -> bool:
