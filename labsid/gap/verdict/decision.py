@@ -277,12 +277,14 @@ def without_pulses_as_offs(decision: Decision, data: Data, fit: Fit) -> Decision
     load = PassingLoad("ends")
     other = found.with_effects(tuple(load if one is off else one for one in found.effects))
     start, length, _ = fit.theta[found.slices[off.key]]
-    rivals = []
-    for part in PULSE_PARTS:
+
+    def explains_as_much(part: float) -> bool:
         theta = transfer_theta(fit, other)
         theta[other.slices[load.key]] = start, start + part * length
-        rivals.append(fit_from(data, other, theta, iterations=RIVAL_ITERATIONS))
-    if all(rival is None or rival.bic - fit.bic > BIC_MARGIN for rival in rivals):
+        rival = fit_from(data, other, theta, iterations=RIVAL_ITERATIONS)
+        return rival is not None and rival.bic - fit.bic <= BIC_MARGIN
+
+    if not any(map(explains_as_much, PULSE_PARTS)):
         return decision
     return _less_likely_than_not(decision, {off.name}, (load.name,))
 
