@@ -97,11 +97,13 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
             thing = stop.things.get(ast.unparse(node.func))
             if thing is not None and thing.kind in ("array", "list", "tuple", "number", "text", "dictionary"):
                 name = ast.unparse(node.func)
-                said = (
-                    f"`{name}` is no function: round brackets call, square ones take entries, `{name}[...]`, "
-                    f"counted from 0."
-                )
-                return said if thing.kind != "number" else f"`{name}` is a number: is a `*` missing before the bracket?"
+                if thing.kind == "number":
+                    return f"`{name}` is a number: is a `*` missing before the bracket?"
+                said = f"`{name}` is no function: round brackets call, square ones take entries, "
+                entry = _entry_from_one(node)
+                if entry:
+                    return f"{said}counted from 0. MATLAB's `{ast.unparse(node)}` is `{name}[{entry}]`."
+                return f"{said}`{name}[...]`, counted from 0."
     for node in stop.expressions():
         handed = node.args[:1] if isinstance(node, ast.Call) else []
         if handed and isinstance(handed[0], ast.Call) and isinstance(handed[0].func, ast.Name):
@@ -110,6 +112,13 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 f"name alone, `{handed[0].func.id}`."
             )
     return "Round brackets call a function; entries are taken with square ones, `y[0]`. (Or has a variable its name?)"
+
+
+def _entry_from_one(call: ast.Call) -> str:
+    """The indices in the brackets of a call, counted from 0 in place of 1; empty if they are no whole numbers."""
+    indices = [one.value for one in call.args if isinstance(one, ast.Constant)]
+    whole = [index for index in indices if type(index) is int and index > 0]
+    return ", ".join(str(index - 1) for index in whole) if whole and len(whole) == len(call.args) else ""
 
 
 def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
@@ -148,6 +157,12 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     lengths = [length for thing in stop.things.values() for length in thing.lengths or ()]
     if len(set(lengths)) > 1:
         said += f" Here these are {', '.join(map(str, lengths))}."
+    to_minus = re.search(r"\[:\s*-\s*(\w+)\]", stop.line)
+    if to_minus is not None and "has size 0" in stop.text:
+        k = to_minus[1]
+        return (
+            f"{said} One is empty: with {k} = 0, `{to_minus[0]}` takes nothing. `[: len(x) - {k}]` is right there, too."
+        )
     if 0 in lengths:
         return (
             f"{said} One is empty. Often here: does its slice `x[a:b]` begin below zero? A negative a counts from the "

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from labsid.checks.asked_texts import key_without_quotes, text_without_quotes
 from labsid.checks.stops import Stop
 
 
@@ -19,14 +20,17 @@ _MOST_SPELLINGS = 2
 _TEXTS = re.compile(r"(?<![\w\])])[frbFRB]{0,2}(\"[^\"]*\"|'[^']*')|#.*")
 _HEADS = "if|elif|else|while|for|def|with|try|except|finally|class"
 _RANGE = (
-    "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out "
-    "the stop, or `np.linspace(first, "
-    "last, number)`, which has both ends and as many points as you say."
+    "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out the stop, or "
+    "`np.linspace(first, last, number)`, which has both ends. Both are flat arrays"
 )
+_COLUMN = ": where a column vector is asked for, add `.reshape(-1, 1)`."
+_TURNED = ", and the transpose of a flat array is the same array: `.reshape(-1, 1)` makes a column vector."
+_TURNED_RANGE = re.compile(r"[)\]]\s*(?:'|\.T\b)[\s;]*$")
+_QUOTES = 'A text stands in quotes: `"{}"`.'
 _BRACKETS = (
     "`{0}` has round brackets: entries are taken with square ones and counted from 0, so "
-    "MATLAB's `A(:, 2)` is `A[:, 1]` and "
-    "`A(1)` is `A[0]`."
+    "MATLAB's `A(:, 2)` is `A[:, 1]`, "
+    "`A(1:9)` is `A[0:9]` and `A(1)` is `A[0]`."
 )
 SPELLINGS: tuple[Spelling, ...] = (
     Spelling(r"(?:[(,]\s*|^\s*)lambda\s*(?=[,)=])", "`lambda` is a word of Python's own: call the variable `lam`."),
@@ -49,9 +53,10 @@ SPELLINGS: tuple[Spelling, ...] = (
     ),
     Spelling(
         rf"^(?!\s*(?:{_HEADS})\b)(?!.*(?:\{{|\blambda\b)).*?"
-        r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?'?\s*;?$)",
+        r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?(?:'|\.T)?\s*;?$)",
         _RANGE,
     ),
+    Spelling(r"=\s*\[\s*(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)\s*\]", _RANGE),
     Spelling(
         r"[\w\])]+\s*\\\s*\w+",
         (
@@ -115,8 +120,8 @@ _MATLAB = {
     "length": "`len(x)`",
     "numel": "`x.size`",
     "disp": "`print(x)`",
-    "rand": "`rng.random(shape)`",
-    "randn": "`rng.standard_normal(shape)`",
+    "rand": "`rng.random((rows, columns))`, from 0 to 1; between other bounds `rng.uniform(low, high, shape)`",
+    "randn": "`rng.standard_normal((rows, columns))`",
     "tf": "`ct.tf`",
     "ss": "`ct.ss`",
     "lsim": "`ct.forced_response(sys, inputs=u).outputs`",
@@ -139,22 +144,34 @@ def cause_of_syntax(stop: Stop) -> str:
     """Why Python cannot read a line."""
     code = _TEXTS.sub(lambda text: '""' if text[1] else "", stop.line)
     code = re.split(r"(?<![\w\])'\"])'|(?<!\")\"(?!\")", code)[0]  # a text that is not ended is no code
+    text = text_without_quotes(stop.line)
+    if text:
+        return _QUOTES.format(text)
     matches = ((one, re.search(one.pattern, code)) for one in SPELLINGS)
     said = [
         one.python.format((found.groupdict().get("shown") or found[0]).strip())
         for one, found in matches
         if found is not None
     ]
+    if said and _is_range(said[0]):
+        return said[0] + (_TURNED if _TURNED_RANGE.search(code) else _COLUMN)
+    said = [one for one in said if not _is_range(one)]
     if said:
         return " ".join(said[:_MOST_SPELLINGS])
     return next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
 
 
+def _is_range(said: str) -> bool:
+    return said.endswith(_RANGE.rpartition("`")[2])
+
+
 def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] | None) -> str:
     """Why a name is not defined: it is MATLAB's or numpy's, misspelt, or its cell has not been run."""
     where = "" if made_by is None else made_by(name)
-    if where:
-        return where
+    text = text_without_quotes(stop.line, name)
+    known = _QUOTES.format(text) if text else where or key_without_quotes(name, stop)
+    if known:
+        return known
     if stop.near and stop.near.lower() == name.lower():
         return f"There is `{stop.near}`: capital and small letters differ."
     if _NUMPY.fullmatch(name):
@@ -165,6 +182,12 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
         return f"In Python: {_MATLAB[name]}."
     if stop.near:
         return f"There is `{stop.near}`: is that meant?"
+    if stop.arguments:
+        arguments = ", ".join(f"`{one}`" for one in stop.arguments)
+        return (
+            f"It is no argument of the function, which has {arguments}, and neither a line before this one nor a cell "
+            "that has been run makes it: compute it in the function. (Spelt alike in both places?)"
+        )
     return (
         "No cell that has been run defines it: run the cells above in their order, or define it. "
         "(Spelt alike in both places?)"

@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from labsid.checks.asked_texts import OF_VARIABLES
 from labsid.checks.python_errors import details, explain, told
 from labsid.checks.stops import Stop, packed, stop_of, unpacked
+from labsid.rig.switchable.withheld_effects import EFFECT_PATHS
 
 N = 20
 VALUES: dict[str, Any] = {
@@ -90,6 +92,44 @@ CAUSES = [
     ("v = 2pi", "v = 1e-3 2", "a product needs its `*`"),
     ("v = u.*y", "v = 2.*k +", "work entry by entry"),
     ("f(lambda, 1)", "f(lambda x: x x)", "call the variable `lam`"),
+    ("t = (0:0.1:100)'", "t = 0:0.1:100", "the transpose of a flat array is the same array"),
+    ("t = [0:0.1:100]", "t = (0:0.1:100)'", "where a column vector is asked for, add `.reshape(-1, 1)`"),
+    ("R = Phi' * Phi", "t = (0:0.1:100)'", "The transpose is `.T`"),
+    ("v = y(1:450)", "t = (1:450)", "`A(1:9)` is `A[0:9]`"),
+    ("rand(3, 1)", "randn(3, 1)", "from 0 to 1; between other bounds `rng.uniform(low, high, shape)`"),
+    ("x = Phi(1, 2)", "x = Phi(0, 1)", "MATLAB's `Phi(1, 2)` is `Phi[0, 1]`"),
+    ("np.linalg.det(Phi)", "np.linalg.inv(Phi)", "`np.linalg.matrix_rank(Phi)`"),
+    ("np.linalg.inv(Phi)", "np.linalg.det(Phi)", "Least squares inverts `Phi.T @ Phi`"),
+    ("np.linalg.inv(Phi.T * Phi) * Phi.T * Y", "Phi.T * Phi * Y", "each of the 3 `*` in this line is an `@`"),
+    ("effect = input-delay", "delay = input-delay", '`"input-delay"`'),
+    ("effect = input delay", "effect = input lag", '`"input-delay"`'),
+    ("path = dynamics", "place = dynamics", '`"dynamics"`'),
+    ("p = {delay: 3.0}", "p = {k: delay}", '`{"delay": ...}`'),
+    ("x = data[t]", "x = data[s]", '`data["t"]`'),
+    ("np.linespace(0, 1)", "np.lines(0, 1)", "There is `np.linspace`: is that meant?"),
+    ("np.linalg.rank(R)", "np.linalg.ranks(R)", "It is `np.linalg.matrix_rank`"),
+    ("y.diff()", "y.different()", "`np.diff(y)`"),
+    ("R.inv()", "y.diff()", "`np.linalg.inv(R)`"),
+    ("y.length", "y.t", "`len(y)`"),
+    ("Phi.t", "Phi.length", "`Phi.T`, with a capital letter"),
+    ("k.shape", "y.shapes", "`k` is one number, no array"),
+    ("np.mean(Phi, axis=2)", "np.mean(y, 1)", "the axes 0, down the rows, and 1, along them"),
+    ("np.linspace(0, 1, 0.1)", "np.zeros(0.5)", "is the number of points, here `0.1`"),
+    ("range(0, 1, 0.1)", "np.zeros(0.5)", "takes any step"),
+    ("sum(y, axis=0)", "sorted(y, axis=0)", "`np.sum(...)`"),
+    ("max(y, 0)", "max(Phi)", "`np.maximum(y, 0)`"),
+    ("max(Phi)", "max(y, 0)", "`np.max(...)`"),
+    ("np.sum(y, u)", "np.zeros(y)", "`np.sum` takes one array"),
+    ('y["t"]', "y[0.5]", "a text, which is a key of a dictionary"),
+    ("for i in len(y): pass", "list(k)", "`range(len(y))` counts from 0"),
+    ('y + "V"', "y + None", "a number stands without quotes"),
+    ("y.mean[0]", "k[0]", "`y.mean` is a function"),
+    ("k[0]", "y.mean[0]", "`k` is one number"),
+    ("y.shape(0)", "y(0)", "and its first number `y.shape[0]`"),
+    ("np.array(1, 2, 3)", "np.append(y)", "`np.array([1, 2, 3])`"),
+    ("np.append(y)", "handed()", "`help(np.append)`"),
+    ("len(k)", "k[0]", "which has no length"),
+    ("x = zero", "x = Y_", "There is `zeros`"),
 ]
 
 
@@ -97,6 +137,26 @@ CAUSES = [
 def test_a_cause_is_told_and_only_where_it_holds(mistake: str, neighbour: str, said: str) -> None:
     assert said in explain(stopped(mistake))
     assert said not in explain(stopped(neighbour))
+
+
+def test_the_texts_that_are_known_without_quotes_are_those_that_are_asked_for() -> None:
+    assert set(OF_VARIABLES["effect"]) == set(EFFECT_PATHS)
+    assert set(OF_VARIABLES["path"]) == set(EFFECT_PATHS.values())
+    returned = "def kind(M):\n return positive definite", "def layout(beacons):\n return unique\nlayout(1)"
+    assert [explain(stopped(code)) for code in returned] == [
+        'A text stands in quotes: `"positive definite"`.', 'A text stands in quotes: `"unique"`.'
+    ]  # fmt: skip
+
+
+def test_a_name_that_a_function_lacks_is_said_with_what_it_has() -> None:
+    said = explain(stopped("def loss(Phi, theta):\n return E @ theta\nloss(1, 2)"))
+    assert said.startswith("It is no argument of the function, which has `Phi`, `theta`")
+
+
+def test_a_call_by_the_check_is_not_told_as_a_call_of_the_students() -> None:
+    stop = Stop("TypeError", "fit() takes 1 positional argument but 2 were given")
+    assert "with the arguments of the question" in explain(stop)
+    assert "with the arguments of the question" not in explain(stopped("handed()"))
 
 
 def test_the_message_begins_with_pythons_own_line_and_the_shapes() -> None:
