@@ -183,7 +183,18 @@ TRIES = (
     ),
     Try(PHI, "half a float", "half = len(y) / 2\nPhi = np.column_stack([y[1:half-1], y[0:half-2]])", "whole number"),
     Try(PHI, "end", PHI_HEAD + "Y = y[2:end]", "no `end`"),
-    Try(THETA, "elementwise *", "theta_hat = np.linalg.inv(Phi.T * Phi) * Phi.T * Y", r"`Phi\.T @ Phi`, which fits"),
+    Try(
+        THETA,
+        "elementwise *",
+        "theta_hat = np.linalg.inv(Phi.T * Phi) * Phi.T * Y",
+        r"`Phi\.T @ Phi`, which fits.*each of the 3 `\*`",
+    ),
+    Try(
+        THETA,
+        "one of three elementwise",
+        "theta_hat = np.linalg.inv(Phi.T * Phi) @ Phi.T @ Y",
+        r"`Phi\.T @ Phi`, which fits\.$",
+    ),
     Try(
         THETA,
         "Phi Phi^T",
@@ -302,7 +313,7 @@ TRIES = (
     Try(START, "shifted", start("return rest + y[0] - rest[0]"), "shifted"),
     Try(START, "free response", start("return Phi @ np.linalg.lstsq(Phi, y - rest)[0]"), "alone"),
     Try(EX, "rows for columns", extract(y='LogData["signals"][0]["values"][1]'), "one row of the table"),
-    Try(TS, "samples over duration", "Ts = len(t) / t[-1]", "samples per second"),
+    Try(TS, "samples over duration", "Ts = len(t) / t[-1]", "difference of two successive entries"),
     Try(TS, "duration over samples", "Ts = t[-1] / len(t)", "one interval fewer", never="per second"),
     Try(
         F6,
