@@ -20,7 +20,7 @@ OF_VARIABLES: Mapping[str, tuple[str, ...]] = {"effect": _EFFECTS, "path": ("inp
 """The texts that a variable of this name is to hold. (Graded code may not import the table of the effects.)"""
 _RETURNED = (*KINDS, *LAYOUTS)
 
-_ASSIGNED = re.compile(r"(?:(?P<name>\w+)\s*=|return\b)\s*(?P<text>[A-Za-z_][\w -]*?)\s*;?")
+_ASSIGNED = re.compile(r"(?:^(?P<name>\w+)\s*=|\breturn\b)\s*(?P<text>[A-Za-z_][\w -]*?)\s*;?$")
 _BEGINNING = re.compile(r"(?:(?P<name>\w+)\s*=(?!=)|return\b)")
 
 
@@ -33,7 +33,7 @@ def text_without_quotes(line: str, unknown: str = "") -> str:
     unknown : str
         A name in it that is not defined; empty where Python cannot read the line.
     """
-    whole = _ASSIGNED.fullmatch(line)
+    whole = _ASSIGNED.search(line)
     if whole is not None:
         found = _alike(whole["text"], _texts(whole["name"]))
         if found:

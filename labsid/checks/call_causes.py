@@ -9,6 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
+from labsid.checks.matlab_syntax import MATLAB
 from labsid.checks.stops import Stop
 
 _MODULES = ("numpy", "scipy", "matplotlib", "control")
@@ -17,6 +18,7 @@ _OTHER_NAMES = {
     "transposed": "transpose", "power": "float_power", "columnstack": "column_stack", "randn": "standard_normal",
 }  # fmt: skip
 """What some functions are called elsewhere."""
+_PROPERTIES = ("color", "label", "linestyle", "linewidth", "marker", "where")
 _LEAST_ALIKE = 0.8
 _LONGEST_NAME = 40
 _REDUCTIONS = ("sum", "mean", "std", "var", "max", "min", "cumsum", "prod", "diff")
@@ -31,6 +33,8 @@ def unknown_in_a_module(stop: Stop, found: re.Match[str]) -> str | None:
     if found[1] == "numpy" and name in ("rand", "randn"):
         drawn = "random" if name == "rand" else "standard_normal"
         return f"Random numbers are drawn from a generator: `rng.{drawn}(shape)`."
+    if name in MATLAB and name not in _OTHER_NAMES:
+        return f"In Python: {MATLAB[name]}."
     other = _OTHER_NAMES.get(name.lower(), name.lower())
     if other == "len":
         return "The length of an array is `len(y)`, its shape `y.shape`."
@@ -45,7 +49,12 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
     """A name that arrays do not have."""
     name = found[1][:_LONGEST_NAME]
     owner = _owner_of(stop, name)
-    written = owner if owner.isidentifier() else "y"
+    written = owner if 0 < len(owner) < _LONGEST_NAME else "y"
+    if name in _public(_drawn("Axes")):
+        return (
+            f"It is a method of axes. Is `{written}` the array of axes that `plt.subplots` returns? Then take one, "
+            f"`{written}[0]`."
+        )
     other = _OTHER_NAMES.get(name.lower(), name)
     if other == "len":
         return f"The length of an array is `len({written})`, its shape `{written}.shape`."
@@ -57,6 +66,18 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
         return f"It is no part of an array, but a function: `np.{other}({written})`."
     near = difflib.get_close_matches(name, _public(np.ndarray), 1, _LEAST_ALIKE)
     return f"Arrays have `.{near[0]}`: is that meant?" if near else "Arrays have nothing of that name."
+
+
+def unknown_in_a_figure(_: Stop, found: re.Match[str]) -> str | None:
+    """A name that axes or figures do not have."""
+    near = difflib.get_close_matches(found[2][:_LONGEST_NAME], _public(_drawn(found[1])), 1, _LEAST_ALIKE)
+    return f"There is `.{near[0]}`: is that meant?" if near else None
+
+
+def unknown_property(_: Stop, found: re.Match[str]) -> str | None:
+    """A keyword that a curve does not have."""
+    near = difflib.get_close_matches(found[1][:_LONGEST_NAME], _PROPERTIES, 1, _LEAST_ALIKE)
+    return f"The keyword is spelt `{near[0]}`." if near else f"A curve has no `{found[1]}`: {', '.join(_PROPERTIES)}."
 
 
 def unknown_in_a_number(stop: Stop, found: re.Match[str]) -> str | None:
@@ -175,6 +196,8 @@ def called_attribute(stop: Stop, _: re.Match[str]) -> str | None:
 
 def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
     """A call with other arguments than the function takes: of a library's function, or by the check."""
+    if found[1] == "subplot":
+        return "A figure with two axes is made by `plt.subplots(2, 1)`, with an s at the end."
     if not stop.line:
         return (
             "The call and the first line of the function differ. The check calls it with the arguments of the "
@@ -187,7 +210,11 @@ def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
                 handed = ", ".join(map(ast.unparse, node.args))
                 return f"The numbers of an array are handed over together, in a list: `np.array([{handed}])`."
             return f"Which arguments it takes, and in which order, `help({written})` tells."
-    return None
+    missing = re.search(r"missing \d+ required positional arguments?: (.+)", stop.text)
+    if missing is None:
+        return None
+    names = re.sub("'", "`", missing[1])
+    return f"The first line of `{found[1]}` has {names}, too: hand over as many as it has, in its order."
 
 
 def _calls(stop: Stop) -> Iterator[ast.Call]:
@@ -198,6 +225,11 @@ def _owner_of(stop: Stop, name: str) -> str:
     """What stands before the dot and that name; empty if it is not in the line."""
     owners = (ast.unparse(n.value) for n in stop.expressions() if isinstance(n, ast.Attribute) and n.attr == name)
     return next(owners, "")
+
+
+def _drawn(kind: str) -> object:
+    """matplotlib's class of that name, where it has been imported."""
+    return getattr(sys.modules.get(f"matplotlib.{kind.lower()}"), kind, None)
 
 
 def _is_text(node: ast.expr, stop: Stop) -> bool:

@@ -3,6 +3,7 @@
 import ast
 import re
 
+from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
 
 
@@ -97,6 +98,9 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
             thing = stop.things.get(ast.unparse(node.func))
             if thing is not None and thing.kind in ("array", "list", "tuple", "number", "text", "dictionary"):
                 name = ast.unparse(node.func)
+                if thing.kind == "dictionary":
+                    key = ast.unparse(node.args[0]) if node.args else '"key"'
+                    return f"`{name}` is a dictionary: a key stands in square brackets, `{name}[{key}]`."
                 if thing.kind == "number":
                     return f"`{name}` is a number: is a `*` missing before the bracket?"
                 said = f"`{name}` is no function: round brackets call, square ones take entries, "
@@ -129,7 +133,8 @@ def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
                 thing = stop.things.get(ast.unparse(part)) if isinstance(part, ast.Name) else None
                 if thing is not None and (thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape)):
                     name = ast.unparse(part)
-                    return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{name}[0]`."
+                    entry = f"{name}[0][0]" if thing.lengths else f"{name}[0]"
+                    return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{entry}`."
     return None
 
 
@@ -209,4 +214,16 @@ def unpacked(stop: Stop, found: re.Match[str]) -> str | None:
             "`plt.subplots(2, 1)` returns two things, the figure and its axes: `fig, (ax_a, ax_b) = "
             "plt.subplots(2, 1)`."
         )
+    for tree in filter(None, [parsed_line(stop.line)]):
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple | ast.List):
+                count, right = len(node.targets[0].elts), ast.unparse(node.value)
+                shape = stop.shape(node.value)
+                if shape and len(shape) == 2 and shape[1] == count != shape[0]:
+                    return (
+                        f"`{right}` is taken apart row by row, and has {shape[0]} rows: its {count} columns are "
+                        f"`{right}[:, 0]` and so on, or the rows of `{right}.T`."
+                    )
+                if shape and shape[0] != count:
+                    return f"`{right}` has {shape[0]} parts, and on the left of `=` stand {count} names."
     return "On the left of `=` there must be as many names as the right side has parts: print the right side first."

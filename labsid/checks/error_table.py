@@ -14,9 +14,11 @@ from labsid.checks.call_causes import (
     own_function_of_python,
     text_for_an_index,
     text_in_a_computation,
+    unknown_in_a_figure,
     unknown_in_a_module,
     unknown_in_a_number,
     unknown_in_an_array,
+    unknown_property,
     without_entries,
     wrong_arguments,
 )
@@ -251,6 +253,23 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation(
         "TypeError",
+        "construct a dtype from an array",
+        "Hand the arrays over together, in a list: `np.column_stack([a, b])`.",
+    ),
+    Translation(
+        "ValueError",
+        'Size mismatch between "values" and "edges"',
+        'MATLAB\'s `stairs` is `ax.step(t, y, where="post")`; `ax.stairs` takes the edges of the steps.',
+    ),
+    Translation(
+        "ValueError",
+        "Needs 1, 2, or 3 arguments; received",
+        "`ct.tf(num, den, Ts)` takes two lists of coefficients, `[1, 2]`, and the sampling time.",
+    ),
+    Translation("AttributeError", r"'(Axes|Figure)' object has no attribute '(\w+)'", unknown_in_a_figure),
+    Translation("AttributeError", r"set\(\) got an unexpected keyword argument '(\w+)'", unknown_property),
+    Translation(
+        "TypeError",
         "Cannot interpret '.*' as a data type",
         "The shape is one argument, in brackets of its own: `np.zeros((3, 4))`.",
     ),
@@ -266,7 +285,7 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation(
         "TypeError",
-        r"can't multiply sequence|unsupported operand type\(s\) for .*'list'",
+        r"can't multiply sequence|concatenate list|unsupported operand type\(s\) for .*'list'",
         "A list does not compute: make an array of it, `np.array(...)`.",
     ),
     Translation(

@@ -52,6 +52,15 @@ SPELLINGS: tuple[Spelling, ...] = (
         ("`{0}` is MATLAB's function. Python's is `def name(arguments):`, with `return` and the result at the end."),
     ),
     Spelling(
+        r"=\s*(?P<shown>(?:\"\"|[A-Za-z_]\w*)\s*:\s+[-\d.]+)\s*$",
+        'In a dictionary, `{0}` stands in braces, and a key that is a text in quotes: `{{"key": 1.2}}`.',
+    ),
+    Spelling(
+        r"\{\s*(?:\"\"|\w+)\s*=[^=}]*\}",
+        "`{0}`: in a dictionary a colon stands between key and value, and a key that is a text in quotes: "
+        '`{{"key": 1.2}}`.',
+    ),
+    Spelling(
         rf"^(?!\s*(?:{_HEADS})\b)(?!.*(?:\{{|\blambda\b)).*?"
         r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?(?:'|\.T)?\s*;?$)",
         _RANGE,
@@ -114,7 +123,7 @@ _NUMPY = re.compile(
     "outer|column_stack|hstack|vstack|concatenate|size|shape|reshape|floor|ceil|sign|conv|convolve"
 )
 _LINEAR = re.compile("inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd")
-_MATLAB = {
+MATLAB = {
     "true": "`True`",
     "false": "`False`",
     "length": "`len(x)`",
@@ -134,6 +143,9 @@ _MATLAB = {
     "end": '`y[half:]` for "to the end", `y[-1]` for the last entry; Python has no `end`',
     "find": "`np.flatnonzero(condition)`",
     "e": "`np.exp(x)` for a power of e",
+    "control": "`ct`, the name under which the first cell imports it",
+    "numpy": "`np`, the name under which the first cell imports it",
+    "pyplot": "`plt`, the name under which the first cell imports it",
     "null": "`None`",
     "nan": "`np.nan`",
     "inf": "`np.inf`",
@@ -178,8 +190,12 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
         return f"It is a part of numpy: `np.{name}`."
     if _LINEAR.fullmatch(name):
         return f"It is in numpy's part for linear algebra: `np.linalg.{name}`."
-    if name in _MATLAB:
-        return f"In Python: {_MATLAB[name]}."
+    if name in MATLAB:
+        return f"In Python: {MATLAB[name]}."
+    if re.match(rf"{name}\s*==", stop.line):
+        return f"`==` compares; `{name}` gets its value by `=`."
+    if re.match(rf"{name}\s*=(?!=).*\b{name}\b", stop.line):
+        return f"`{name}` stands on the right of `=`, too, and has no value there yet: name what it is made of."
     if stop.near:
         return f"There is `{stop.near}`: is that meant?"
     if stop.arguments:

@@ -35,6 +35,8 @@ def _products_of_matrices(stop: Stop) -> int:
 
 def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
     """`@` with a number on one side."""
+    if re.search(r"[\w\])]\s*\^", stop.line):
+        return "`^` is no power in Python: a power is `**`, entry by entry, and an inverse `np.linalg.inv(...)`."
     for node in stop.operations(ast.MatMult):
         for side in (node.left, node.right):
             thing = stop.things.get(ast.unparse(side))

@@ -273,4 +273,17 @@ TRIES = (
         2 * "t = t[200:] - t[200]\ny1 = y1[200:]\ny2 = y2[200:]\n" + "t_new, y1_new, y2_new = t, y1, y2",
         "`t` itself has changed: it has 601",
     ),
+    Try(
+        C,
+        "its own start before it has one",
+        "t_new = t[200:] - t_new[0]\ny1_new = y1[200:]\ny2_new = y2[200:]",
+        "`t_new` stands on the right of `=`, too",
+        never="run the cells above",
+    ),
+    Try(M, "matrix of three", "data_new = np.array(t_new, y1_new)", r"in a list: `np\.column_stack"),
+    Try(F, "one argument", "def cut_off(data):\n    return data[200:]", "with the arguments of the question"),
+    Try(F, "taken apart by rows", cut("t, y1, y2 = data; return t[n:]"), r"its 3 columns are `data\[:, 0\]`"),
+    Try(A, "axes in an array", "fig_1, axs = plt.subplots(2, 1)\naxs.plot(t, y1)", r"take one, `axs\[0\]`"),
+    Try(A, "colour", "fig_1, (ax_a, ax_b) = plt.subplots(2, 1)\nax_a.plot(t, y1, colour='r')", "spelt `color`"),
+    Try(A, "subplot", "fig_1, (ax_a, ax_b) = plt.subplot(2, 1)", "with an s at the end", never="two things"),
 )

@@ -456,4 +456,8 @@ TRIES = (
         "itself has changed",
     ),
     Try(REST, "y from y", rest(more="y = y - y_offset"), "`y_offset` is taken off `y` twice"),
+    Try(REST, "all that where returns", "n = np.where(np.diff(u_act))\ny_offset = y_act[:n].mean()", r"`n\[0\]\[0\]`"),
+    Try(PARS, "equals in a dictionary", "parameters = {delay=3.2}", "a colon stands between key and value"),
+    Try(PARS, "no braces", "parameters = delay: 3.2", "stands in braces", never="MATLAB's range"),
+    Try(EFF, "compared", "effect == 'input-delay'", "`effect` gets its value by `=`"),
 )

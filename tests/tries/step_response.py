@@ -86,7 +86,7 @@ TRIES = (
         "y_approx = first_order_response(t_step, K, td, tau, amplitude)\nmse_approx = 0",
         "in another order than",
     ),
-    Try(MSE, "few arguments", "y_approx = first_order_response(t_step, K, tau, td)", "compare their arguments"),
+    Try(MSE, "few arguments", "y_approx = first_order_response(t_step, K, tau, td)", "has `amplitude`, too"),
     Try(
         MSE,
         "norm",
@@ -368,4 +368,8 @@ TRIES = (
         "uses td as a number of samples",
     ),
     Try(RESP, "t + td", response("K * amplitude * (1 - np.exp(-(t + td) / tau))"), "starts before the step"),
+    Try(UNI, "MATLAB rank", fun("is_unique", "Phi", "return np.rank(Phi) == Phi.shape[1]"), "linalg.matrix_rank"),
+    Try(
+        UNI, "shape called", fun("is_unique", "Phi", "return Phi.shape(1) == 2"), "takes no round brackets: `Phi.shape`"
+    ),
 )

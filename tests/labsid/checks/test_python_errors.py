@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import control
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ VALUES: dict[str, Any] = {
     "np": np, "Phi": np.arange(2.0 * N).reshape(N, 2) ** 2, "Y": np.arange(float(N)), "R": np.eye(2), "W": np.eye(3),
     "y": np.arange(float(N)), "u": np.arange(float(N)), "w": np.arange(5.0), "zeros": np.zeros((N, 2)),
     "data": {"t": np.arange(3.0)}, "k": 2, "single": np.zeros((1, 1)), "one": np.zeros(1), "handed": lambda f: f(1),
-    "log": type("Record", (), {})(),
+    "log": type("Record", (), {})(), "pair": np.where(np.arange(3) > 1), "plt": plt, "ct": control,
 }  # fmt: skip
 
 
@@ -130,6 +132,31 @@ CAUSES = [
     ("np.append(y)", "handed()", "`help(np.append)`"),
     ("len(k)", "k[0]", "which has no length"),
     ("x = zero", "x = Y_", "There is `zeros`"),
+    ("R^-1 @ w", "R @ 3", "`^` is no power in Python"),
+    ("R @ 3", "R^-1 @ w", "a multiple is made by `*`"),
+    ("a, b = Phi", "a, b = W", "its 2 columns are `Phi[:, 0]`"),
+    ("a, b = W", "a, b = Phi", "`W` has 3 parts, and on the left of `=` stand 2 names"),
+    ("a_new = y[1:] - a_new[0]", "a_new = y[1:] - b_new[0]", "stands on the right of `=`, too"),
+    ("effect == 'x'", "y[0] == effect", "`effect` gets its value by `=`"),
+    ("p = {delay=3.2}", "p = {delay 3.2}", "a colon stands between key and value"),
+    ("p = delay: 3.2", "t = 1: 32", "`delay: 3.2` stands in braces"),
+    ("t = 1: 32", "p = delay: 3.2", "MATLAB's range"),
+    ("kind = 1\nif kind: return positive definite", "if k: return positively", '`"positive definite"`'),
+    ("data('t')", "y(0)", "`data['t']`"),
+    ("y[pair:]", "y[w:]", "`pair[0][0]`"),
+    ("[1.0] + 2.0", "y + None", "make an array of it"),
+    ("np.array(y, u)", "np.zeros('a')", "in a list: `np.column_stack([a, b])`"),
+    ("np.find(y)", "np.finds(y)", "`np.flatnonzero(condition)`"),
+    ("y.plot(u)", "y.plots(u)", "Then take one, `y[0]`"),
+    ("plt.subplot(2, 1)", "plt.subplots(2, 1, 3, 4)", "with an s at the end"),
+    ("plt.gca().set_xlimit(1)", "plt.gca().frobnicate(1)", "There is `.set_xlim`"),
+    ("plt.plot(y, colour='r')", "plt.plot(y, frobnicate=1)", "is spelt `color`"),
+    ("plt.plot(y, frobnicate=1)", "plt.plot(y, colour='r')", "A curve has no `frobnicate`"),
+    ("plt.gca().stairs(y, y)", "plt.plot(y, w)", "MATLAB's `stairs`"),
+    ("ct.tf(1, 2, 3, 4)", "np.zeros(-1)", "two lists of coefficients"),
+    ("control.tf([1], [1, 2])", "kontrol.tf([1], [1, 2])", "`ct`, the name under which"),
+    ("ct.lsim(1)", "ct.lsims(1)", "`ct.forced_response(sys, inputs=u).outputs`"),
+    ("def g(a, b): pass\ng(1)", "np.append(y)", "The first line of `g` has `b`, too"),
 ]
 
 
