@@ -18,7 +18,8 @@ _EFFECTS = (
 )  # fmt: skip
 OF_VARIABLES: Mapping[str, tuple[str, ...]] = {"effect": _EFFECTS, "path": ("input", "dynamics", "output")}
 """The texts that a variable of this name is to hold. (Graded code may not import the table of the effects.)"""
-_RETURNED = (*KINDS, *LAYOUTS)
+_RETURNED = (*KINDS, "mirror", "undetermined")
+"""The texts that functions are to return, but for "unique": other questions' functions may mean a variable by it."""
 
 _ASSIGNED = re.compile(r"(?:^(?P<name>\w+)\s*=|\breturn\b)\s*(?P<text>[A-Za-z_][\w -]*?)\s*;?$")
 _BEGINNING = re.compile(r"(?:(?P<name>\w+)\s*=(?!=)|return\b)")

@@ -169,10 +169,14 @@ def test_a_cause_is_told_and_only_where_it_holds(mistake: str, neighbour: str, s
 def test_the_texts_that_are_known_without_quotes_are_those_that_are_asked_for() -> None:
     assert set(OF_VARIABLES["effect"]) == set(EFFECT_PATHS)
     assert set(OF_VARIABLES["path"]) == set(EFFECT_PATHS.values())
-    returned = "def kind(M):\n return positive definite", "def layout(beacons):\n return unique\nlayout(1)"
+    returned = "def kind(M):\n return positive definite", "def layout(beacons):\n return mirror\nlayout(1)"
     assert [explain(stopped(code)) for code in returned] == [
-        'A text stands in quotes: `"positive definite"`.', 'A text stands in quotes: `"unique"`.'
+        'A text stands in quotes: `"positive definite"`.', 'A text stands in quotes: `"mirror"`.'
     ]  # fmt: skip
+
+
+def test_a_variable_of_a_natural_name_is_no_text() -> None:
+    assert "quotes" not in explain(stopped("def is_unique(Phi):\n return unique\nis_unique(1)"))
 
 
 def test_a_name_that_a_function_lacks_is_said_with_what_it_has() -> None:
