@@ -331,7 +331,16 @@ TRIES = (
     Try(MSE, "absolute", mse("np.mean(abs(y_step - y_approx))"), r"mean of the errors, or of \|error\|"),
     Try(MSE, "square of the mean", mse("np.mean(y_step - y_approx)**2"), "square of the mean error"),
     Try(MSE, "half", mse("np.mean((y_step - y_approx)**2) / 2"), "factor 1/2"),
-    Try(CUT, "mean of the step", cut("np.mean(y_act[first:second])"), "not the mean over the step"),
+    Try(CUT, "mean of the step", cut("np.mean(y_act[first:second])"), "not the mean over the step", never="t_held"),
+    Try(
+        CUT,
+        "up to the end, against the numbers of the samples",
+        cut("np.mean(y_act[:first])")
+        .replace("first:second", "first:")
+        .replace("t_act[first:] - t_act[first]", "np.arange(len(t_act) - first)"),
+        "extends to the end of the record",
+        never="same wrong cut",
+    ),
     Try(
         CUT,
         "from the start",
