@@ -89,7 +89,7 @@ def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
     return ResidualMeasures(
         rms=float(np.sqrt(power)),
         colour=float(np.sqrt(power / innovation)),
-        slow=slow_autocorrelation(e, rows),
+        slow=slow_autocorrelation(data.readings(e), data.readings(rows)),
         explained=explained_share(data, fit, e),
         repeats=repeats,
         repeats_z=repeats_z,
