@@ -10,7 +10,7 @@ CHECKS = Path(labsid.checks.__file__).parent
 SHARED = "shared"
 _PLACE = {"Slip": 0, "Verdict": 2, "NoAnswer": 1, "told_if_singular": 1}
 """Where a call holds the name."""
-_OF_PYTHON = ("matlab_syntax.py", "python_errors.py")
+_OF_PYTHON = ("error_table.py", "matlab_syntax.py")
 """Their tables hold patterns; their slip is `PYTHON_ERROR`."""
 
 

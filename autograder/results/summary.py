@@ -8,6 +8,9 @@ from autograder.course.plain_text import one_line, plain_decimal
 from autograder.results import gradebook, grades, result_files
 from labsid.checks.timetable import in_course_order
 
+_LONGEST_REASON, _WIDEST = 100, 240
+"""Characters of the reason for which a submission was not graded, and of the table beside its marks."""
+
 
 def class_table(out: Path) -> str:
     """One row for each student: marks so far in every assignment, and what to review.
@@ -52,10 +55,18 @@ def class_table(out: Path) -> str:
                 remarks.append("review manual grades")
             failed = status & {"crashed", "timeout", "limit", "missing", "quarantined"}
             remarks += ["as released"] if result.refusal == result_files.AS_RELEASED else sorted(failed)
+            if result.refusal == result_files.COULD_NOT_BE_GRADED and result.notes:
+                remarks[-1] += f" ({_few_words('; '.join(result.notes))})"
             waiting += marks.waiting
         if waiting:
             remarks.append(f"{plain_decimal(waiting)} to grade by hand")
-        table.add_row(Text(one_line(student)), *row, ", ".join(dict.fromkeys(remarks)))
+        table.add_row(Text(one_line(student)), *row, Text(", ".join(dict.fromkeys(remarks))))
     text = io.StringIO()
-    Console(file=text, width=60 + 22 * len(assignments), color_system=None).print(table)
+    Console(file=text, width=_WIDEST + 22 * len(assignments), color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+
+def _few_words(reason: str) -> str:
+    """The reason of the report on one line, and its beginning alone if it is long."""
+    text = one_line(reason)
+    return text if len(text) <= _LONGEST_REASON else f"{text[:_LONGEST_REASON].rstrip()} ..."

@@ -3,6 +3,7 @@
 import ast
 import re
 
+from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
 
 
@@ -97,11 +98,16 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
             thing = stop.things.get(ast.unparse(node.func))
             if thing is not None and thing.kind in ("array", "list", "tuple", "number", "text", "dictionary"):
                 name = ast.unparse(node.func)
-                said = (
-                    f"`{name}` is no function: round brackets call, square ones take entries, `{name}[...]`, "
-                    f"counted from 0."
-                )
-                return said if thing.kind != "number" else f"`{name}` is a number: is a `*` missing before the bracket?"
+                if thing.kind == "dictionary":
+                    key = ast.unparse(node.args[0]) if node.args else '"key"'
+                    return f"`{name}` is a dictionary: a key stands in square brackets, `{name}[{key}]`."
+                if thing.kind == "number":
+                    return f"`{name}` is a number: is a `*` missing before the bracket?"
+                said = f"`{name}` is no function: round brackets call, square ones take entries, "
+                entry = _entry_from_one(node)
+                if entry:
+                    return f"{said}counted from 0. MATLAB's `{ast.unparse(node)}` is `{name}[{entry}]`."
+                return f"{said}`{name}[...]`, counted from 0."
     for node in stop.expressions():
         handed = node.args[:1] if isinstance(node, ast.Call) else []
         if handed and isinstance(handed[0], ast.Call) and isinstance(handed[0].func, ast.Name):
@@ -112,6 +118,13 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
     return "Round brackets call a function; entries are taken with square ones, `y[0]`. (Or has a variable its name?)"
 
 
+def _entry_from_one(call: ast.Call) -> str:
+    """The indices in the brackets of a call, counted from 0 in place of 1; empty if they are no whole numbers."""
+    indices = [one.value for one in call.args if isinstance(one, ast.Constant)]
+    whole = [index for index in indices if type(index) is int and index > 0]
+    return ", ".join(str(index - 1) for index in whole) if whole and len(whole) == len(call.args) else ""
+
+
 def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
     """A list, a tuple or an array where an index is one number."""
     for node in stop.expressions():
@@ -120,7 +133,8 @@ def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
                 thing = stop.things.get(ast.unparse(part)) if isinstance(part, ast.Name) else None
                 if thing is not None and (thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape)):
                     name = ast.unparse(part)
-                    return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{name}[0]`."
+                    entry = f"{name}[0][0]" if thing.lengths else f"{name}[0]"
+                    return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{entry}`."
     return None
 
 
@@ -148,6 +162,12 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     lengths = [length for thing in stop.things.values() for length in thing.lengths or ()]
     if len(set(lengths)) > 1:
         said += f" Here these are {', '.join(map(str, lengths))}."
+    to_minus = re.search(r"\[:\s*-\s*(\w+)\]", stop.line)
+    if to_minus is not None and "has size 0" in stop.text:
+        k = to_minus[1]
+        return (
+            f"{said} One is empty: with {k} = 0, `{to_minus[0]}` takes nothing. `[: len(x) - {k}]` is right there, too."
+        )
     if 0 in lengths:
         return (
             f"{said} One is empty. Often here: does its slice `x[a:b]` begin below zero? A negative a counts from the "
@@ -194,4 +214,16 @@ def unpacked(stop: Stop, found: re.Match[str]) -> str | None:
             "`plt.subplots(2, 1)` returns two things, the figure and its axes: `fig, (ax_a, ax_b) = "
             "plt.subplots(2, 1)`."
         )
+    for tree in filter(None, [parsed_line(stop.line)]):
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple | ast.List):
+                count, right = len(node.targets[0].elts), ast.unparse(node.value)
+                shape = stop.shape(node.value)
+                if shape and len(shape) == 2 and shape[1] == count != shape[0]:
+                    return (
+                        f"`{right}` is taken apart row by row, and has {shape[0]} rows: its {count} columns are "
+                        f"`{right}[:, 0]` and so on, or the rows of `{right}.T`."
+                    )
+                if shape and shape[0] != count:
+                    return f"`{right}` has {shape[0]} parts, and on the left of `=` stand {count} names."
     return "On the left of `=` there must be as many names as the right side has parts: print the right side first."

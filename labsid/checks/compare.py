@@ -11,6 +11,7 @@ from labsid.plots.figure_values import FigureValue
 
 FloatArray = NDArray[np.float64]
 _FEW = 3
+_ROUNDING = 1e-9
 SystemValue = TransferFunctionValue | StateSpaceValue
 
 MAX_ORDER = 100
@@ -276,9 +277,7 @@ def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
     if value.dtype.kind == "c":
         if np.any(value.imag != 0):
             raise NoAnswer(
-                f"`{name}` should be {wanted}; it is {kind_of(value)}. If its imaginary part is only rounding, take "
-                "the real part with `np.real`.",
-                "imaginary part",
+                f"`{name}` should be {wanted}; it is {kind_of(value)}. {_imaginary(value)}", "imaginary part"
             )
         value = value.real
     if value.dtype.itemsize < 8 and value.dtype.kind == "f":
@@ -293,6 +292,14 @@ def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
         where = f" (at [{', '.join(map(str, first))}])" if first else ""
         raise NoAnswer(f"`{name}` holds {array[first]}{where}: check the computation before it.")
     return array
+
+
+def _imaginary(value: NDArray[np.complex128]) -> str:
+    """What the imaginary part of numbers is, and which part is meant."""
+    largest = float(np.max(np.abs(value.imag)))
+    if largest <= _ROUNDING * np.max(np.abs(value)):
+        return "Its imaginary part is only rounding: take the real part with `np.real`."
+    return f"Its imaginary part is no rounding, it goes up to {largest:.3g}: is a part of it asked for, or `np.abs`?"
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:

@@ -71,6 +71,12 @@ def things_in(line: str, names: Mapping[str, Any]) -> dict[str, Thing]:
     return found
 
 
+def shape_of(node: ast.AST, shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...] | None:
+    """Shape of an expression whose names are arrays of these shapes; None if it does not follow from them."""
+    value = _read(node, {name: _Shaped(shape) for name, shape in shapes.items()})
+    return value.shape if isinstance(value, _Shaped) else None
+
+
 class _Shaped:
     """An array of which only the shape is known."""
 

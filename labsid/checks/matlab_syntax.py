@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from labsid.checks.asked_texts import key_without_quotes, text_without_quotes
 from labsid.checks.stops import Stop
 
 
@@ -19,14 +20,17 @@ _MOST_SPELLINGS = 2
 _TEXTS = re.compile(r"(?<![\w\])])[frbFRB]{0,2}(\"[^\"]*\"|'[^']*')|#.*")
 _HEADS = "if|elif|else|while|for|def|with|try|except|finally|class"
 _RANGE = (
-    "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out "
-    "the stop, or `np.linspace(first, "
-    "last, number)`, which has both ends and as many points as you say."
+    "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out the stop, or "
+    "`np.linspace(first, last, number)`, which has both ends. Both are flat arrays"
 )
+_COLUMN = ": where a column vector is asked for, add `.reshape(-1, 1)`."
+_TURNED = ", and the transpose of a flat array is the same array: `.reshape(-1, 1)` makes a column vector."
+_TURNED_RANGE = re.compile(r"[)\]]\s*(?:'|\.T\b)[\s;]*$")
+_QUOTES = 'A text stands in quotes: `"{}"`.'
 _BRACKETS = (
     "`{0}` has round brackets: entries are taken with square ones and counted from 0, so "
-    "MATLAB's `A(:, 2)` is `A[:, 1]` and "
-    "`A(1)` is `A[0]`."
+    "MATLAB's `A(:, 2)` is `A[:, 1]`, "
+    "`A(1:9)` is `A[0:9]` and `A(1)` is `A[0]`."
 )
 SPELLINGS: tuple[Spelling, ...] = (
     Spelling(r"(?:[(,]\s*|^\s*)lambda\s*(?=[,)=])", "`lambda` is a word of Python's own: call the variable `lam`."),
@@ -48,10 +52,20 @@ SPELLINGS: tuple[Spelling, ...] = (
         ("`{0}` is MATLAB's function. Python's is `def name(arguments):`, with `return` and the result at the end."),
     ),
     Spelling(
+        r"=\s*(?P<shown>(?:\"\"|[A-Za-z_]\w*)\s*:\s+[-\d.]+)\s*$",
+        'In a dictionary, `{0}` stands in braces, and a key that is a text in quotes: `{{"key": 1.2}}`.',
+    ),
+    Spelling(
+        r"\{\s*(?:\"\"|\w+)\s*=[^=}]*\}",
+        "`{0}`: in a dictionary a colon stands between key and value, and a key that is a text in quotes: "
+        '`{{"key": 1.2}}`.',
+    ),
+    Spelling(
         rf"^(?!\s*(?:{_HEADS})\b)(?!.*(?:\{{|\blambda\b)).*?"
-        r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?'?\s*;?$)",
+        r"(?<![\w\])[])(?<!\[ )(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)(?=\s*\)?(?:'|\.T)?\s*;?$)",
         _RANGE,
     ),
+    Spelling(r"=\s*\[\s*(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)\s*\]", _RANGE),
     Spelling(
         r"[\w\])]+\s*\\\s*\w+",
         (
@@ -109,14 +123,14 @@ _NUMPY = re.compile(
     "outer|column_stack|hstack|vstack|concatenate|size|shape|reshape|floor|ceil|sign|conv|convolve"
 )
 _LINEAR = re.compile("inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd")
-_MATLAB = {
+MATLAB = {
     "true": "`True`",
     "false": "`False`",
     "length": "`len(x)`",
     "numel": "`x.size`",
     "disp": "`print(x)`",
-    "rand": "`rng.random(shape)`",
-    "randn": "`rng.standard_normal(shape)`",
+    "rand": "`rng.random((rows, columns))`, from 0 to 1; between other bounds `rng.uniform(low, high, shape)`",
+    "randn": "`rng.standard_normal((rows, columns))`",
     "tf": "`ct.tf`",
     "ss": "`ct.ss`",
     "lsim": "`ct.forced_response(sys, inputs=u).outputs`",
@@ -129,6 +143,9 @@ _MATLAB = {
     "end": '`y[half:]` for "to the end", `y[-1]` for the last entry; Python has no `end`',
     "find": "`np.flatnonzero(condition)`",
     "e": "`np.exp(x)` for a power of e",
+    "control": "`ct`, the name under which the first cell imports it",
+    "numpy": "`np`, the name under which the first cell imports it",
+    "pyplot": "`plt`, the name under which the first cell imports it",
     "null": "`None`",
     "nan": "`np.nan`",
     "inf": "`np.inf`",
@@ -139,32 +156,54 @@ def cause_of_syntax(stop: Stop) -> str:
     """Why Python cannot read a line."""
     code = _TEXTS.sub(lambda text: '""' if text[1] else "", stop.line)
     code = re.split(r"(?<![\w\])'\"])'|(?<!\")\"(?!\")", code)[0]  # a text that is not ended is no code
+    text = text_without_quotes(stop.line)
+    if text:
+        return _QUOTES.format(text)
     matches = ((one, re.search(one.pattern, code)) for one in SPELLINGS)
     said = [
         one.python.format((found.groupdict().get("shown") or found[0]).strip())
         for one, found in matches
         if found is not None
     ]
+    if said and _is_range(said[0]):
+        return said[0] + (_TURNED if _TURNED_RANGE.search(code) else _COLUMN)
+    said = [one for one in said if not _is_range(one)]
     if said:
         return " ".join(said[:_MOST_SPELLINGS])
     return next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
 
 
+def _is_range(said: str) -> bool:
+    return said.endswith(_RANGE.rpartition("`")[2])
+
+
 def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] | None) -> str:
     """Why a name is not defined: it is MATLAB's or numpy's, misspelt, or its cell has not been run."""
     where = "" if made_by is None else made_by(name)
-    if where:
-        return where
+    text = text_without_quotes(stop.line, name)
+    known = _QUOTES.format(text) if text else where or key_without_quotes(name, stop)
+    if known:
+        return known
     if stop.near and stop.near.lower() == name.lower():
         return f"There is `{stop.near}`: capital and small letters differ."
     if _NUMPY.fullmatch(name):
         return f"It is a part of numpy: `np.{name}`."
     if _LINEAR.fullmatch(name):
         return f"It is in numpy's part for linear algebra: `np.linalg.{name}`."
-    if name in _MATLAB:
-        return f"In Python: {_MATLAB[name]}."
+    if name in MATLAB:
+        return f"In Python: {MATLAB[name]}."
+    if re.match(rf"{name}\s*==", stop.line):
+        return f"`==` compares; `{name}` gets its value by `=`."
+    if re.match(rf"{name}\s*=(?!=).*\b{name}\b", stop.line):
+        return f"`{name}` stands on the right of `=`, too, and has no value there yet: name what it is made of."
     if stop.near:
         return f"There is `{stop.near}`: is that meant?"
+    if stop.arguments:
+        arguments = ", ".join(f"`{one}`" for one in stop.arguments)
+        return (
+            f"It is no argument of the function, which has {arguments}, and neither a line before this one nor a cell "
+            "that has been run makes it: compute it in the function. (Spelt alike in both places?)"
+        )
     return (
         "No cell that has been run defines it: run the cells above in their order, or define it. "
         "(Spelt alike in both places?)"

@@ -3,6 +3,7 @@
 import ast
 import re
 
+from labsid.checks.line_values import parsed_line, shape_of
 from labsid.checks.stops import Stop
 
 
@@ -12,12 +13,30 @@ def entry_by_entry(stop: Stop, _: re.Match[str]) -> str | None:
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and one != other and one[-1] == other[0]:
             left, right = ast.unparse(node.left), ast.unparse(node.right)
-            return f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
+            said = f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
+            count = _products_of_matrices(stop)
+            return f"{said} So are the others: each of the {count} `*` in this line is an `@`." if count else said
     return None
+
+
+def _products_of_matrices(stop: Stop) -> int:
+    """How many `*` a line has, if there are several and the shapes fit when each of them is the product of matrices."""
+    tree = parsed_line(stop.line)
+    times = [
+        node for node in ([] if tree is None else ast.walk(tree))
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult)
+    ]  # fmt: skip
+    for node in times:
+        node.op = ast.MatMult()
+    names = {name: thing.shape for name, thing in stop.things.items() if thing.kind == "array" and thing.shape}
+    fits = len(times) > 1 and all(shape_of(node, names) is not None for node in times)
+    return len(times) if fits else 0
 
 
 def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
     """`@` with a number on one side."""
+    if re.search(r"[\w\])]\s*\^", stop.line):
+        return "`^` is no power in Python: a power is `**`, entry by entry, and an inverse `np.linalg.inv(...)`."
     for node in stop.operations(ast.MatMult):
         for side in (node.left, node.right):
             thing = stop.things.get(ast.unparse(side))
@@ -161,8 +180,14 @@ def not_square(stop: Stop, _: re.Match[str]) -> str | None:
         if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve", "det")):
             shape, name = stop.shape(node.args[0]), ast.unparse(node.args[0])
             if shape and len(shape) == 2 and shape[0] != shape[1]:
+                said = f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has "
+                if ast.unparse(node.func).endswith("det"):
+                    return (
+                        f"{said}a determinant. How many columns of any matrix are independent, its rank says: "
+                        f"`np.linalg.matrix_rank({name})`."
+                    )
                 return (
-                    f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has an inverse or a determinant. "
-                    f"Least squares inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
+                    f"{said}an inverse. Least squares inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, "
+                    "...)[0]`."
                 )
     return "Only a square matrix has an inverse: least squares inverts Phi'Phi, not Phi."

@@ -160,7 +160,9 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
     if isinstance(error, NameError) and error.name:
         own = [name for name in names if not name.startswith("_")]
         alike = [name for name in own if name.lower() == error.name.lower()]
-        near = next(iter(alike or difflib.get_close_matches(error.name, own, 1, 0.75)), "")
+        longer = [name for name in own if name.startswith(f"{error.name}_")]
+        close = difflib.get_close_matches(error.name, own, 1, 0.75) or (longer if len(longer) == 1 else [])
+        near = next(iter(alike or close), "")
     things = things_in(line, names)
     is_function = code.co_name != "<module>"
     outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)

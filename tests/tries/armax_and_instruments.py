@@ -128,7 +128,7 @@ TRIES = (
     Try(LIM, "sign", limit(end="[a + c * var_e / var_y, b]"), "wrong way"),
     Try(LIM, "no cross", limit("(b**2 * var_u + (1 + c**2) * var_e) / (1 - a**2)"), "are correlated, which"),
     Try(LIM, "no 1 - a^2", limit("b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e"), "a\\^2 times itself"),
-    Try(LIM, "bias only", limit(end="[-c * var_e / var_y, 0]"), "bias alone"),
+    Try(LIM, "bias only", limit(end="[-c * var_e / var_y, 0]"), r"distance of the limit from \[a, b\]"),
     Try(LIM, "caret", limit("(b^2 * var_u) / (1 - a^2)"), r"write `\*\*`"),
     Try(COV, "white", cov("var_e * np.eye(N)"), "Lemma 1"),
     Try(

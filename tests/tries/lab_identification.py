@@ -183,7 +183,18 @@ TRIES = (
     ),
     Try(PHI, "half a float", "half = len(y) / 2\nPhi = np.column_stack([y[1:half-1], y[0:half-2]])", "whole number"),
     Try(PHI, "end", PHI_HEAD + "Y = y[2:end]", "no `end`"),
-    Try(THETA, "elementwise *", "theta_hat = np.linalg.inv(Phi.T * Phi) * Phi.T * Y", r"`Phi\.T @ Phi`, which fits"),
+    Try(
+        THETA,
+        "elementwise *",
+        "theta_hat = np.linalg.inv(Phi.T * Phi) * Phi.T * Y",
+        r"`Phi\.T @ Phi`, which fits.*each of the 3 `\*`",
+    ),
+    Try(
+        THETA,
+        "one of three elementwise",
+        "theta_hat = np.linalg.inv(Phi.T * Phi) @ Phi.T @ Y",
+        r"`Phi\.T @ Phi`, which fits\.$",
+    ),
     Try(
         THETA,
         "Phi Phi^T",
@@ -205,7 +216,7 @@ TRIES = (
     Try(PAR, "no signs", "a1, a2, b1, b2 = theta_hat", "change the signs"),
     Try(PAR, "a and b", "b1, b2, a1, a2 = theta_hat", "a and b are swapped"),
     Try(PAR, "rounded", "a1, a2, b1, b2 = np.round(theta_hat, 2) * [-1, -1, 1, 1]", "rounded"),
-    Try(PAR, "three names", "a1, a2, b1 = theta_hat", "as many names"),
+    Try(PAR, "three names", "a1, a2, b1 = theta_hat", "`theta_hat` has 4 parts, .* names"),
     Try(TF, "dt True", "G = ct.tf([b1, b2], [1, a1, a2], True)", "or, with `True`"),
     Try(TF, "no dt", "G = ct.tf([b1, b2], [1, a1, a2])", "no sampling time"),
     Try(TF, "signs", "G = ct.tf([b1, b2], [1, -a1, -a2], Ts)", "signs of theta"),
@@ -302,7 +313,7 @@ TRIES = (
     Try(START, "shifted", start("return rest + y[0] - rest[0]"), "shifted"),
     Try(START, "free response", start("return Phi @ np.linalg.lstsq(Phi, y - rest)[0]"), "alone"),
     Try(EX, "rows for columns", extract(y='LogData["signals"][0]["values"][1]'), "one row of the table"),
-    Try(TS, "samples over duration", "Ts = len(t) / t[-1]", "samples per second"),
+    Try(TS, "samples over duration", "Ts = len(t) / t[-1]", "difference of two successive entries"),
     Try(TS, "duration over samples", "Ts = t[-1] / len(t)", "one interval fewer", never="per second"),
     Try(
         F6,
@@ -529,4 +540,15 @@ TRIES = (
     ),
     Try(OFF, "u from u", offsets(rest="u = u - u_offset"), "`u_offset` is taken off `u` twice"),
     Try(OFF, "y from y", offsets(rest="y = y - y_offset"), "`y_offset` is taken off `y` twice"),
+    Try(TS, "a name that numpy lacks", "Ts = np.diffs(t)[0]", "There is `np.diff`"),
+    Try("lab-1a-extract", "key without quotes", "t = LogData[time]", r'stands in quotes, `LogData\["time"\]`'),
+    Try("lab-1a-extract", "round brackets", "t = LogData('time')", r"in square brackets, `LogData\['time'\]`"),
+    Try(THETA, "power -1", "theta_hat = (Phi.T @ Phi)^-1 @ Phi.T @ Y", r"`\^` is no power", never="a multiple is made"),
+    Try(
+        THETA,
+        "inverse of an array",
+        "theta_hat = (Phi.T @ Phi).inv() @ Phi.T @ Y",
+        r"`np\.linalg\.inv\(Phi\.T @ Phi\)`",
+    ),
+    Try("lab-2b-parameters", "two of four", "a1, a2 = theta_hat", "`theta_hat` has 4 parts, .* names"),
 )

@@ -90,7 +90,8 @@ TRIES = (
         DEL,
         "u[:-i]",
         f("delayed_inputs(u, n)", "return np.column_stack([u] + [u[:-i] for i in range(1, n)])"),
-        "Side by side",
+        r"Side by side.*that of u\(t-i\) begins with i zeros and leaves out the last i samples",
+        never="Often here|takes nothing|inhomogeneous",
     ),
     Try(
         DEL,
@@ -139,7 +140,7 @@ TRIES = (
     Try(DER, "transpose of x", der("x.T @ A @ x"), "should hold 3 numbers"),
     Try(DER, "3x^2", der(jacobian="3 * x**2"), "should return a matrix"),
     Try(DER, "caret", der(jacobian="3 * x^2"), r"write `\*\*`"),
-    Try(DER, "x x' once", der(jacobian="(x @ x) * np.eye(len(x)) + np.outer(x, x)"), "once"),
+    Try(DER, "x x' once", der(jacobian="(x @ x) * np.eye(len(x)) + np.outer(x, x)"), "once: both factors of x'x are x"),
     Try(DER, "x @ x.T", der(jacobian="(x @ x) * np.eye(len(x)) + 2 * x @ x.T"), "is a number"),
     Try(FITS, "ascending range", fits("[x**i for i in range(len(powers))]"), r"fits the powers \[0, 1, 2\]"),
     Try(
@@ -396,6 +397,20 @@ TRIES = (
         never="wrong factor",
     ),
     Try(DEL, "zeros +", f("delayed_inputs(u, n)", lags("np.zeros(i) + u[: len(u) - i]", "n")), "join them"),
+    Try(
+        DEL,
+        "u[:-i] in an array",
+        f("delayed_inputs(u, n)", "return np.array([u[:len(u) - i] for i in range(n)]).T"),
+        r"inhomogeneous.*that of u\(t-i\) begins with i zeros",
+        never="Side by side",
+    ),
+    Try(
+        DEL,
+        "zeros and u[:-i]",
+        f("delayed_inputs(u, n)", "return np.column_stack([np.r_[np.zeros(i), u[:-i]] for i in range(n)])"),
+        "with i = 0, `.*` takes nothing",
+        never="begin below zero",
+    ),
     Try(
         DEL,
         "n + 1",

@@ -176,7 +176,19 @@ TRIES = (
             "u[:len(u) - i]] for i in range(n)])\n        if np.linalg.matrix_rank(M) < n:\n          "
             "  return n - 1\n    return largest",
         ),
-        "zeros are filled in",
+        "it fills zeros in before the first sample",
+        never="rounding",
+    ),
+    Try(
+        EXC,
+        "rounding taken for rank",
+        f(
+            "excitation(u, largest)",
+            "for n in range(1, largest + 1):\n        M = np.column_stack([u[n - 1 - i : len(u) - i] for i in "
+            "range(n)])\n        if np.linalg.matrix_rank(M, tol=0) < n:\n            return n - 1\n    return largest",
+        ),
+        "rounding errors of about 1e-16 for rank",
+        never="fills zeros",
     ),
     Try(
         EXC,

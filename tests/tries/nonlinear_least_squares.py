@@ -173,7 +173,7 @@ TRIES = (
             "A = np.column_stack([-2 * beacons, np.ones(len(ranges))])\n    return np.linalg.lstsq(A, "
             "ranges**2 - np.sum(beacons**2, axis=1))[0][:2]",
         ),
-        "\\*squared\\* ranges",
+        "\\*squared\\* ranges.*good start for `scipy",
     ),
     Try(
         LOC,
@@ -183,7 +183,7 @@ TRIES = (
             "e = lambda th: np.linalg.norm(beacons - th, axis=1) - ranges\n    return "
             "scipy.optimize.least_squares(e, beacons.mean(axis=0) + [0, 1]).x",
         ),
-        "wrong side",
+        "wrong side of the line along which the beacons lie",
     ),
     Try(
         LOC,

@@ -86,7 +86,7 @@ TRIES = (
         "y_approx = first_order_response(t_step, K, td, tau, amplitude)\nmse_approx = 0",
         "in another order than",
     ),
-    Try(MSE, "few arguments", "y_approx = first_order_response(t_step, K, tau, td)", "compare their arguments"),
+    Try(MSE, "few arguments", "y_approx = first_order_response(t_step, K, tau, td)", "has `amplitude`, too"),
     Try(
         MSE,
         "norm",
@@ -149,7 +149,16 @@ TRIES = (
     Try(MODEL, "whole record", "K_tank, tau_tank, td_tank = read_step(t_act, y_act, a_held)", "of the whole record"),
     Try(MODEL, "old values", "K_tank, tau_tank, td_tank = K, tau, td", "are the values of part A"),
     Try(TWO, "1-based", fun("solve_two", "U, Y", "return np.array([U[1, 1], U[2, 2]])"), "indices 0 to 1"),
-    Try(TWO, "inv", fun("solve_two", "U, Y", "return np.linalg.inv(U) * Y"), "table|2 elements"),
+    Try(TWO, "inv", fun("solve_two", "U, Y", "return np.linalg.inv(U) * Y"), "the inverse of U and Y entry by entry"),
+    Try(
+        TWO,
+        "inverse of U",
+        fun("solve_two", "U, Y", "return np.linalg.inv(U)"),
+        "the inverse of U alone",
+        never="entry by entry",
+    ),
+    Try(TWO, "U itself", fun("solve_two", "U, Y", "return U"), "is U alone", never="inverse of U"),
+    Try(TWO, "first unknown", fun("solve_two", "U, Y", "return np.linalg.solve(U, Y)[0]"), "both unknowns"),
     Try(TWO, "no None", fun("solve_two", "U, Y", "return np.linalg.solve(U, Y)"), "does not return `None`"),
     Try(
         TWO,
@@ -163,7 +172,7 @@ TRIES = (
         "adds the two products",
     ),
     Try(TWO, "transposed", fun("solve_two", "U, Y", "return np.linalg.solve(U.T, Y)"), "confuses u12"),
-    Try(TWO, "MATLAB index", fun("solve_two", "U, Y", "return U(1, 1)"), "square ones"),
+    Try(TWO, "MATLAB index", fun("solve_two", "U, Y", "return U(1, 1)"), r"MATLAB's `U\(1, 1\)` is `U\[0, 0\]`"),
     Try(ERR, "*", fun("error_vector", A, "return Y - Phi * theta"), r"comes of `Phi \* theta`"),
     Try(ERR, "reversed", fun("error_vector", A, "return Phi @ theta - Y"), "wrong sign"),
     Try(ERR, "transposed", fun("error_vector", A, "return Y - Phi.T @ theta"), "uses Phi transposed"),
@@ -187,7 +196,25 @@ TRIES = (
         fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi @ Phi.T) @ Phi.T @ Y"),
         "inverts Phi Phi'",
     ),
-    Try(MIN, "elementwise", fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T * Phi) * Phi.T * Y"), "`@`"),
+    Try(
+        MIN,
+        "elementwise",
+        fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T * Phi) * Phi.T * Y"),
+        "A table comes of",
+    ),
+    Try(
+        MIN,
+        "inverse alone",
+        fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi)"),
+        "the inverse of Phi'Phi alone: the product with Phi'Y is missing",
+    ),
+    Try(
+        MIN,
+        "last product entry by entry",
+        fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) * (Phi.T @ Y)"),
+        "the inverse of Phi'Phi and Phi'Y entry by entry",
+        never="alone",
+    ),
     Try(MIN, "solve Phi", fun("best_theta", "Phi, Y", "return np.linalg.solve(Phi, Y)"), "square"),
     Try(MIN, "all of lstsq", fun("best_theta", "Phi, Y", "return np.linalg.lstsq(Phi, Y)"), "whole result of `lstsq`"),
     Try(
@@ -208,7 +235,13 @@ TRIES = (
     ),
     Try(UNI, "counted", fun("is_unique", "Phi", "return len(Phi) >= Phi.shape[1]"), "compares only the numbers"),
     Try(UNI, "rank itself", fun("is_unique", "Phi", "return np.linalg.matrix_rank(Phi)"), "True or False"),
-    Try(UNI, "det of Phi", fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"), "only a square matrix"),
+    Try(
+        UNI,
+        "det of Phi",
+        fun("is_unique", "Phi", "return np.linalg.det(Phi) != 0"),
+        r"only a square matrix has a determinant.*matrix_rank",
+        never="Least squares inverts",
+    ),
     Try(FUN, "t_step for t", reader().replace(" t[", " t_step["), "never reads its argument `t`, but `t_step`"),
     Try(FUN, "half of tau", reader(tau="0.75 * (t_63 - t_28)"), "too (early|late)", never="never reads"),
     Try(
@@ -298,7 +331,16 @@ TRIES = (
     Try(MSE, "absolute", mse("np.mean(abs(y_step - y_approx))"), r"mean of the errors, or of \|error\|"),
     Try(MSE, "square of the mean", mse("np.mean(y_step - y_approx)**2"), "square of the mean error"),
     Try(MSE, "half", mse("np.mean((y_step - y_approx)**2) / 2"), "factor 1/2"),
-    Try(CUT, "mean of the step", cut("np.mean(y_act[first:second])"), "not the mean over the step"),
+    Try(CUT, "mean of the step", cut("np.mean(y_act[first:second])"), "not the mean over the step", never="t_held"),
+    Try(
+        CUT,
+        "up to the end, against the numbers of the samples",
+        cut("np.mean(y_act[:first])")
+        .replace("first:second", "first:")
+        .replace("t_act[first:] - t_act[first]", "np.arange(len(t_act) - first)"),
+        "extends to the end of the record",
+        never="same wrong cut",
+    ),
     Try(
         CUT,
         "from the start",
@@ -313,7 +355,13 @@ TRIES = (
         cut("np.mean(y_act[:first])")
         .replace("y_act[first:second] -", "y_act[:first] -")
         .replace("t_act[first:second] - t_act[first]", "t_act[:first]"),
-        "the step comes after it",
+        r"the step comes after it\. `t_held` has the same wrong cut",
+    ),
+    Try(
+        CUT,
+        "up to the end",
+        cut("np.mean(y_act[:first])").replace("first:second", "first:"),
+        r"extends to the end of the record.*`t_held` has the same wrong cut",
     ),
     Try(ERR, "absolute", fun("error_vector", A, "return np.abs(Y - Phi @ theta)"), "keep their signs"),
     Try(MIN, "minus", fun("best_theta", "Phi, Y", "return -np.linalg.solve(Phi.T @ Phi, Phi.T @ Y)"), "wrong sign"),
@@ -329,4 +377,8 @@ TRIES = (
         "uses td as a number of samples",
     ),
     Try(RESP, "t + td", response("K * amplitude * (1 - np.exp(-(t + td) / tau))"), "starts before the step"),
+    Try(UNI, "MATLAB rank", fun("is_unique", "Phi", "return np.rank(Phi) == Phi.shape[1]"), "linalg.matrix_rank"),
+    Try(
+        UNI, "shape called", fun("is_unique", "Phi", "return Phi.shape(1) == 2"), "takes no round brackets: `Phi.shape`"
+    ),
 )

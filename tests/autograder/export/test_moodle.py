@@ -344,6 +344,14 @@ def test_a_comment_on_several_assignments_names_each_one(out: Path, sheet: Works
     assert "tiny: Handed in, but could not be graded." in comments[2]
 
 
+def test_the_table_says_why_a_hand_in_could_not_be_graded(out: Path) -> None:
+    long = "x.ipynb cannot be read: [/red] " + 200 * "a"
+    cat = stored("cat", "tiny", question("a", "0", "0.6", "quarantined"))
+    result_files.store(out, replace(cat, notes=(long,)))
+    (line,) = [line for line in class_table(out).splitlines() if line.startswith("cat")]
+    assert line.endswith(f"quarantined ({long[:100]} ...)")
+
+
 def test_missing_untouched_and_unreadable_hand_ins_have_words_of_their_own(out: Path) -> None:
     missing = [question("a", "0", "0.6", "missing")]
     class_ = [

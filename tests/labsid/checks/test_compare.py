@@ -33,7 +33,7 @@ NUM, DEN = [0.2, 0.1], [1.0, -1.2, 0.4]
 TF = TransferFunctionValue(NUM, DEN, TS)
 SS = StateSpaceValue([[1.2, -0.4], [1, 0]], [[1], [0]], [[0.2, 0.1]], [[0]], TS)
 NAN = float("nan")
-ONLY_ROUNDING = "If its imaginary part is only rounding, take the real part with `np.real`."
+NO_ROUNDING = "Its imaginary part is no rounding, it goes up to {}: is a part of it asked for, or `np.abs`?"
 NOT_FOUR, RANGE = (
     "`Phi` should have shape (any, 4); it is an array of shape",
     "does a `range` begin or end elsewhere? (It leaves out its end.)",
@@ -126,10 +126,10 @@ def test_what_is_no_number_is_said(value: Any, said: str) -> None:
 @pytest.mark.parametrize(
     ("value", "said", "slip"),
     [
-        (3j, f"`a` should be one number; it is a complex number. {ONLY_ROUNDING}", "imaginary part"),
+        (3j, f"`a` should be one number; it is a complex number. {NO_ROUNDING.format(3)}", "imaginary part"),
         (
             np.array([3j]),
-            f"`a` should be one number; it is a complex array of shape (1,). {ONLY_ROUNDING}",
+            f"`a` should be one number; it is a complex array of shape (1,). {NO_ROUNDING.format(3)}",
             "imaginary part",
         ),
         (np.float32(3), f"`a` has the type float32, which keeps only 7 digits, {DOUBLE}", "single precision"),
@@ -178,7 +178,7 @@ def test_a_column_of_one_is_a_vector() -> None:
         (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): check the computation before it.", None),
         (
             np.array([1j, 1, 1]),
-            f"`y` should be a vector; it is a complex array of shape (3,). {ONLY_ROUNDING}",
+            f"`y` should be a vector; it is a complex array of shape (3,). {NO_ROUNDING.format(1)}",
             "imaginary part",
         ),
         (np.ones(3, np.float32), f"`y` has the type float32, which keeps only 7 digits, {DOUBLE}", "single precision"),

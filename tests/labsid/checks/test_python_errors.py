@@ -2,18 +2,22 @@
 
 from typing import Any
 
+import control
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from labsid.checks.asked_texts import OF_VARIABLES
 from labsid.checks.python_errors import details, explain, told
 from labsid.checks.stops import Stop, packed, stop_of, unpacked
+from labsid.rig.switchable.withheld_effects import EFFECT_PATHS
 
 N = 20
 VALUES: dict[str, Any] = {
     "np": np, "Phi": np.arange(2.0 * N).reshape(N, 2) ** 2, "Y": np.arange(float(N)), "R": np.eye(2), "W": np.eye(3),
     "y": np.arange(float(N)), "u": np.arange(float(N)), "w": np.arange(5.0), "zeros": np.zeros((N, 2)),
     "data": {"t": np.arange(3.0)}, "k": 2, "single": np.zeros((1, 1)), "one": np.zeros(1), "handed": lambda f: f(1),
-    "log": type("Record", (), {})(),
+    "log": type("Record", (), {})(), "pair": np.where(np.arange(3) > 1), "plt": plt, "ct": control,
 }  # fmt: skip
 
 
@@ -90,6 +94,69 @@ CAUSES = [
     ("v = 2pi", "v = 1e-3 2", "a product needs its `*`"),
     ("v = u.*y", "v = 2.*k +", "work entry by entry"),
     ("f(lambda, 1)", "f(lambda x: x x)", "call the variable `lam`"),
+    ("t = (0:0.1:100)'", "t = 0:0.1:100", "the transpose of a flat array is the same array"),
+    ("t = [0:0.1:100]", "t = (0:0.1:100)'", "where a column vector is asked for, add `.reshape(-1, 1)`"),
+    ("R = Phi' * Phi", "t = (0:0.1:100)'", "The transpose is `.T`"),
+    ("v = y(1:450)", "t = (1:450)", "`A(1:9)` is `A[0:9]`"),
+    ("rand(3, 1)", "randn(3, 1)", "from 0 to 1; between other bounds `rng.uniform(low, high, shape)`"),
+    ("x = Phi(1, 2)", "x = Phi(0, 1)", "MATLAB's `Phi(1, 2)` is `Phi[0, 1]`"),
+    ("np.linalg.det(Phi)", "np.linalg.inv(Phi)", "`np.linalg.matrix_rank(Phi)`"),
+    ("np.linalg.inv(Phi)", "np.linalg.det(Phi)", "Least squares inverts `Phi.T @ Phi`"),
+    ("np.linalg.inv(Phi.T * Phi) * Phi.T * Y", "Phi.T * Phi * Y", "each of the 3 `*` in this line is an `@`"),
+    ("effect = input-delay", "delay = input-delay", '`"input-delay"`'),
+    ("effect = input delay", "effect = input lag", '`"input-delay"`'),
+    ("path = dynamics", "place = dynamics", '`"dynamics"`'),
+    ("p = {delay: 3.0}", "p = {k: delay}", '`{"delay": ...}`'),
+    ("x = data[t]", "x = data[s]", '`data["t"]`'),
+    ("np.linespace(0, 1)", "np.lines(0, 1)", "There is `np.linspace`: is that meant?"),
+    ("np.linalg.rank(R)", "np.linalg.ranks(R)", "It is `np.linalg.matrix_rank`"),
+    ("y.diff()", "y.different()", "`np.diff(y)`"),
+    ("R.inv()", "y.diff()", "`np.linalg.inv(R)`"),
+    ("y.length", "y.t", "`len(y)`"),
+    ("Phi.t", "Phi.length", "`Phi.T`, with a capital letter"),
+    ("k.shape", "y.shapes", "`k` is one number, no array"),
+    ("np.mean(Phi, axis=2)", "np.mean(y, 1)", "the axes 0, down the rows, and 1, along them"),
+    ("np.linspace(0, 1, 0.1)", "np.zeros(0.5)", "is the number of points, here `0.1`"),
+    ("range(0, 1, 0.1)", "np.zeros(0.5)", "takes any step"),
+    ("sum(y, axis=0)", "sorted(y, axis=0)", "`np.sum(...)`"),
+    ("max(y, 0)", "max(Phi)", "`np.maximum(y, 0)`"),
+    ("max(Phi)", "max(y, 0)", "`np.max(...)`"),
+    ("np.sum(y, u)", "np.zeros(y)", "`np.sum` takes one array"),
+    ('y["t"]', "y[0.5]", "a text, which is a key of a dictionary"),
+    ("for i in len(y): pass", "list(k)", "`range(len(y))` counts from 0"),
+    ('y + "V"', "y + None", "a number stands without quotes"),
+    ("y.mean[0]", "k[0]", "`y.mean` is a function"),
+    ("k[0]", "y.mean[0]", "`k` is one number"),
+    ("y.shape(0)", "y(0)", "and its first number `y.shape[0]`"),
+    ("np.array(1, 2, 3)", "np.append(y)", "`np.array([1, 2, 3])`"),
+    ("np.append(y)", "handed()", "`help(np.append)`"),
+    ("len(k)", "k[0]", "which has no length"),
+    ("x = zero", "x = Y_", "There is `zeros`"),
+    ("R^-1 @ w", "R @ 3", "`^` is no power in Python"),
+    ("R @ 3", "R^-1 @ w", "a multiple is made by `*`"),
+    ("a, b = Phi", "a, b = W", "its 2 columns are `Phi[:, 0]`"),
+    ("a, b = W", "a, b = Phi", "`W` has 3 parts, and on the left of `=` stand 2 names"),
+    ("a_new = y[1:] - a_new[0]", "a_new = y[1:] - b_new[0]", "stands on the right of `=`, too"),
+    ("effect == 'x'", "y[0] == effect", "`effect` gets its value by `=`"),
+    ("p = {delay=3.2}", "p = {delay 3.2}", "a colon stands between key and value"),
+    ("p = delay: 3.2", "t = 1: 32", "`delay: 3.2` stands in braces"),
+    ("t = 1: 32", "p = delay: 3.2", "MATLAB's range"),
+    ("kind = 1\nif kind: return positive definite", "if k: return positively", '`"positive definite"`'),
+    ("data('t')", "y(0)", "`data['t']`"),
+    ("y[pair:]", "y[w:]", "`pair[0][0]`"),
+    ("[1.0] + 2.0", "y + None", "make an array of it"),
+    ("np.array(y, u)", "np.zeros('a')", "in a list: `np.column_stack([a, b])`"),
+    ("np.find(y)", "np.finds(y)", "`np.flatnonzero(condition)`"),
+    ("y.plot(u)", "y.plots(u)", "Then take one, `y[0]`"),
+    ("plt.subplot(2, 1)", "plt.subplots(2, 1, 3, 4)", "with an s at the end"),
+    ("plt.gca().set_xlimit(1)", "plt.gca().frobnicate(1)", "There is `.set_xlim`"),
+    ("plt.plot(y, colour='r')", "plt.plot(y, frobnicate=1)", "is spelt `color`"),
+    ("plt.plot(y, frobnicate=1)", "plt.plot(y, colour='r')", "A curve has no `frobnicate`"),
+    ("plt.gca().stairs(y, y)", "plt.plot(y, w)", "MATLAB's `stairs`"),
+    ("ct.tf(1, 2, 3, 4)", "np.zeros(-1)", "two lists of coefficients"),
+    ("control.tf([1], [1, 2])", "kontrol.tf([1], [1, 2])", "`ct`, the name under which"),
+    ("ct.lsim(1)", "ct.lsims(1)", "`ct.forced_response(sys, inputs=u).outputs`"),
+    ("def g(a, b): pass\ng(1)", "np.append(y)", "The first line of `g` has `b`, too"),
 ]
 
 
@@ -97,6 +164,30 @@ CAUSES = [
 def test_a_cause_is_told_and_only_where_it_holds(mistake: str, neighbour: str, said: str) -> None:
     assert said in explain(stopped(mistake))
     assert said not in explain(stopped(neighbour))
+
+
+def test_the_texts_that_are_known_without_quotes_are_those_that_are_asked_for() -> None:
+    assert set(OF_VARIABLES["effect"]) == set(EFFECT_PATHS)
+    assert set(OF_VARIABLES["path"]) == set(EFFECT_PATHS.values())
+    returned = "def kind(M):\n return positive definite", "def layout(beacons):\n return mirror\nlayout(1)"
+    assert [explain(stopped(code)) for code in returned] == [
+        'A text stands in quotes: `"positive definite"`.', 'A text stands in quotes: `"mirror"`.'
+    ]  # fmt: skip
+
+
+def test_a_variable_of_a_natural_name_is_no_text() -> None:
+    assert "quotes" not in explain(stopped("def is_unique(Phi):\n return unique\nis_unique(1)"))
+
+
+def test_a_name_that_a_function_lacks_is_said_with_what_it_has() -> None:
+    said = explain(stopped("def loss(Phi, theta):\n return E @ theta\nloss(1, 2)"))
+    assert said.startswith("It is no argument of the function, which has `Phi`, `theta`")
+
+
+def test_a_call_by_the_check_is_not_told_as_a_call_of_the_students() -> None:
+    stop = Stop("TypeError", "fit() takes 1 positional argument but 2 were given")
+    assert "with the arguments of the question" in explain(stop)
+    assert "with the arguments of the question" not in explain(stopped("handed()"))
 
 
 def test_the_message_begins_with_pythons_own_line_and_the_shapes() -> None:

@@ -57,7 +57,7 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
             ),
             Slip(
                 "bias alone",
-                "`limit_of_least_squares` returns the bias alone.",
+                "`limit_of_least_squares` returns the bias alone, the distance of the limit from [a, b].",
                 lambda: np.array([-c * var_e / var_y, 0.0]),
                 mend="Add it to [a, b].",
             ),

@@ -99,13 +99,14 @@ def check_sampling_time(ask: Ask) -> Verdict:
     slips = [
         Slip(
             "frequency in place of time",
-            "`Ts` is the sampling frequency, in samples per second. It should be the time between two samples.",
+            "`Ts` is the sampling frequency, in samples per second. The time between two samples is the difference of "
+            "two successive entries of `t`.",
             lambda: 1 / ask.record.Ts,
         ),
         Slip(
             "frequency in place of time",
-            "`Ts` is the number of samples over their duration, in samples per second. It should be the time between "
-            "two samples.",
+            "`Ts` is the number of samples over their duration, in samples per second. The time between two samples is "
+            "the difference of two successive entries of `t`.",
             lambda: float(t.size / (t[-1] - t[0])),
         ),
         Slip("length of the record", "`Ts` is the duration of the record.", lambda: float(t[-1] - t[0])),

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_array, as_matrix, as_vector, close
+from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask
 from labsid.checks.relations import relation
 from labsid.checks.values import Value
@@ -99,11 +100,7 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "arguments of lstsq swapped",
         )
     right = solve_least_squares(Phi, Y).theta
-    inverse = np.linalg.inv(Phi.T @ Phi)
-    if isinstance(value, np.ndarray) and value.shape == inverse.shape and close(1e-6)(value, inverse):
-        raise NoAnswer(
-            f"`{name}` is the inverse of Phi'Phi alone: multiply it by Phi'Y, as in eq. (8).", "only the inverse"
-        )
+    require_whole_solution(name, value, Phi.T @ Phi, Phi.T @ Y)
     got = as_vector(name, value, right.size if np.ndim(value) == 2 else None)  # type: ignore[arg-type]
     if got.size == right.size + 1:
         raise NoAnswer(

@@ -8,6 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
+from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import trial_equations
 from labsid.checks.values import Value
@@ -159,9 +160,12 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
     def fit(weights: FloatArray) -> FloatArray:
         return weighted_least_squares(Phi, Y, weights).theta
 
+    value = returned(ask, "weighted_fit", Phi, Y, sigma)
+    PhiW = Phi.T / sigma**2
+    require_whole_solution("weighted_fit", value, PhiW @ Phi, PhiW @ Y, ("Phi'W Phi", "Phi'W Y"))
     inverted = "`weighted_fit` gives the worst measurements the largest weights: a large sigma needs a small weight."
     return judge(
-        as_theta("weighted_fit(Phi, Y, sigma)", returned(ask, "weighted_fit", Phi, Y, sigma), Phi.shape[1]),
+        as_theta("weighted_fit(Phi, Y, sigma)", value, Phi.shape[1]),
         fit(1 / sigma**2),
         SAME,
         "each measurement has the weight 1/variance.",

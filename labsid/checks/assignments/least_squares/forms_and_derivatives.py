@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
+from labsid.checks.asked_texts import KINDS
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -15,7 +16,6 @@ from labsid.least_squares.quadratic_form import definiteness
 from labsid.model_structures.structures import Structure, build_equations
 
 _EXACT = close(1e-9)
-KINDS = ("positive definite", "positive semidefinite", "negative definite", "negative semidefinite", "indefinite")
 
 
 def check_kind(ask: Ask) -> Verdict:
@@ -270,7 +270,16 @@ def check_delays(ask: Ask) -> Iterator[Verdict]:
 def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
     samples = u.size
     call = f"delayed_inputs(u, {n})"
-    value = returned(ask, "delayed_inputs", u, n)
+    try:
+        value = returned(ask, "delayed_inputs", u, n)
+    except NoAnswer as stopped:
+        if not any(told in str(stopped) for told in ("must match exactly", "inhomogeneous")):
+            raise
+        rows = str(stopped).partition(" Often here")[0]
+        if "takes nothing" in rows:
+            raise
+        zeros = "Each column has len(u) rows: that of u(t-i) begins with i zeros and leaves out the last i samples."
+        raise NoAnswer(f"{rows} {zeros}", stopped.slip) from None
     shape = as_array(call, value).shape
     if n != 3 and shape == (samples, 3):
         return Verdict(False, f"`{call}` always has three columns: use the argument n.", "n not used")
@@ -399,7 +408,7 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             Slip("product rule", product, lambda: outer),
             Slip(
                 "the 2 forgotten",
-                "`jacobian_cubic` has x x' once.",
+                "`jacobian_cubic` has x x' once: both factors of x'x are x, and each is differentiated.",
                 lambda: square + outer,
                 mend="The derivative of x'x is 2x'.",
             ),

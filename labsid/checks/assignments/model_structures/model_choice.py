@@ -50,9 +50,7 @@ def check_excitation(ask: Ask) -> Verdict:
     if all(answer == _LARGEST for answer, right in zip(answers, truth, strict=True) if right):
         return Verdict(
             False,
-            "`excitation` finds full rank where there is none. Either zeros are filled in before the first sample, so "
-            "that every input seems to start with a jump: use the rows only for which all samples were recorded. Or "
-            "rounding errors of about 1e-16 are taken for rank: compare with a small tolerance.",
+            f"`excitation` finds full rank where there is none: {_why_full(ask)}",
             "full rank where there is none",
         )
     wrong = next(i for i, (answer, right) in enumerate(zip(answers, truth, strict=True)) if answer != right)
@@ -65,6 +63,22 @@ def check_excitation(ask: Ask) -> Verdict:
             "full rank where there is none",
         )
     return Verdict(False, f"`excitation` is wrong for {trials[wrong][0]}: write the first rows of its matrix down.")
+
+
+def _why_full(ask: Ask) -> str:
+    """Why an answer finds full rank everywhere.
+
+    With an input that is 1 in the first sample and 0 after it no product is rounded: the rows that were recorded have
+    rank 1 exactly, and rows with zeros before the first sample have full rank.
+    """
+    first = np.zeros(40)
+    first[0] = 1.0
+    if as_number("excitation(u, 8)", returned(ask, "excitation", first, _LARGEST)) == _LARGEST:
+        return (
+            "it fills zeros in before the first sample, so that every input seems to start with a jump. Use the rows "
+            "only for which all samples were recorded."
+        )
+    return "it takes rounding errors of about 1e-16 for rank. Compare with a small tolerance."
 
 
 def _inputs(rng: np.random.Generator) -> list[tuple[str, FloatArray]]:

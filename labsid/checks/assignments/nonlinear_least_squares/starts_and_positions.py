@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.asked_texts import LAYOUTS
 from labsid.checks.assignments.nonlinear_least_squares.estimates import (
     SQUARED,
     as_estimate,
@@ -19,8 +20,6 @@ from labsid.least_squares.solve import solve_least_squares
 from labsid.nonlinear.ranges import locate as right_locate
 from labsid.nonlinear.ranges import ranges_from, ranges_jacobian
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
-
-LAYOUTS = ("unique", "mirror", "undetermined")
 
 
 @first_failure
@@ -168,7 +167,7 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     )
     linear = (
         "`locate` solves the linear equations of the *squared* ranges: another criterion, which trusts far beacons "
-        "too much. It is a good start; go on from there with the ranges themselves."
+        "too much. It is a good start for `scipy.optimize.least_squares` with the errors of the ranges themselves."
     )
     verdict = judge(
         got,
@@ -200,8 +199,9 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     if not verdict.passed and not verdict.slip and apart and np.linalg.norm(got - other) < 0.05:
         return Verdict(
             False,
-            "`locate` ends on the wrong side of the beacons: a local minimum, near the mirror image of the best place. "
-            "Start on both sides, and keep the one with the smaller SSE.",
+            "`locate` ends on the wrong side of the line along which the beacons lie: a local minimum, near the mirror "
+            "image of the best place. Start on both sides of that line, whatever its direction, and keep the one with "
+            "the smaller SSE.",
             "local minimum",
         )
     return verdict

@@ -40,7 +40,12 @@ def panels(value: Value) -> tuple[AxesValue, ...]:
 def require_panel(axes: AxesValue, where: str, t: FloatArray, signals: dict[str, FloatArray], title: str) -> None:
     """Require a panel as in Fig. 1; `signals` holds the sine first, then the cosine."""
     if not axes.curves:
-        raise NoAnswer(f"There is no curve in {where} yet.", "empty axes")
+        ax = "ax_a" if "(a)" in where else "ax_b"
+        raise NoAnswer(
+            f"There is no curve in {where} yet, the axes `{ax}` of `fig_1`: draw with `{ax}.plot` and `{ax}.step`. "
+            "(`plt.figure` and `plt.subplots` begin another figure.)",
+            "empty axes",
+        )
     (sine_name, sine_data), (cosine_name, cosine_data) = signals.items()
     sine = require_curve(axes, where, f"`{sine_name}`", sine_data, t, signals)
     cosine = require_curve(axes, where, f"`{cosine_name}`", cosine_data, t, signals)

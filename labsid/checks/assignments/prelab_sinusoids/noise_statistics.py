@@ -112,6 +112,22 @@ _WRONG_SPREADS: tuple[tuple[float, float, str, str], ...] = (
 )
 
 
+def require_real(name: str, t: FloatArray, value: object, wave: Wave) -> None:
+    """Refuse the complex exponential; the message says which part of it is the sinusoid."""
+    if not isinstance(value, np.ndarray) or value.dtype.kind != "c" or value.size != t.size:
+        return
+    angle, z = 0.02 * np.pi * t, np.reshape(value, -1)
+    residual, size = z - np.exp(1j * angle), np.std(np.exp(1j * angle))
+    if np.std(residual.real) < 0.5 * size and np.std(residual.imag) < 0.5 * size:
+        of_sine = ("np.sin", "sine", "imaginary", "real")
+        function, what, part, other = of_sine if wave is np.sin else ("np.cos", "cosine", "real", "imaginary")
+        raise NoAnswer(
+            f"`{name}` is complex: exp(jx) = cos x + j sin x. The {what} is its {part} part, not the {other} one; "
+            f"`{function}` gives it directly.",
+            "complex exponential",
+        )
+
+
 def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wave) -> None:
     """Require that `y` is ``wave(2 pi t / 100)`` plus noise; the message names a known wrong wave."""
     right, swapped = wave(0.02 * np.pi * t), other(0.02 * np.pi * t)

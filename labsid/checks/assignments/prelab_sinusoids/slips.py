@@ -45,7 +45,11 @@ def time_slips() -> Slips:
 def new_time_slips(t: FloatArray) -> Slips:
     """Mistakes of step 3, the remaining time."""
     return [
-        Slip("time not set back to zero", "`t_new` starts at 20 s: set its start to zero.", lambda: t[CUT:]),
+        Slip(
+            "time not set back to zero",
+            "`t_new` starts at 20 s: subtract its first time from it, so that it starts from zero.",
+            lambda: t[CUT:],
+        ),
         *(
             Slip(
                 "20 samples cut off",

@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.assignments.prelab_sinusoids.figure_panels import panels, require_panel, shows
 from labsid.checks.assignments.prelab_sinusoids.noise_statistics import (
     require_independent,
+    require_real,
     require_uniform,
     require_wave,
 )
@@ -56,7 +57,9 @@ def check_noise(ask: Ask) -> Verdict:
     noises: dict[str, FloatArray] = {}
     sinusoids: dict[str, FloatArray] = {}
     for name, wave, other in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
-        y = _signal(name, ask.value(name), t.size)
+        value = ask.value(name)
+        require_real(name, t, value, wave)
+        y = _signal(name, value, t.size)
         require_wave(name, t, y, wave, other)
         sinusoids[name] = wave(0.02 * np.pi * t)
         noises[name] = y - sinusoids[name]

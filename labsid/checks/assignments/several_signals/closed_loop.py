@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
+from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.instrumental import instrumental_variables
@@ -43,14 +44,16 @@ def _past(x: FloatArray, lags: tuple[int, ...]) -> FloatArray:
 
 
 def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict:
-    got = as_theta(_CALL, returned(ask, "fit_with_reference", u, y, r), 2)
+    value = returned(ask, "fit_with_reference", u, y, r)
     rows = build_phi(u, y, 1, _START)
     Phi, Y = rows.Phi, rows.Y
+    Z = _past(r, (1, 2))
+    require_whole_solution(_CALL, value, Z.T @ Phi, Z.T @ Y, ("Z'Phi", "Z'Y"))
+    got = as_theta(_CALL, value, 2)
 
     def by(Z: FloatArray) -> FloatArray:
         return instrumental_variables(Z, Phi, Y).theta
 
-    Z = _past(r, (1, 2))
     right = by(Z)
     loop = "Both are in the loop and hold past disturbances; the reference does not."
     lags = f"the instruments of `{_CALL}` are r(k-1) and r(k-2): the slices begin elsewhere."

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+import scipy.signal
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_vector
@@ -13,6 +14,8 @@ from labsid.lab.arx_system import simulate_system, system_from_thetas
 from labsid.records.several_signals import names_of
 
 _POLES = ((0.6, 0.9), (-0.5, 0.3), (0.2, 0.5))
+_ACROSS = "filters each row of `u`, from one input to the next: `lfilter` works along the last axis."
+_EACH = "Each column `u[:, j]` has n of the b's of its own; the output is the sum of these runs."
 
 
 @first_failure
@@ -39,6 +42,18 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
     got = as_array(call, value)
     if got.shape in ((N, nu), (nu, N)) and SAME(got if got.shape == (N, nu) else got.T, parts):
         return Verdict(False, f"`{call}` returns a run for each input: the output is their sum.", "runs not added up")
+    whole = np.r_[0.0, b], np.r_[1.0, -a]
+    across, down = (np.asarray(scipy.signal.lfilter(*whole, u, axis=axis)) for axis in (1, 0))
+    if got.shape in ((N, nu), (nu, N)):
+        columns = got if got.shape == (N, nu) else got.T
+        if SAME(columns, across):
+            return Verdict(False, f"`{call}` {_ACROSS} {_EACH}", "filtered across the inputs")
+        returned_runs = f"`{call}` returns a run for each of the {nu} inputs"
+        if SAME(columns, down):
+            return Verdict(
+                False, f"{returned_runs}, each filtered by the b's of all. {_EACH}", "all of b for each input"
+            )
+        return Verdict(False, f"{returned_runs}. {_EACH}", "runs not added up")
     got = as_vector(call, value, N)
     right = _run(theta, u, n)
     alone = f"`{call}` has one input in it; the output is moved by all {nu}."
@@ -50,6 +65,7 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
         "",
         f"`{call}` is not the free run from rest. Work out the first two samples by hand, with n = 1.",
         [
+            Slip("filtered across the inputs", f"`{call}` {_ACROSS} {_EACH}", lambda: across.sum(axis=1)),
             *(Slip("one input only", alone, partial(np.copy, part)) for part in parts.T),
             *(
                 Slip(

@@ -56,7 +56,11 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
                 "`u_offset` is the middle of the range of the input. Take its first value, the level of rest.",
                 lambda: mid_range(record.u),
             ),
-            Slip("mean over the whole record", "`u_offset` is a mean over the record.", lambda: np.mean(record.u)),
+            Slip(
+                "mean over the whole record",
+                "`u_offset` is the mean over the record. Take the first value of the input, the level of rest.",
+                lambda: np.mean(record.u),
+            ),
         ],
     )
     single = "`y_offset` is the value of one sample, with the noise on it. Take the mean over the rest."
@@ -91,7 +95,7 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
             ),
             Slip(
                 "middle of the range",
-                "`y_offset` is the middle of the range of the output.",
+                "`y_offset` is the middle of the range of the output: average the rest, before the input changes.",
                 lambda: mid_range(record.y),
             ),
         ],

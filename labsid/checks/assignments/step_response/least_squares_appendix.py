@@ -13,6 +13,7 @@ from labsid.checks.assignments.step_response.slips import (
     two_slips,
 )
 from labsid.checks.compare import as_array, as_number, as_theta, as_vector, close, kind_of
+from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import Answer, NoAnswer, Slip, Verdict, first_failure, judge
@@ -34,8 +35,13 @@ def check_solve_two(ask: Ask) -> Verdict:
         U, Y = ask.rng.uniform(0.5, 1.5, (2, 2)) + 2 * np.eye(2), ask.rng.uniform(1, 3, 2)
         if is_reversed:
             U = U[::-1].copy()
+        value = returned(ask, "solve_two", U, Y)
+        require_whole_solution("solve_two", value, U, Y, ("U", "Y"))
+        if np.size(value) == 1:  # type: ignore[arg-type]
+            one = "`solve_two` returns one number. It should return both unknowns, by (A2)."
+            raise NoAnswer(one, "one of two unknowns")
         verdict = judge(
-            as_vector("solve_two(U, Y)", returned(ask, "solve_two", U, Y), 2),
+            as_vector("solve_two(U, Y)", value, 2),
             two_equations(U, Y),
             _same,
             "it solves two equations, and returns `None` if the solution is not unique.",
@@ -145,6 +151,7 @@ def check_minimum(ask: Ask) -> Verdict:
 
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
         value = returned(ask, "best_theta", Phi, Y)
+        require_whole_solution("best_theta", value, Phi.T @ Phi, Phi.T @ Y)
         if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
             raise NoAnswer(
                 f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. A "

@@ -1,6 +1,7 @@
 """Checks of step 6 of the appendix: a step cut from the record of the lab, and the model read from it."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -15,6 +16,7 @@ from labsid.lab.offset import find_offsets, mean_of_first_period
 from labsid.lab.step_response import cut_held_step, fit_step_response
 
 TANK_PARAMETERS = ("K_tank", "tau_tank", "td_tank")
+_same_times = close(0, absolute=1e-6)
 LEVEL_WITHIN = 0.02
 """Largest difference between valid means of the level before the step, as a share of the change."""
 
@@ -102,11 +104,19 @@ def check_held_step(ask: Ask) -> Verdict:
             ),
         ],
     )
+    cut = {
+        "the period before the step": slice(0, first),
+        "cut from the start of the record": slice(0, second),
+        "not cut at the second change": slice(first, None),
+        "the second step": slice(second, third),
+    }.get(verdict.slip or "")
+    if cut is not None and any(_same_times(got_t, t_act[cut] - start) for start in (0.0, t_act[cut][0])):
+        return replace(verdict, reason=f"{verdict.reason} `t_held` has the same wrong cut.")
     if verdict.passed:
         verdict = judge(
             got_t,
             t_act[first:stop] - t_act[first],
-            close(0, absolute=1e-6),
+            _same_times,
             "",
             "`t_held` is not the time since the first change of the input.",
             [

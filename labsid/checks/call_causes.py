@@ -1,0 +1,243 @@
+"""Causes of Python's errors at calls, attributes and axes: what a module, an array or a number has."""
+
+import ast
+import difflib
+import re
+import sys
+from collections.abc import Iterator
+from types import ModuleType
+
+import numpy as np
+
+from labsid.checks.matlab_syntax import MATLAB
+from labsid.checks.stops import Stop
+
+_MODULES = ("numpy", "scipy", "matplotlib", "control")
+_OTHER_NAMES = {
+    "length": "len", "lenght": "len", "numel": "size", "rank": "matrix_rank", "pinverse": "pinv", "inverse": "inv",
+    "transposed": "transpose", "power": "float_power", "columnstack": "column_stack", "randn": "standard_normal",
+}  # fmt: skip
+"""What some functions are called elsewhere."""
+_PROPERTIES = ("color", "label", "linestyle", "linewidth", "marker", "where")
+_LEAST_ALIKE = 0.8
+_LONGEST_NAME = 40
+_REDUCTIONS = ("sum", "mean", "std", "var", "max", "min", "cumsum", "prod", "diff")
+
+
+def unknown_in_a_module(stop: Stop, found: re.Match[str]) -> str | None:
+    """A name that a module of numpy, scipy, matplotlib or python-control does not have."""
+    module, name = sys.modules.get(found[1]), found[2]
+    if found[1].partition(".")[0] not in _MODULES or module is None or len(name) > _LONGEST_NAME:
+        return None
+    written = _owner_of(stop, name) or found[1]
+    if found[1] == "numpy" and name in ("rand", "randn"):
+        drawn = "random" if name == "rand" else "standard_normal"
+        return f"Random numbers are drawn from a generator: `rng.{drawn}(shape)`."
+    if name in MATLAB and name not in _OTHER_NAMES:
+        return f"In Python: {MATLAB[name]}."
+    other = _OTHER_NAMES.get(name.lower(), name.lower())
+    if other == "len":
+        return "The length of an array is `len(y)`, its shape `y.shape`."
+    for part, path in ((module, written), (np.linalg, "np.linalg"), (np, "np")):
+        if isinstance(part, ModuleType) and other in _public(part):
+            return f"It is `{path}.{other}`."
+    near = difflib.get_close_matches(name, _public(module), 1, _LEAST_ALIKE)
+    return f"There is `{written}.{near[0]}`: is that meant?" if near else f"`{written}` has nothing of that name."
+
+
+def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
+    """A name that arrays do not have."""
+    name = found[1][:_LONGEST_NAME]
+    owner = _owner_of(stop, name)
+    written = owner if 0 < len(owner) < _LONGEST_NAME else "y"
+    if name in _public(_drawn("Axes")):
+        return (
+            f"It is a method of axes. Is `{written}` the array of axes that `plt.subplots` returns? Then take one, "
+            f"`{written}[0]`."
+        )
+    other = _OTHER_NAMES.get(name.lower(), name)
+    if other == "len":
+        return f"The length of an array is `len({written})`, its shape `{written}.shape`."
+    if name == "t":
+        return f"The transpose is `{written}.T`, with a capital letter."
+    if name in _public(np.linalg):
+        return f"It is no part of an array, but a function: `np.linalg.{name}({written})`."
+    if other in _public(np):
+        return f"It is no part of an array, but a function: `np.{other}({written})`."
+    near = difflib.get_close_matches(name, _public(np.ndarray), 1, _LEAST_ALIKE)
+    return f"Arrays have `.{near[0]}`: is that meant?" if near else "Arrays have nothing of that name."
+
+
+def unknown_in_a_figure(_: Stop, found: re.Match[str]) -> str | None:
+    """A name that axes or figures do not have."""
+    near = difflib.get_close_matches(found[2][:_LONGEST_NAME], _public(_drawn(found[1])), 1, _LEAST_ALIKE)
+    return f"There is `.{near[0]}`: is that meant?" if near else None
+
+
+def unknown_property(_: Stop, found: re.Match[str]) -> str | None:
+    """A keyword that a curve does not have."""
+    near = difflib.get_close_matches(found[1][:_LONGEST_NAME], _PROPERTIES, 1, _LEAST_ALIKE)
+    return f"The keyword is spelt `{near[0]}`." if near else f"A curve has no `{found[1]}`: {', '.join(_PROPERTIES)}."
+
+
+def unknown_in_a_number(stop: Stop, found: re.Match[str]) -> str | None:
+    """An attribute of arrays, asked of one number."""
+    return f"`{_owner_of(stop, found[1]) or 'It'}` is one number, no array: it has no `.{found[1]}`."
+
+
+def missing_axis(_: Stop, found: re.Match[str]) -> str | None:
+    """An axis that an array does not have."""
+    axes = int(found[2])
+    has = (
+        "one axis, 0" if axes == 1 else "the axes 0, down the rows, and 1, along them" if axes == 2 else f"{axes} axes"
+    )
+    return f"Axes are counted from 0: an array of dimension {axes} has {has}."
+
+
+def no_steps(stop: Stop, _: re.Match[str]) -> str | None:
+    """A step where a function takes a number of points, or a fraction where it counts."""
+    for node in _calls(stop):
+        called = ast.unparse(node.func)
+        if called.endswith("linspace") and len(node.args) > 2:
+            return (
+                f"What comes third in `linspace` is the number of points, here `{ast.unparse(node.args[2])}`. With a "
+                "step it is `np.arange(start, stop, step)`."
+            )
+        if called == "range":
+            return "`range` counts in whole numbers; `np.arange(start, stop, step)` takes any step."
+    return None
+
+
+def own_function_of_python(stop: Stop, found: re.Match[str]) -> str | None:
+    """An argument that numpy's function of the same name takes, and Python's own does not."""
+    name = found[1]
+    return f"`{name}` is Python's own; numpy's takes it: `np.{name}(...)`." if name in _public(np) else None
+
+
+def compared_by_python(stop: Stop, _: re.Match[str]) -> str | None:
+    """Python's `max` or `min` of arrays."""
+    for node in _calls(stop):
+        if isinstance(node.func, ast.Name) and node.func.id in ("max", "min") and node.args:
+            name = node.func.id
+            if len(node.args) == 1:
+                return f"`{name}` is Python's own, and compares rows. Of all entries it is `np.{name}(...)`."
+            handed = ", ".join(map(ast.unparse, node.args))
+            return (
+                f"`{name}` is Python's own, and compares arrays as a whole. Entry by entry: `np.{name}imum({handed})`."
+            )
+    return None
+
+
+def array_for_an_axis(stop: Stop, _: re.Match[str]) -> str | None:
+    """A second array where a function of numpy takes the axis."""
+    for node in _calls(stop):
+        name = ast.unparse(node.func).rpartition(".")[2]
+        if name in _REDUCTIONS and len(node.args) > 1 and stop.shape(node.args[1]):
+            return (
+                f"What comes second in `np.{name}` is a number, and here it is the array "
+                f"`{ast.unparse(node.args[1])}`: `np.{name}` takes one array."
+            )
+    return None
+
+
+def text_for_an_index(stop: Stop, _: re.Match[str]) -> str | None:
+    """A text in the square brackets of an array."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Subscript) and stop.shape(node.value) is not None:
+            parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+            text = next((one for one in parts if _is_text(one, stop)), None)
+            if text is not None:
+                return (
+                    f"`{ast.unparse(node.value)}` is an array, and takes whole numbers; `{ast.unparse(text)}` is a "
+                    "text, which is a key of a dictionary."
+                )
+    return None
+
+
+def not_iterable(stop: Stop, _: re.Match[str]) -> str | None:
+    """A number in the place of what a loop goes through."""
+    head = re.match(r"for\s+\w+\s+in\s+(.+?)\s*:", stop.line)
+    if head is not None:
+        return f"A loop goes through the parts of something: `range({head[1]})` counts from 0 and leaves out {head[1]}."
+    return "It is one number, and what should have parts is a list or an array. (Does a list lack its `[...]`?)"
+
+
+def text_in_a_computation(stop: Stop, _: re.Match[str]) -> str | None:
+    """A text between numbers."""
+    for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow):
+        for side in (node.left, node.right):
+            if _is_text(side, stop):
+                return f"`{ast.unparse(side)}` is a text, and no number: a number stands without quotes."
+    is_text = re.search("'str'|to str|<U", stop.text)
+    return "A text is no number: a number stands without quotes." if is_text else None
+
+
+def without_entries(stop: Stop, _: re.Match[str]) -> str | None:
+    """Square brackets after a function or a number."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Subscript):
+            owner, thing = ast.unparse(node.value), stop.things.get(ast.unparse(node.value))
+            if thing is not None and thing.kind == "number":
+                return f"`{owner}` is one number: it has no entries, and takes no `[...]`."
+            if "method' object" in stop.text or (thing is not None and thing.kind == "function"):
+                return f"`{owner}` is a function: it is called by round brackets, `{owner}(...)`."
+    return None
+
+
+def called_attribute(stop: Stop, _: re.Match[str]) -> str | None:
+    """Round brackets after the shape or the size of an array."""
+    for node in _calls(stop):
+        if isinstance(node.func, ast.Attribute) and node.func.attr in ("shape", "size", "ndim", "T", "Ts", "dtype"):
+            written = ast.unparse(node.func)
+            first = f", and its first number `{written}[0]`" if node.func.attr == "shape" else ""
+            return f"It is no function, and takes no round brackets: `{written}`{first}."
+    return None
+
+
+def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
+    """A call with other arguments than the function takes: of a library's function, or by the check."""
+    if found[1] == "subplot":
+        return "A figure with two axes is made by `plt.subplots(2, 1)`, with an s at the end."
+    if not stop.line:
+        return (
+            "The call and the first line of the function differ. The check calls it with the arguments of the "
+            "question, in their order."
+        )
+    for node in _calls(stop):
+        written = ast.unparse(node.func)
+        if isinstance(node.func, ast.Attribute) and node.func.attr == found[1]:
+            if written == "np.array":
+                handed = ", ".join(map(ast.unparse, node.args))
+                return f"The numbers of an array are handed over together, in a list: `np.array([{handed}])`."
+            return f"Which arguments it takes, and in which order, `help({written})` tells."
+    missing = re.search(r"missing \d+ required positional arguments?: (.+)", stop.text)
+    if missing is None:
+        return None
+    names = re.sub("'", "`", missing[1])
+    return f"The first line of `{found[1]}` has {names}, too: hand over as many as it has, in its order."
+
+
+def _calls(stop: Stop) -> Iterator[ast.Call]:
+    yield from (node for node in stop.expressions() if isinstance(node, ast.Call))
+
+
+def _owner_of(stop: Stop, name: str) -> str:
+    """What stands before the dot and that name; empty if it is not in the line."""
+    owners = (ast.unparse(n.value) for n in stop.expressions() if isinstance(n, ast.Attribute) and n.attr == name)
+    return next(owners, "")
+
+
+def _drawn(kind: str) -> object:
+    """matplotlib's class of that name, where it has been imported."""
+    return getattr(sys.modules.get(f"matplotlib.{kind.lower()}"), kind, None)
+
+
+def _is_text(node: ast.expr, stop: Stop) -> bool:
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, str)
+    thing = stop.things.get(ast.unparse(node))
+    return thing is not None and thing.kind == "text"
+
+
+def _public(thing: object) -> list[str]:
+    return [name for name in dir(thing) if not name.startswith("_")]

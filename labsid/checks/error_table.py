@@ -1,0 +1,325 @@
+"""Python's errors that are explained: which they are, and what explains each."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from labsid.checks.call_causes import (
+    array_for_an_axis,
+    called_attribute,
+    compared_by_python,
+    missing_axis,
+    no_steps,
+    not_iterable,
+    own_function_of_python,
+    text_for_an_index,
+    text_in_a_computation,
+    unknown_in_a_figure,
+    unknown_in_a_module,
+    unknown_in_a_number,
+    unknown_in_an_array,
+    unknown_property,
+    without_entries,
+    wrong_arguments,
+)
+from labsid.checks.causes import (
+    beyond_the_end,
+    called_array,
+    field_of_a_dictionary,
+    reshaped,
+    rows_by_a_vector,
+    several_indices,
+    time_and_input,
+    too_many_indices,
+    truth_of_an_array,
+    unequal_columns,
+    unequal_lengths,
+    unknown_key,
+    unpacked,
+)
+from labsid.checks.matrix_causes import (
+    entry_by_entry,
+    flat_matrix,
+    flat_state_space,
+    not_square,
+    number_in_a_product,
+    product_without_inverse,
+    unfit_product,
+    unfit_right_side,
+)
+from labsid.checks.stops import Stop
+
+Cause = Callable[[Stop, re.Match[str]], str | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """A kind of error.
+
+    Attributes
+    ----------
+    kind, text : str
+        Patterns of its kind and of its message.
+    cause : str or callable
+        What causes it; a function may return None, and the next translation is tried.
+    """
+
+    kind: str
+    text: str
+    cause: str | Cause
+
+
+_FLAT_BESIDE_COLUMN = (
+    "One is a column, (N, 1), and one is flat, (N,). Make them alike: `.reshape(-1, 1)` makes "
+    "a column, `.ravel()` a flat "
+    "array. (`np.column_stack` takes both.)"
+)
+_WHOLE = "An index, a size or a count must be a whole number: `/` always gives a float, `//` a whole number."
+
+TABLE: tuple[Translation, ...] = (
+    Translation("ValueError", "could not be broadcast together", entry_by_entry),
+    Translation("ValueError", "could not be broadcast together", rows_by_a_vector),
+    Translation("ValueError", "could not be broadcast together", unequal_lengths),
+    Translation("ValueError", r"solve1?: .*mismatch in its core dimension", unfit_right_side),
+    Translation("ValueError", "does not have enough dimensions", number_in_a_product),
+    Translation(
+        "ValueError",
+        r"filter coefficient a\[0\]",
+        "`lfilter(b, a, x)` has the numerator first; the denominator begins with a number other "
+        "than zero. Are they swapped?",
+    ),
+    Translation("ValueError", r"mismatch in its core dimension|not aligned", unfit_product),
+    Translation("LinAlgError", "[Ss]ingular matrix", product_without_inverse),
+    Translation("LinAlgError", "must be square", not_square),
+    Translation("LinAlgError", "must be (at least )?two-dimensional", flat_matrix),
+    Translation(
+        "LinAlgError",
+        "did not converge",
+        "There is a nan or an inf in it: print `np.isfinite(...)` of each part. (The logarithm and the root of a "
+        "negative number are nan.)",
+    ),
+    Translation("ControlDimension", r"state-space matrix|dimensions of [ABCD] matrix", flat_state_space),
+    Translation("LinAlgError", "Incompatible dimensions", "`lstsq(A, b)`: A and b must have the same number of rows."),
+    Translation("IndexError", r"index (\d+) is out of bounds for axis \d+ with size (\d+)", beyond_the_end),
+    Translation("IndexError", "too many indices", too_many_indices),
+    Translation(
+        "IndexError", "list index out of range", "Python counts from 0: a list of 2 has the entries `[0]` and `[1]`."
+    ),
+    Translation("AttributeError", r"'dict' object has no attribute '(\w+)'", field_of_a_dictionary),
+    Translation(
+        "AttributeError",
+        "'list' object has no attribute 'split'",
+        'It takes one text, with commas between the names, such as "x1,x2", and no list.',
+    ),
+    Translation(
+        "ValueError",
+        "not a valid value for color",
+        'A colour is a name in quotes, "red" or "tab:blue", or three numbers from 0 to 1: divide 0 to 255 by 255.',
+    ),
+    Translation(
+        "AttributeError", "'list' object has no attribute", "A list is no array: make one of it with `np.array(...)`."
+    ),
+    Translation("AttributeError", "'NoneType' object", "It is nothing (None): a function without `return` gives that."),
+    Translation(
+        "AttributeError",
+        r"module 'numpy' has no attribute '(inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd|matrix_rank)'",
+        lambda stop, found: f"It is in numpy's part for linear algebra: `np.linalg.{found[1]}`.",
+    ),
+    Translation(
+        "AttributeError", "'numpy.ndarray' object has no attribute 'append'", "Use `np.append(y, value)`, or a list."
+    ),
+    Translation("AttributeError", r"'numpy.ndarray' object has no attribute '(\w+)'", unknown_in_an_array),
+    Translation("AttributeError", r"'(?:int|float|numpy\.\w+)' object has no attribute '(\w+)'", unknown_in_a_number),
+    Translation(
+        "KeyError",
+        r"^\d+$",
+        "It is no array: its parts have names. Of what scipy's `least_squares` returns, `.x` is the solution.",
+    ),
+    Translation("KeyError", "(.*)", unknown_key),
+    Translation(
+        "UnknownColumns",
+        "no columns t,u,y",
+        "The names do not say which columns are inputs and which outputs: "
+        '`load_record(file, inputs="...", outputs="...")`.',
+    ),
+    Translation("AttributeError", "module 'numpy' has no attribute 'ln'", "The natural logarithm is `np.log`."),
+    Translation("AttributeError", r"module '([\w.]+)' has no attribute '(\w+)'", unknown_in_a_module),
+    Translation("AxisError", r"axis (-?\d+) is out of bounds for array of dimension (\d+)", missing_axis),
+    Translation("TypeError", r"invalid keyword argument for (\w+)\(\)", own_function_of_python),
+    Translation("TypeError", "only integer scalar arrays can be", array_for_an_axis),
+    Translation("TypeError", "'(?:int|float|numpy.float64)' object is not iterable", not_iterable),
+    Translation(
+        "TypeError",
+        r"object of type '(?:int|float|numpy\.\w+)' has no len\(\)|len\(\) of unsized object",
+        "It is one number, which has no length.",
+    ),
+    Translation(
+        "TypeError",
+        "__round__ method",
+        "`round` is Python's own, for one number; of an array it is `np.round(...)`.",
+    ),
+    Translation(
+        "TypeError|UFuncTypeError|UFuncNoLoopError",
+        r"unsupported operand .*'str'|concatenate str|not supported for the input types|dtype\('<U",
+        text_in_a_computation,
+    ),
+    Translation(
+        "TypeError",
+        "unsupported operand .*'(?:function|builtin_function_or_method|method)'",
+        "A function itself is no number: call it, with its arguments in brackets.",
+    ),
+    Translation("ValueError", r"cannot reshape array of size (\d+) into shape (.*)", reshaped),
+    Translation(
+        "ValueError",
+        "must have same first dimension",
+        "The two vectors of a curve need the same length: cut both alike.",
+    ),
+    Translation(
+        "ValueError",
+        "x and y must be the same size",
+        "The two vectors of a curve need the same length: cut both alike.",
+    ),
+    Translation(
+        "ValueError",
+        "weights should have the same shape",
+        "Each frequency or sample needs one weight. `np.fft.rfft(e)` has len(e) // 2 + 1 values, as many as "
+        "`np.fft.rfftfreq(len(e), Ts)`.",
+    ),
+    Translation("ValueError", "Parameter `?[TU]`?", time_and_input),
+    Translation(
+        "ValueError",
+        "Parameter `?[TU]`?",
+        "What comes second in `ct.forced_response(system, ...)` is the time, not the input. Name the input: "
+        "`ct.forced_response(G, inputs=u)`.",
+    ),
+    Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
+    Translation("ValueError", "must match exactly", unequal_columns),
+    Translation(
+        "ValueError",
+        "inhomogeneous",
+        "What should be numbers is a list or tuple of parts of different lengths. Often here: is it all that a "
+        "function returns, such as `np.linalg.lstsq` or `np.histogram`, of which `[0]` is meant?",
+    ),
+    Translation(
+        "ValueError",
+        "x not in list",
+        "It has been removed already. After a `remove`, leave the inner loop: `break`.",
+    ),
+    Translation(
+        "ValueError",
+        "need at least one array",
+        "The list of arrays is empty. Often here: does its `range` end too early? `range(1, n)` leaves out n.",
+    ),
+    Translation("TypeError|IndexError", "slice indices must be integers|only integer", several_indices),
+    Translation(
+        "ValueError",
+        "setting an array element with a sequence",
+        "One entry is set to a whole array: take one number, `[k]`.",
+    ),
+    Translation("ValueError", "truth value of an array", compared_by_python),
+    Translation("ValueError", "truth value of an array", truth_of_an_array),
+    Translation("ValueError|TypeError", "values to unpack|cannot unpack", unpacked),
+    Translation(
+        "TypeError|AttributeError",
+        r"'(?:Text|XAxis|YAxis)' object is not callable|'Axes' object has no attribute '(?:xlabel|ylabel|xlim|ylim)'",
+        'Axes are set by methods that begin with `set_`: `ax.set_title("...")`, '
+        '`ax.set_xlabel("...")`, `ax.set_xlim(0, 1)`.',
+    ),
+    Translation("TypeError", "object is not callable", called_attribute),
+    Translation("TypeError", r"object is not callable", called_array),
+    Translation("TypeError", r"bitwise_xor|for \^", "`^` is no power in Python: write `**`, as in `e**2`."),
+    Translation(
+        "TypeError",
+        "indices must be integers or slices, not str",
+        "It is a list, so it takes a number first: `[0]` is its first entry.",
+    ),
+    Translation(
+        "TypeError",
+        "list indices must be integers or slices, not tuple",
+        "A list takes one index. For `[:, 1]` make an array of it: `np.array(...)`.",
+    ),
+    Translation("IndexError", "only integer", text_for_an_index),
+    Translation("TypeError", "cannot be interpreted as an integer", no_steps),
+    Translation(
+        "TypeError|IndexError",
+        r"cannot be interpreted as an integer|must be integers|only integer|arrays used as indices|"
+        r"a single integer, got '-?\d+\.",
+        _WHOLE,
+    ),
+    Translation(
+        "TypeError",
+        "not supported between instances of '(?:EigResult|SVDResult|tuple|list)'",
+        "It holds several results: take one of them, such as `[0]`, before you compare.",
+    ),
+    Translation(
+        "TypeError",
+        "construct a dtype from an array",
+        "Hand the arrays over together, in a list: `np.column_stack([a, b])`.",
+    ),
+    Translation(
+        "ValueError",
+        'Size mismatch between "values" and "edges"',
+        'MATLAB\'s `stairs` is `ax.step(t, y, where="post")`; `ax.stairs` takes the edges of the steps.',
+    ),
+    Translation(
+        "ValueError",
+        "Needs 1, 2, or 3 arguments; received",
+        "`ct.tf(num, den, Ts)` takes two lists of coefficients, `[1, 2]`, and the sampling time.",
+    ),
+    Translation("AttributeError", r"'(Axes|Figure)' object has no attribute '(\w+)'", unknown_in_a_figure),
+    Translation("AttributeError", r"set\(\) got an unexpected keyword argument '(\w+)'", unknown_property),
+    Translation(
+        "TypeError",
+        "Cannot interpret '.*' as a data type",
+        "The shape is one argument, in brackets of its own: `np.zeros((3, 4))`.",
+    ),
+    Translation(
+        "TypeError",
+        r"(?:(?:column_|[hv])?stack|concatenate)\(\) (?:takes .* positional|got)|_dispatcher\(\) takes .* positional",
+        "Hand the arrays over together, in a list: `np.column_stack([a, b])`.",
+    ),
+    Translation(
+        "TypeError",
+        "only .*length-1 arrays|only 0-dimensional arrays",
+        "The function takes one number; numpy's, `np.sin` for example, takes arrays.",
+    ),
+    Translation(
+        "TypeError",
+        r"can't multiply sequence|concatenate list|unsupported operand type\(s\) for .*'list'",
+        "A list does not compute: make an array of it, `np.array(...)`.",
+    ),
+    Translation(
+        "TypeError",
+        "unsupported operand .*NoneType|'NoneType' object is not",
+        "Something is nothing (None): a function without `return` gives that.",
+    ),
+    Translation("TypeError", "is not subscriptable", without_entries),
+    Translation(
+        "TypeError",
+        "is not subscriptable",
+        ("It has no entries, so it takes no `[...]`: is it one number, or a function without its `(...)`?"),
+    ),
+    Translation("TypeError", r"(\w+)\(\) (?:missing|takes|got)", wrong_arguments),
+    Translation(
+        "TypeError",
+        r"(\w+)\(\) (missing|takes|got)",
+        "The call and the first line of the function differ: compare their arguments, one by one.",
+    ),
+    Translation(
+        "UnboundLocalError",
+        "'(\\w+)'",
+        lambda stop, found: (
+            f"`{found[1]}` is assigned in this function, so it is the function's own, and it has no "
+            f"value yet in this line: give it one first, or hand it over."
+        ),
+    ),
+    Translation("ZeroDivisionError", "", "Something is divided by zero: print the denominator."),
+    Translation("ModuleNotFoundError", "", "Use the packages that the first cell imports; grading has no others."),
+    Translation("RecursionError", "", "A function calls itself without end."),
+    Translation(
+        "MemoryError",
+        "",
+        ("An array is far too large. Often here: a column (N, 1) and a flat array (N,) make a table of N by N."),
+    ),
+)
+"""In order: the first that matches and knows a cause."""
