@@ -15,7 +15,7 @@ from labsid.gap.fits.floor import digit_steps, is_printed, with_floor
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.log_rounding import log_rounding_error
-from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
+from labsid.gap.fits.residual_tests import SLOW_CORRELATION, comes_and_goes, slow_autocorrelation
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import BLOCKS, held_out_samples
 from labsid.gap.record.sample_faults import (
@@ -305,7 +305,11 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
     if len(path) > 1:  # what a law that is not quite right leaves of an effect is slow, too
         coloured &= floor - white > MIN_SHARE_OF_GAP**2 * mean_square(clean, path[0])
     if (
-        coloured and noise_is_slow(best) and floor > ROUNDING_RATIO * rounding and not wanders
+        coloured
+        and noise_is_slow(best)
+        and floor > ROUNDING_RATIO * rounding
+        and not wanders
+        and not comes_and_goes(e[clean.rows], best.noise)
     ):  # drift and rounding leave a slow residual, too
         logged = log_rounding_error(clean, best)
         if not logged or floor > LOGGED_RATIO * logged + white:
