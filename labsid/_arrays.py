@@ -47,9 +47,9 @@ def window_sums(x: FloatArray, length: int) -> FloatArray:
     return np.asarray(total[length:] - total[: total.size - length])
 
 
-def lagged_columns(x: FloatArray, at: NDArray[Any], lags: int) -> FloatArray:
-    """The `lags` samples of a signal before each index of `at`, the latest first, shape (len(at), lags)."""
-    return np.column_stack([x[at - lag] for lag in range(1, lags + 1)])
+def lagged_columns(x: FloatArray, at: NDArray[Any], lags: int, stride: int = 1) -> FloatArray:
+    """The `lags` samples before each index of `at`, `stride` apart, the latest first, shape (len(at), lags)."""
+    return np.column_stack([x[at - lag * stride] for lag in range(1, lags + 1)])
 
 
 def left_by(columns: FloatArray, target: FloatArray, dependent: float) -> tuple[FloatArray, int]:

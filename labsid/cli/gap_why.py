@@ -19,7 +19,7 @@ EVIDENCE = {
     "colour": "residual slower than white noise",
     "repeats": "residual repeats with the input",
     "activity": "its size repeats with the input",
-    "tails": "residual has outliers",
+    "tails": "residual has outliers, or comes and goes",
     "short": "gap left on held-out samples",
     "several": "1 for two effects or more",
     "coloured": "1 for coloured noise beside effects",

@@ -393,11 +393,11 @@ def _prepare(
     record, holdout = between_outputs(record), None if holdout is None else between_outputs(holdout)
     record, holdout = _common_sampling_time(record, holdout, simulation)
     findings = clock_findings(record, holdout)
-    slow: tuple[str, ...] = ()
-    if simulation is None:
-        (record, *rest), slow = at_readings([record] if holdout is None else [record, holdout])
-        holdout = rest[0] if rest else None
-    _refuse_sparse(record)
+    both = [record] if holdout is None else [record, holdout]
+    (record, *rest), stride, slow = at_readings(both, is_given=simulation is not None)
+    holdout = rest[0] if rest else None
+    if stride == 1:
+        _refuse_sparse(record)
     gaps, record = _without_gaps(record)
     other_gaps: _Times = ()
     if holdout is not None:
@@ -406,7 +406,7 @@ def _prepare(
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     findings += _compared(record, simulation)
-    whole, shortened = record, shorten_record(record, simulation)
+    whole, shortened = record, shorten_record(record, simulation, stride=stride)
     record, simulation, notes = shortened.record, shortened.simulation, slow + shortened.notes
     if holdout is not None:
         holdout, more = shorten_holdout(holdout, shortened.every)
@@ -419,6 +419,7 @@ def _prepare(
     measured = _measured(record, gaps)
     rows = _included(record, exclude, measured)
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
+    data = replace(data, stride=stride)
     base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
@@ -449,7 +450,7 @@ def _prepare_several(
     ]
     slow: tuple[str, ...] = ()
     if simulation is None:
-        records, slow = at_readings(records)
+        records, _, slow = at_readings(records, longest=0)
     gaps, records = zip(*map(_without_gaps, records), strict=True)
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
@@ -485,19 +486,18 @@ def _report(
                 record.u, record.y, np.asarray(data.y_scale.back(fitted.output)), answer.outputs[1], data.rows
             )
         )
-        found = findings_from_record(prepared.whole, plateau)
+        found = findings_from_record(_at_readings_only(prepared.whole, data.stride), plateau)
     else:
         inside = joined.inside
         found, plateau = findings_by_record(joined, answer.outputs, data.rows)
-    y = np.where(inside & prepared.measured, record.y, answer.outputs[0])  # no error where nothing is measured
-    record = Record(record.t, record.u, y, record.Ts, name=record.name)
+    shown, y = data.until_next(prepared.measured), record.y
+    known = np.where(inside & prepared.measured, y, answer.outputs[0])  # no error where nothing is measured
+    record = Record(record.t, record.u, known, record.Ts, name=record.name)
     report = build_report(record, answer, base, rng, holdout)
     if joined is not None:
         report["records"] = score_by_record(joined, data, answer.score, answer.start)
     before, after = (output[inside] for output in answer.outputs)
-    report["traces"] = figure_traces(
-        record.t[inside], record.u[inside], record.y[inside], before, after, prepared.measured[inside]
-    )
+    report["traces"] = figure_traces(record.t[inside], record.u[inside], y[inside], before, after, shown[inside])
     found += about_correction(report["gap"]["corrected"], MOST_CORRECTED)
     findings = [*prepared.findings, *found, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
@@ -505,15 +505,22 @@ def _report(
     report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*prepared.notes, *report["screen"]]
     report["findings"] = listed_findings(findings, report["screen"])
-    report["holdout_traces"] = None
+    report["holdout_traces"], there = None, None
     if holdout is not None:
         before, after = (np.asarray(data.y_scale.back(output)) for output in answer.score.outputs)
-        shown = prepared.holdout_measured
-        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after, shown)
-    measured = (prepared.measured, prepared.holdout_measured)
-    report["replay"] = None if stabilised else replay_content(record, inside, measured, answer, holdout)
+        there = None if prepared.holdout_measured is None else data.until_next(prepared.holdout_measured)
+        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after, there)
+    report["replay"] = None if stabilised else replay_content(record, inside, (shown, there), answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model, explain_verdict(answer) if why else None)
+
+
+def _at_readings_only(record: Record, stride: int) -> Record:
+    """The record at the readings of a slow sensor."""
+    if stride == 1:
+        return record
+    rows = slice(None, None, stride)
+    return Record(record.t[rows], record.u[rows], record.y[rows], stride * record.Ts, name=record.name)
 
 
 def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:
@@ -564,6 +571,11 @@ def _measured_holdout(holdout: Record, gaps: _Times) -> np.ndarray:
 def _included(record: Record, exclude: _Times, measured: np.ndarray) -> np.ndarray:
     """Mask of the samples with an output outside the excluded time ranges."""
     rows = measured & included_samples(record.t, exclude)
+    if measured.sum() < MIN_SAMPLES:
+        raise ValueError(
+            f"the output of the record has {measured.sum()} readings; a diagnosis needs at least {MIN_SAMPLES}. Use a "
+            "longer record."
+        )
     if rows.sum() < MIN_SAMPLES:
         raise ValueError(f"--exclude leaves {rows.sum()} samples; at least {MIN_SAMPLES} are needed.")
     return rows

@@ -77,8 +77,8 @@ def missing_note(y: FloatArray, t: FloatArray | None, name: str = "y") -> tuple[
     if t is not None and t.size == y.size and known.size > 2 and apart.size == 1 and apart[0] > 1:
         step = float(t[known[1]] - t[known[0]])
         return (
-            f"{name} has a reading at one sample in {apart[0]} only; the diagnosis of one output uses the mean of the "
-            f"input between them, and several outputs need one rate: --resample {step:.9g}",
+            f"{name} has a reading at one sample in {apart[0]} only: a simulation is compared at these; several "
+            f"outputs need one rate (--resample {step:.9g})",
         )
     return (
         f"{name} is missing in {missing.sum()} of {y.size} samples ({name_places(stretches(missing))}); these are "

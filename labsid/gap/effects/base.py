@@ -309,7 +309,7 @@ class Fitted:
         """
         if size < MAX_RANGES * self.range:
             return True
-        if not has_controller(self.data.u, self.data.y):
+        if not has_controller(*self.data.sampled):
             return False
         rest = (self.output - added)[self.data.rows]
         return size < MAX_RANGES * float(np.ptp(rest))

@@ -61,7 +61,7 @@ def estimate_direct_term(data: Data) -> DirectTerm:
     """
     new_u, new_y, free = innovations(data)
     power = float(new_u @ new_u)
-    if power < DEPENDENT * new_u.size or free < LAGS or feedback_statistic(data.u, data.y) > FEEDBACK_F:
+    if power < DEPENDENT * new_u.size or free < LAGS or feedback_statistic(*data.sampled) > FEEDBACK_F:
         return DirectTerm(0.0, np.inf)
     jumps = np.abs(new_u) > JUMP * np.median(np.abs(new_u))
     if np.sum(new_u[jumps] ** 2) > 0.5 * power:

@@ -10,7 +10,7 @@ from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.fits.fast_least_squares import RIDGE, scaled_gram, solve_least_squares, solve_positive_definite
 from labsid.gap.fits.hypothesis import Design, Hypothesis
 from labsid.gap.fits.known_scales import implied_count, known_bounds, known_gains, known_values
-from labsid.gap.fits.noise_model import Noise, fit_noise
+from labsid.gap.fits.noise_model import Noise, noise_of
 from labsid.gap.record.data import Data
 
 UNFILTERED = np.zeros(0)
@@ -115,7 +115,8 @@ class Problem:
         counted = data.rows
         if ar.size:  # the filter sees zeros before the record: its first rows determine the initial state
             counted = data.complete.copy()
-            counted[: data.lags] = data.rows[: data.lags].all()
+            begun = data.lags * data.stride
+            counted[:begun] = data.rows[:begun] if data.rows[: begun : data.stride].all() else False
         self.rows = slice(None) if counted.all() else np.flatnonzero(counted)
         self.count = int(counted.sum())
         self.has_sensor = bool(hypothesis.outputs)
@@ -276,7 +277,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     `Data.by_free_run` then adds the power of the free-run error, weighted by its number of independent samples.
     """
     e = data.y - point.output
-    noise = fit_noise(e, data.complete, data.lags)
+    noise = noise_of(data, e)
     theta, undetermined = hypothesis.completed(point.theta, data.u)
     fixed = hypothesis.plant.follows or hypothesis.plant.stabilised
     known = known_gains(data, hypothesis).size * fixed + len(known_values(data, hypothesis))

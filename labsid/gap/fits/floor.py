@@ -78,11 +78,11 @@ def with_floor(data: Data) -> Data:
     Data
     """
     digits = 0.0
-    for signal, scale in ((data.u, data.u_scale), (data.y, data.y_scale)):
+    for signal, scale in ((data.u, data.u_scale), (data.readings(data.y), data.y_scale)):
         values = np.asarray(scale.back(signal))
         step = digit_step(values)
         digits += (step / scale.unit) ** 2 if step < PRINTED * np.ptp(values) else 0.0
-    _, new, free = innovations(data)
+    _, new, free = innovations(data.at_readings())
     if free <= 0 or new @ new > free * NOISY**2 * digits:
         digits = 0.0
     floor = float(np.hypot(SIMULATION_ERROR, DITHER * np.sqrt(digits)))

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.noise_model import Noise
 from labsid.gap.record.data import Data
 
 FOLDS = 5  # of the cross-validated prediction of the residual from past inputs
@@ -18,6 +19,7 @@ MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits
 MAX_LAG = 25  # samples: largest lag of the autocorrelation
 MIN_PAIRS = 100  # samples per lag
 SLOW_LAG = 6  # samples after which sensor noise is uncorrelated
+BURSTS = 6.0  # standard errors of the kurtosis of Gaussian noise, above which a residual comes and goes
 SLOW_CORRELATION = 0.3  # autocorrelation after `SLOW_LAG` samples of a slow residual
 
 
@@ -42,7 +44,7 @@ class ResidualMeasures:
     activity, activity_z : float
         The same two of the absolute residual: the size of noise does not depend on the input.
     tails : float
-        Kurtosis of the innovations; 3 for a normal distribution.
+        Kurtosis of the innovations, or of a residual that comes and goes; 3 for a normal distribution.
     """
 
     rms: float
@@ -89,13 +91,13 @@ def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
     return ResidualMeasures(
         rms=float(np.sqrt(power)),
         colour=float(np.sqrt(power / innovation)),
-        slow=slow_autocorrelation(e, rows),
+        slow=slow_autocorrelation(data.readings(e), data.readings(rows)),
         explained=explained_share(data, fit, e),
         repeats=repeats,
         repeats_z=repeats_z,
         activity=activity,
         activity_z=activity_z,
-        tails=float(np.mean(white**4)),
+        tails=max(float(np.mean(white**4)), _kurtosis(e[rows]) if comes_and_goes(e[rows], fit.noise) else 0.0),
     )
 
 
@@ -106,6 +108,27 @@ def _within_limits(data: Data, fit: Fit) -> Data:
     design = fit.hypothesis.design(fit.theta, data.u)
     rows = data.rows & fit.hypothesis.within_limits(fit.theta, fit.gains, design)
     return replace(data, rows=rows) if rows.sum() > MIN_UNLIMITED_SHARE * data.rows.sum() else data
+
+
+def comes_and_goes(e: FloatArray, noise: Noise) -> bool:
+    """Whether a residual is large in a few stretches and small elsewhere, as noise from one source is not.
+
+    The kurtosis of N samples of Gaussian noise with the pole p has the variance 24 (1 + p^4)/(1 - p^4)/N (Lomnicki,
+    Z. angew. Math. Mech. 41 (1961) 37-62).
+
+    Parameters
+    ----------
+    e : ndarray, shape (N,)
+    noise : Noise
+    """
+    fourth = min(noise.pole**4, 1.0 - 1e-9)
+    stderr = float(np.sqrt(24.0 * (1.0 + fourth) / (1.0 - fourth) / e.size))
+    return _kurtosis(e) > 3.0 + BURSTS * stderr
+
+
+def _kurtosis(e: FloatArray) -> float:
+    x = e - e.mean()
+    return float(np.mean(x**4) / max(float(np.mean(x**2)) ** 2, 1e-300))
 
 
 def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:

@@ -73,7 +73,8 @@ def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None
     gain : float
         Of the actuator, to the output at rest with the feedback; both are scaled.
     """
-    if gain_from_past(data.y, data.u) < FEEDBACK_F or is_relay(data.u, data.y):
+    u, y = data.sampled
+    if gain_from_past(y, u) < FEEDBACK_F or is_relay(u, y):
         return None  # without a controller an unstable rig would have run away, and a relay hardly holds one
     best = _best_equation(data)
     if best is None:

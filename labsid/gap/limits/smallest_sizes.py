@@ -1,6 +1,6 @@
 """The smallest size at which each effect is visible, named, and not excluded by a record."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -106,9 +106,7 @@ def find_smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = Tru
     margins = _Margins.of(data, fit)
     rivals = Rivals([one.trace for one in sown]) if sown else None
     starts = dict(zip(sown, rivals.starts, strict=False)) if rivals else {}
-    found = [
-        _limits(row, rivals, starts[row[0]], margins, refit if measured else None) for row in rows.values() if rivals
-    ]
+    found = [_limits(row, rivals, starts, margins, refit if measured else None) for row in rows.values() if rivals]
     missing = [
         Limits(name, "", "", "", None, None, None, {}, None, {}, reason) for name, reason in _missing(data, fit, rows)
     ]
@@ -212,10 +210,12 @@ def _refitted(points: list[_Change], refit: Refit) -> list[_Change]:
     return found
 
 
-def _limits(row: list[_Sown], rivals: Rivals, start: int, margins: _Margins, refit: Refit | None) -> Limits:
-    """The limits of one parameter of an effect; the first form and place of the row states them."""
-    first = row[0]
-    trace = first.trace
+def _limits(
+    row: list[_Sown], rivals: Rivals, starts: Mapping[_Sown, int], margins: _Margins, refit: Refit | None
+) -> Limits:
+    """The limits of one parameter of an effect; the first form and place of the row that is visible states them."""
+    first = next((one for one in row if _crossing(one.trace, _seen(one.trace, margins)) is not None), row[0])
+    trace, start = first.trace, starts[first]
     seen = _seen(trace, margins)
     others = rivals.names != trace.name
     known, nearest = np.zeros(seen.size), np.full(seen.size, -1)

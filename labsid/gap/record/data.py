@@ -1,6 +1,6 @@
 """The record as the search uses it: scaled, time in samples, with the rows that the fits may use."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from labsid._arrays import FloatArray
 
 MAX_LAGS = 8  # of the model of the noise
 MIN_COMPLETE_SHARE = 0.1  # of the rows that count, with all lags
+MIN_COMPLETE = 20  # rows with all lags
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +57,10 @@ class Data:
         With several records, joined end to end: first sample of each and the one after its last; else empty.
     at_input : bool
         Whether the search tries effects at the input only.
+    stride : int
+        Samples from one reading of a slow sensor to the next, which are the rows.
     lags : int
-        The longest autoregression that the noise may have.
+        The longest autoregression that the noise may have, in readings.
     complete : ndarray of bool, shape (N,)
         Rows that count together with so many before them.
     """
@@ -73,17 +76,42 @@ class Data:
     lattice: float = 0.0
     pieces: tuple[tuple[int, int], ...] = ()
     at_input: bool = False
+    stride: int = 1
     lags: int = field(init=False, repr=False)
     complete: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "lags", usable_lags(self.rows))
-        object.__setattr__(self, "complete", complete_rows(self.rows, self.lags))
+        object.__setattr__(self, "lags", usable_lags(self.rows, self.stride))
+        object.__setattr__(self, "complete", complete_rows(self.rows, self.lags, self.stride))
 
     @property
     def samples(self) -> int:
         """N."""
         return int(self.u.size)
+
+    def readings(self, values: np.ndarray) -> np.ndarray:
+        """Values or marks of all samples, at the readings of the sensor: all of them but for a slow one."""
+        return values[:: self.stride]
+
+    def among_samples(self, marks: np.ndarray) -> np.ndarray:
+        """Marks of the readings, as marks of all samples."""
+        all_marks = np.zeros(self.samples, bool)
+        all_marks[:: self.stride] = marks
+        return all_marks
+
+    def until_next(self, marks: np.ndarray) -> np.ndarray:
+        """Marks of readings, also at the samples up to the next one."""
+        return np.repeat(self.readings(marks), self.stride)[: marks.size]
+
+    @property
+    def sampled(self) -> tuple[FloatArray, FloatArray]:
+        """Input and output at the readings of the sensor."""
+        return self.readings(self.u), self.readings(self.y)
+
+    def at_readings(self) -> "Data":
+        """The record at the readings of the sensor alone."""
+        u, y = self.sampled
+        return replace(self, u=u, y=y, rows=self.readings(self.rows), Ts=self.stride * self.Ts, stride=1)
 
     @property
     def longest(self) -> int:
@@ -129,18 +157,19 @@ def _spread(values: FloatArray) -> float:
     return span * float(np.std(values / span))
 
 
-def usable_lags(rows: np.ndarray) -> int:
+def usable_lags(rows: np.ndarray, stride: int = 1) -> int:
     """Largest order of the noise model: `MAX_LAGS`, or less if too few rows have as many counted rows before them."""
     lags = MAX_LAGS
-    while lags > 1 and complete_rows(rows, lags).sum() < MIN_COMPLETE_SHARE * rows.sum():
+    least = max(MIN_COMPLETE_SHARE * rows.sum(), MIN_COMPLETE)
+    while lags > 1 and complete_rows(rows, lags, stride).sum() < least:
         lags //= 2
     return lags
 
 
-def complete_rows(rows: np.ndarray, lags: int = MAX_LAGS) -> np.ndarray:
-    """Rows that count together with the `lags` rows before them."""
+def complete_rows(rows: np.ndarray, lags: int = MAX_LAGS, stride: int = 1) -> np.ndarray:
+    """Rows that count together with the `lags` rows before them, each `stride` samples before the next."""
     complete = rows.copy()
-    complete[:lags] = False
-    for lag in range(1, lags + 1):
+    complete[: lags * stride] = False
+    for lag in range(stride, lags * stride + 1, stride):
         complete[lag:] &= rows[:-lag]
     return complete

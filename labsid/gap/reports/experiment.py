@@ -56,11 +56,11 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         y = first.hypothesis.output(first.theta, first.gains, u)
         if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # outside the range of the record
             continue
-        applied = replace(data, u=u, y=y, rows=np.ones(samples, bool))
+        applied = replace(data, u=u, y=y, rows=np.arange(samples) % data.stride == 0)
         point = minimize(applied, second.hypothesis, second.theta, second.gains, iterations=10)
         if point is None:
             continue
-        margin = samples * float(np.log1p(point.cost / noise))
+        margin = int(applied.rows.sum()) * float(np.log1p(point.cost / noise))
         if best is None or margin > best.margin:
             names = ("+".join(first.hypothesis.names), "+".join(second.hypothesis.names))
             best = Experiment(names, why, np.asarray(data.u_scale.back(u)), margin)

@@ -60,8 +60,8 @@ def build_report(
     dict
         JSON-ready, in the layout ``labsid.gap/4``.
     """
-    explanation, decision, score = answer.explanation, answer.decision, answer.score
-    unit = explanation.data.y_scale.unit
+    explanation, decision, score, data = answer.explanation, answer.decision, answer.score, answer.explanation.data
+    unit = data.y_scale.unit
     numbers = estimate_numbers(explanation.data, explanation.best)
     effects = _effects(answer, numbers)
     t, u, y, e = _located(record, answer, holdout)
@@ -75,7 +75,7 @@ def build_report(
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
             "time": location.share_by_time(t, e, record.Ts, _acting_samples(answer, t.size)),
-            "band_hz": location.share_by_frequency(e, record.Ts),
+            "band_hz": location.share_by_frequency(data.readings(e), data.stride * record.Ts),
             "operating": location.most_uneven_signal(u, y, record.Ts, e),
             "map": location.operating_map(u, y, e),
         },
@@ -87,7 +87,7 @@ def build_report(
             "corrected": answer.corrected,
             "closed": score.closed,
             "ci95": None if score.ci95 is None else list(score.ci95),
-            "holdout": _stretches(holdout or record, score.scored),
+            "holdout": _stretches(holdout or record, data.until_next(score.scored)),
         },
         "noise": {
             "sd": float(np.sqrt(np.mean((explanation.data.y - explanation.best.output)[explanation.data.rows] ** 2)))
@@ -216,17 +216,15 @@ def _sample_parameters(explanation: Explanation, name: str) -> dict[str, dict[st
     faults, data = explanation.faults, explanation.data
     exact = {"stderr": 0.0}
     if name == "output-dropout":
-        return {"share": {"value": float(faults.held.mean()), "unit": "1", **exact}}
+        return {"share": {"value": float(data.readings(faults.held).mean()), "unit": "1", **exact}}
     if name == "output-outliers":
-        return {"share": {"value": float(faults.spikes.mean()), "unit": "1", **exact}}
+        return {"share": {"value": float(data.readings(faults.spikes).mean()), "unit": "1", **exact}}
     if name == "output-quantization":
         return {"step": {"value": float(faults.lattice or 0.0) * data.y_scale.unit, "unit": "y", **exact}}
     if name == "coloured-noise":
         e = (data.y - explanation.best.output)[data.rows]
         amplitude = float(np.sqrt(max(np.mean(e**2) - explanation.best.noise.sigma2, 0.0))) * data.y_scale.unit
-        pole = (
-            float(np.abs(np.roots([1.0, *-explanation.best.noise.ar])).max()) if explanation.best.noise.ar.size else 0.0
-        )
+        pole = explanation.best.noise.pole
         n = e.size
         return {
             "amplitude": {
@@ -311,7 +309,7 @@ def _unexplained(answer: Answer) -> dict[str, Any]:
 
 def _whiteness(e: FloatArray, data: Data) -> float:
     """P-value of the Ljung-Box test on the residual."""
-    x = e - e[data.rows].mean() * data.rows
+    x = data.readings(e - e[data.rows].mean() * data.rows)
     energy = float(x @ x)
     r = [float(x[lag:] @ x[:-lag]) / energy for lag in range(1, LAGS + 1)]
     return ljung_box(r, int(data.rows.sum())).p_value
@@ -369,7 +367,7 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         loop = " In a loop, a controller without delay has the same effect."
         texts.append(
             "The linear model has a direct feedthrough: it responds within the sample in which the input changes."
-            + loop * has_controller(explanation.data.u, explanation.data.y)
+            + loop * has_controller(*explanation.data.sampled)
         )
     logged = float(np.sqrt(log_rounding_error(explanation.data, explanation.best)))
     if logged > MIN_LOGGED * rms(explanation.data, explanation.best):
@@ -395,7 +393,10 @@ def screen_sentences(explanation: Explanation) -> list[str]:
             f"All output values are multiples of one step of {faults.lattice * explanation.data.y_scale.unit:.4g}."
         )
     if faults.stretches:
-        share, places = percent(float(faults.held.mean())), counted(len(faults.stretches), "stretch", "stretches")
+        share, places = (
+            percent(float(explanation.data.readings(faults.held).mean())),
+            counted(len(faults.stretches), "stretch", "stretches"),
+        )
         texts.append(f"The output repeats its last value in {places}, {share} of the record.")
     spikes = int(faults.spikes.sum())
     if spikes == 1:

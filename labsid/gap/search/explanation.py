@@ -15,7 +15,7 @@ from labsid.gap.fits.floor import digit_steps, is_printed, with_floor
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.log_rounding import log_rounding_error
-from labsid.gap.fits.residual_tests import SLOW_CORRELATION, slow_autocorrelation
+from labsid.gap.fits.residual_tests import SLOW_CORRELATION, comes_and_goes, slow_autocorrelation
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import BLOCKS, held_out_samples
 from labsid.gap.record.sample_faults import (
@@ -118,28 +118,30 @@ def explain(
     progress : callable, optional
         Called with a description of the current step and the completed share of it.
     """
-    y = np.asarray(data.y_scale.back(data.y))
+    u, scaled = data.sampled
+    y = np.asarray(data.y_scale.back(scaled))
     lattice, off = find_lattice(y)
     off = off | find_bad_start(y)
-    stretches = without_rest(find_held(y, lattice), data.u)
+    stretches = without_rest(find_held(y, lattice), u)
     if lattice is not None and is_printed(lattice, y):
         lattice = None
     flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
     resolution = None if lattice is not None else reading_errors(y, digit_steps(y)) / data.y_scale.unit
+    measured = data.y
     data = with_floor(replace(data, lattice=step))
-    held = np.zeros(data.samples, bool)
+    held = np.zeros(y.size, bool)
     for stretch in stretches:
         held[slice(*stretch)] = True
-    usable = data.rows & ~held
-    readings = data.y_scale.of(y)
+    usable = data.rows & ~data.among_samples(held)
 
     def spikes_of(fit: Fit) -> np.ndarray:
         """Samples off the lattice of the others, and isolated errors of the readings; flat ones have no noise."""
-        return off | without_responses(find_spikes(readings - fit.output, usable & ~flat, step, resolution), data.u)
+        e, looked_at = data.readings(measured - fit.output), data.readings(usable) & ~flat
+        return data.among_samples(off | without_responses(find_spikes(e, looked_at, step, resolution), u))
 
     clean, spikes, levels, path = _search_without_spikes(data, usable, spikes_of, structure, start, most, progress)
-    faults = SampleFaults(held, stretches, spikes, None if lattice is None else step, resolution)
+    faults = SampleFaults(data.among_samples(held), stretches, spikes, None if lattice is None else step, resolution)
     if residual_is_slow(clean, path[-1]) and (halved_by_drift(clean, path) or halved_inside(clean, levels, path)):
         slow = replace(clean, by_free_run=True)
         other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
@@ -153,7 +155,7 @@ def explain(
     if is_small or (len(path) > 1 and is_rounding_of_log(clean, path[0], path[-1])):
         path = path[:1]
     unsimulated = unsimulated_effects(data, clean, faults, path)
-    floor = float(np.sqrt(np.mean((data.y - readings)[data.rows] ** 2)))
+    floor = float(np.sqrt(np.mean((data.y - measured)[data.rows] ** 2)))
     return Explanation(clean, faults, levels, path, unsimulated, floor)
 
 
@@ -212,7 +214,7 @@ def residual_is_slow(data: Data, fit: Fit) -> bool:
     e = data.y - fit.output
     return (
         mean_square(data, fit) > SLOW_RESIDUAL_RATIO**2 * fit.noise.sigma2
-        and slow_autocorrelation(e, data.rows) > SLOW_CORRELATION
+        and slow_autocorrelation(data.readings(e), data.readings(data.rows)) > SLOW_CORRELATION
     )
 
 
@@ -282,7 +284,8 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
     spikes = faults.spikes.copy()
     spikes[0] = False  # the logger's start-up, or the step to the first input
     for name, bad in (("output-dropout", faults.held), ("output-outliers", spikes)):
-        bad = bad & data.rows & faults.beyond_resolution(e)
+        beyond = data.among_samples(faults.beyond_resolution(data.readings(e)))
+        bad = bad & data.rows & beyond
         if bad.any() and float(np.mean(e[clean.rows | bad] ** 2)) > BAD_SAMPLE_RATIO * floor:
             found.append(name)
     white = best.noise.sigma2
@@ -295,11 +298,18 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
     else:
         rounding = 0.0
     wanders = names_where("wanders") & set(best.hypothesis.names)
-    coloured = np.sqrt(floor / white) > COLOUR_RATIO and slow_autocorrelation(e, clean.rows) > SLOW_CORRELATION
+    coloured = (
+        np.sqrt(floor / white) > COLOUR_RATIO
+        and slow_autocorrelation(data.readings(e), data.readings(clean.rows)) > SLOW_CORRELATION
+    )
     if len(path) > 1:  # what a law that is not quite right leaves of an effect is slow, too
         coloured &= floor - white > MIN_SHARE_OF_GAP**2 * mean_square(clean, path[0])
     if (
-        coloured and noise_is_slow(best) and floor > ROUNDING_RATIO * rounding and not wanders
+        coloured
+        and noise_is_slow(best)
+        and floor > ROUNDING_RATIO * rounding
+        and not wanders
+        and not comes_and_goes(e[clean.rows], best.noise)
     ):  # drift and rounding leave a slow residual, too
         logged = log_rounding_error(clean, best)
         if not logged or floor > LOGGED_RATIO * logged + white:

@@ -22,7 +22,7 @@ from labsid.gap.fits.direct_term import estimate_direct_term
 from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
-from labsid.gap.fits.noise_model import fit_noise
+from labsid.gap.fits.noise_model import noise_of
 from labsid.gap.fits.unstable_poles import find_stabilising_feedback
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.controllers import find_control_law, is_relay
@@ -418,7 +418,7 @@ def _fit_given(output: FloatArray, states: FloatArray, rates: tuple[float, float
     scale[scale == 0.0] = 1.0
     gains = np.linalg.lstsq(columns[data.rows] / scale, y[data.rows], rcond=None)[0] / scale
     fitted = data.y_scale.of(output) + columns @ gains
-    noise = fit_noise(data.y - fitted, data.complete, data.lags)
+    noise = noise_of(data, data.y - fitted)
     cost = float(np.mean((data.y - fitted)[data.rows] ** 2))
     bic = noise.score + gains.size * np.log(noise.rows)
     given = GivenSimulation(lambda w, numbers: data.y_scale.of(output), rates)

@@ -8,12 +8,14 @@ from scipy.optimize import linprog
 
 from labsid.gap.simulations.baseline import Simulation
 from labsid.gap.simulations.simulated_output import SimulatedOutput
-from labsid.records.record import Record
+from labsid.records.record import Record, between_outputs
 from labsid.records.signal_quality import refreshes, runs
 from labsid.simulators.simulator import Simulator
 
 MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
 MAX_OF_SEVERAL = 8_000  # samples of several records, whose offsets and initial states add to the fits: about a minute
+MIN_PRESENT = 0.5  # of the readings of a slow sensor: the others are missing
+ROUNDING = 1e-9  # of the range of the input
 ON_TIME = 1e-6  # samples: rounding of a tick
 MIN_SAMPLES_PER_STEP = 40  # samples that downsampling leaves between two changes of the input
 
@@ -39,7 +41,9 @@ class ShortenedRecord:
     notes: tuple[str, ...]
 
 
-def shorten_record(record: Record, simulation: Simulation | None, longest: int = MAX_SAMPLES) -> ShortenedRecord:
+def shorten_record(
+    record: Record, simulation: Simulation | None, longest: int = MAX_SAMPLES, stride: int = 1
+) -> ShortenedRecord:
     """Shorten a long record to `longest` samples.
 
     The record is downsampled as far as the steps of its input allow. If it is still too long, the part with the
@@ -51,6 +55,8 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
     record : Record
     simulation : dict, SimulatedOutput, Simulator or None
     longest : int
+    stride : int
+        Samples from one reading of the output to the next; the part begins with a reading.
 
     Returns
     -------
@@ -64,6 +70,7 @@ def shorten_record(record: Record, simulation: Simulation | None, longest: int =
         every = max(1, min(-(-len(record) // longest), step // MIN_SAMPLES_PER_STEP))
     slow = downsample(record, every)
     start = 0 if isinstance(simulation, Simulator) else _most_excited(slow.u, longest)
+    start -= start % stride
     rows = slice(start, start + longest)
     part = _cut(slow, rows)
     if isinstance(simulation, SimulatedOutput) and simulation.y.shape == record.u.shape:
@@ -121,29 +128,69 @@ def shorten_holdout(holdout: Record, every: int, longest: int = MAX_SAMPLES) -> 
     )
 
 
-def at_readings(records: Sequence[Record]) -> tuple[list[Record], tuple[str, ...]]:
-    """Records at the readings of a sensor that is slower than the logger, with the mean of the input between them.
+def at_readings(
+    records: Sequence[Record], is_given: bool = False, longest: int = MAX_SAMPLES
+) -> tuple[list[Record], int, tuple[str, ...]]:
+    """Records of a sensor that is slower than the logger, with their readings at every so many samples.
+
+    The simulation runs at all samples, for the input may move between two readings, and is compared at the readings.
+    If it moves only where the sensor is read, or if so many samples are too many, it is simulated with the mean of the
+    input from one reading to the next.
 
     Parameters
     ----------
     records : sequence of Record
         Runs of one rig; they stay as they are where the first has a reading at every sample, or at most.
+    is_given : bool
+        Whether a simulation is given, which runs at the times of the input: the sensor may have no clock of its own.
+    longest : int
+        Most samples of all records; fewer than two for each reading leave those at the readings alone.
 
     Returns
     -------
-    list of Record and tuple of str
-        The records, and a sentence on what was left out.
+    list of Record, int and tuple of str
+        The records, without an output between the readings; the samples from one reading to the next; and a sentence on
+        what is compared.
     """
     found = [_readings(record) for record in records]
     if found[0] is None:
-        return list(records), ()
+        return list(records), 1, ()
     every, has_clock = _clock(found[0])
-    kept = _at_ticks if has_clock else _at_readings
-    slow = [kept(one, at, every) for one, at in zip(records, found, strict=True)]
-    return slow, (
-        f"The output has a new value at one sample in {every:.3g} only: the diagnosis uses these, and the mean of the "
-        "input between them.",
-    )
+    known = [at for at in found if at is not None]
+    is_even = len(known) == len(found) and all(at.size > 1 and np.all(np.diff(at) == every) for at in known)
+    if is_given and not is_even:
+        return list(records), 1, ()
+    most = int(longest * every / sum(map(len, records)))
+    stride = max(min(int(np.ceil(every)), most), 1) if has_clock or is_even else 1
+    new = f"The output has a new value at one sample in {every:.3g} only: "
+    if is_given or (is_even and stride == every and _moves_between(records[0].u, found[0])):
+        slow = [_without_repeats(one, at) for one, at in zip(records, known, strict=True)]
+        return slow, int(every), (f"{new}the simulation is compared at these.",)
+    if is_even and not _moves_between(records[0].u, found[0]):
+        stride = 1
+    if has_clock or is_even:
+        slow = [_at_ticks(one, at, every, stride, is_even) for one, at in zip(records, found, strict=True)]
+    else:
+        slow = [_at_readings(one, at, every) for one, at in zip(records, found, strict=True)]
+    if stride > 1:
+        return (
+            slow,
+            stride,
+            (f"{new}the simulation is compared at these, and has {stride} samples from each to the next.",),
+        )
+    return slow, 1, (f"{new}the diagnosis uses these, and the mean of the input between them.",)
+
+
+def _moves_between(u: np.ndarray, at: np.ndarray) -> bool:
+    """Whether the input changes elsewhere than where the sensor is read."""
+    return bool(np.any((runs(u)[0][1:] - at[0]) % (at[1] - at[0])))
+
+
+def _without_repeats(record: Record, at: np.ndarray) -> Record:
+    """A record with an output at its readings only."""
+    y = np.full(len(record), np.nan)
+    y[at] = record.y[at]
+    return between_outputs(replace(record, y=y))
 
 
 def _clock(at: np.ndarray) -> tuple[float, bool]:
@@ -162,15 +209,21 @@ def _clock(at: np.ndarray) -> tuple[float, bool]:
     return (float(found.x[0]) if has_clock else mean), has_clock
 
 
-def _at_ticks(record: Record, at: np.ndarray | None, every: float) -> Record:
-    """A record at the ticks of a sensor's clock, `every` samples apart, each seen at the sample that follows."""
-    late = np.array([0.0]) if at is None else at - every * np.arange(at.size)
-    first = float(np.clip(0.5 * (late.max() - 1.0 + late.min()), 0.0, None))
-    grid = first + every * np.arange(int((len(record) - first) / every) + 1)
-    grid = grid[grid <= len(record)]
+def _at_ticks(record: Record, at: np.ndarray | None, every: float, stride: int, is_even: bool) -> Record:
+    """A record with `stride` samples from each tick of a sensor's clock to the next, `every` samples of the log.
+
+    A reading is seen at the sample that follows its tick, or, of an even clock, at its own sample.
+    """
     seen = np.arange(len(record)) if at is None else at
-    held = record.y[seen[np.clip(np.searchsorted(seen, grid[:-1] - ON_TIME), 0, seen.size - 1)]]
-    return _resampled(record, grid, every, held)
+    late = seen - every * np.arange(seen.size) if at is not None else np.array([0.0])
+    first = float(seen[0]) if is_even else float(np.clip(0.5 * (late.max() - 1.0 + late.min()), 0.0, None))
+    ticks = first + every * np.arange(int((len(record) - first) / every) + 1)
+    ticks = ticks[ticks <= len(record)]
+    held = record.y[seen[np.clip(np.searchsorted(seen, ticks[:-1] - ON_TIME), 0, seen.size - 1)]]
+    count = (ticks.size - 2) * stride + 1  # up to the last reading
+    y = np.full(count, np.nan)
+    y[::stride] = held
+    return _resampled(record, first + every / stride * np.arange(count + 1), every / stride, y)
 
 
 def _readings(record: Record) -> np.ndarray | None:
@@ -179,8 +232,11 @@ def _readings(record: Record) -> np.ndarray | None:
         return refreshes(record.u, record.y)
     at = np.flatnonzero(~record.missing)
     apart = np.diff(at)
-    is_slow = at.size >= 2 and np.median(apart) > 1.0 and np.ptp(apart) <= 1
-    return at if is_slow else None
+    if at.size < 2 or np.median(apart) == 1.0:
+        return None
+    if (every := int(np.gcd.reduce(apart))) > 1 and at.size * every > MIN_PRESENT * (at[-1] - at[0]):
+        return np.arange(at[0], at[-1] + 1, every)
+    return at if np.ptp(apart) <= 1 else None
 
 
 def _at_readings(record: Record, at: np.ndarray | None, every: float) -> Record:
@@ -195,8 +251,10 @@ def _at_readings(record: Record, at: np.ndarray | None, every: float) -> Record:
 def _resampled(record: Record, grid: np.ndarray, every: float, y: np.ndarray) -> Record:
     """A record with the output `y` at the places of `grid` but the last, and the mean of the input up to the next."""
     total = np.interp(grid, np.arange(len(record) + 1), np.concatenate([[0.0], np.cumsum(record.u)]))
+    mean, own = np.diff(total) / every, record.u[np.ceil(grid[:-1]).astype(int)]
+    u = np.where(np.abs(mean - own) < ROUNDING * np.ptp(record.u), own, mean)  # one that is held stays so
     t = record.t[0] + record.Ts * grid[:-1]
-    return Record(t, np.diff(total) / every, y, every * record.Ts, name=record.name)
+    return Record(t, u, y, every * record.Ts, name=record.name)
 
 
 def downsample(record: Record, every: int) -> Record:

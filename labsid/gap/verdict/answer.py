@@ -10,7 +10,7 @@ from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.fits.fitting import Fit
-from labsid.gap.fits.noise_model import fit_noise
+from labsid.gap.fits.noise_model import noise_of
 from labsid.gap.fits.residual_tests import ResidualMeasures, measure_residual
 from labsid.gap.fits.unstable_poles import MOST_CORRECTED, corrected_share
 from labsid.gap.record.data import Data
@@ -390,7 +390,7 @@ def _on_other(answer: Answer, found: _Comparison) -> Answer:
     held_out = found.before.held_out
     data, after = held_out.on_other(found.score.after_fit)
     output = found.before.output
-    before = replace(after, output=output, noise=fit_noise(data.y - output, data.complete, data.lags))
+    before = replace(after, output=output, noise=noise_of(data, data.y - output))
     asserted = after if any(p > MIN_CONFIDENCE for p in answer.decision.probability.values()) else before
     e = (data.y - before.output)[data.rows]
     constant = np.mean(e) ** 2 > MOSTLY * np.mean(e**2)  # an offset, which no kind of model is about

@@ -334,7 +334,7 @@ def without_biased_fits(decision: Decision, data: Data, fit: Fit, closed: tuple[
     The input of a loop contains the noise of the output, so that a fit gains by dynamics that the rig does not have.
     """
     simulated = set(decision.names) & {effect.name for effect in fit.hypothesis.found}
-    if decision.verdict != "effect" or closed is not None or not simulated or not has_controller(data.u, data.y):
+    if decision.verdict != "effect" or closed is not None or not simulated or not has_controller(*data.sampled):
         return decision
     return _less_likely_than_not(decision, simulated)
 

@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.fits.fitting import Fit, refit
-from labsid.gap.fits.noise_model import fit_noise
+from labsid.gap.fits.noise_model import noise_of
 from labsid.gap.model_file import LEAST, export_model
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import held_out_samples
@@ -103,9 +103,10 @@ class HeldOut:
         """The other record, with the rows that are scored, and a fit with its output there."""
         assert self.other is not None
         u, y = self.data.u_scale.of(self.other[0]), self.measured
-        data = Data(u, y, self.scored, self.data.Ts, self.data.u_scale, self.data.y_scale, lattice=self.data.lattice)
+        own = self.data
+        data = Data(u, y, self.scored, own.Ts, own.u_scale, own.y_scale, lattice=own.lattice, stride=own.stride)
         output = self.output(fit)
-        return data, replace(fit, output=output, noise=fit_noise(y - output, data.complete, data.lags))
+        return data, replace(fit, output=output, noise=noise_of(data, y - output))
 
     def errors(self, fit: Fit, again: Refit | None = None) -> FloatArray:
         """Mean square error of a fit in each part of the held-out samples, shape (PARTS,)."""

@@ -124,3 +124,23 @@ def test_a_fit_looks_no_further_back_than_its_record_allows(
         orders.append(fit_baseline(data).noise.ar.size)
     assert orders[0] > 2
     assert orders[1] <= 2
+
+
+def test_the_noise_between_the_readings_of_a_slow_sensor_is_not_looked_at():
+    e = coloured(0.8)
+    slow = np.full(5 * e.size, 50.0)
+    slow[::5] = e
+    rows = np.arange(slow.size) % 5 == 0
+    one, other = fit_noise(e, complete_rows(rows[::5])), fit_noise(slow, complete_rows(rows, 8, 5), 8, 5)
+    assert (one.score, one.sigma2, one.rows) == (other.score, other.sigma2, other.rows)
+    np.testing.assert_array_equal(other.ar[4::5], one.ar)
+    assert np.count_nonzero(other.ar) == one.ar.size
+    assert other.correlation_time == pytest.approx(5 * one.correlation_time)
+
+
+def test_fewer_lags_leave_enough_rows():
+    rows = np.zeros(400, bool)
+    rows[:28] = rows[50:230:4] = True
+    assert complete_rows(rows, 8).sum() == 20
+    rows[27] = False
+    assert usable_lags(rows) == 4

@@ -9,11 +9,14 @@ from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
 from labsid._arrays import FloatArray
+from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects import output
 from labsid.gap.fits.fitting import Fit, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import fit_baseline
+from labsid.gap.fits.noise_model import fit_noise
 from labsid.gap.fits.residual_tests import (
+    comes_and_goes,
     explained_share,
     input_history,
     is_noise,
@@ -22,7 +25,8 @@ from labsid.gap.fits.residual_tests import (
     repeatability,
     slow_autocorrelation,
 )
-from labsid.gap.record.data import Data, scaled
+from labsid.gap.record.data import Data, complete_rows, scaled
+from labsid.records.record import Record
 
 Fitted = Callable[[FloatArray], tuple[Data, Fit]]
 
@@ -221,3 +225,24 @@ def test_no_residual_at_all_is_explained_by_nothing(fitted: Fitted) -> None:
     nothing = np.zeros(data.y.size)
     assert explained_share(data, fit, nothing) == 0.0
     assert slow_autocorrelation(nothing, data.complete) == 0.0
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.6, 0.94, 0.99])
+def test_gaussian_noise_does_not_come_and_go(pole: float) -> None:
+    drawn = np.random.default_rng(0).standard_normal((200, 1200))
+    called = [
+        comes_and_goes(e, fit_noise(e, complete_rows(np.ones(e.size, bool)))) for e in lfilter([1], [1, -pole], drawn)
+    ]
+    assert sum(called) <= 2
+
+
+def test_bumps_at_the_sensor_come_and_go_and_are_no_coloured_noise(fitted: Fitted) -> None:
+    bump = 0.4 * np.sin(np.linspace(0.0, np.pi, 25))
+    something = 0.02 * np.random.default_rng(1).standard_normal(800)
+    for start, sign in ((90, 1), (210, 1), (400, -1), (530, 1), (660, 1)):
+        something[start : start + 25] += sign * bump
+    data, fit = fitted(something)
+    assert comes_and_goes(data.y - fit.output, fit.noise)
+    assert not is_noise(measure_residual(data, fit), converted=False)
+    record = Record(np.arange(800.0), data.u, data.y, 1.0)
+    assert [effect["name"] for effect in diagnose(record).report["effects"] if effect["probability"] > 0.5] == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from labsid.gap.diagnosis import find_limits
 from labsid.gap.effects.dynamics import CoulombFriction
 from labsid.gap.effects.input import Delay
 from labsid.gap.effects.tanks import SqrtOutflow
@@ -16,6 +17,7 @@ from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.planting import plantations
 from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.record.data import scaled
+from labsid.records.record import Record
 
 POLE = np.exp(-1.0 / 15.0)
 LEVELS = np.random.default_rng(3).uniform(1.0, 5.0, 200)
@@ -248,3 +250,21 @@ def test_friction_of_a_motor_that_hides_in_its_gain_and_pole_is_not_excluded(see
     dry = rows["coulomb-friction"]
     assert dry.excluded is not None
     assert friction < dry.excluded < dry.detect
+
+
+def test_a_form_that_is_hidden_does_not_hide_the_others():
+    """Drag of a motor shows in its speed, and hardly if the output is taken for a position."""
+    rng = np.random.default_rng(9126)
+    t = 0.02 * np.arange(1000)
+    u = sum(np.sin(2 * np.pi * f * t + rng.uniform(0, 6.28)) for f in np.linspace(0.1, 2.0, 15))
+    u *= 0.5 / np.std(u)
+    speed, y = 0.0, np.empty(u.size)
+    for n, command in enumerate(u):
+        y[n] = speed
+        for _ in range(30):
+            speed += 0.02 / 30 * (8.0 * command - speed - 0.02 * speed * abs(speed)) / 0.4
+    run = Record(t, u, y + 0.02 * np.std(y) * rng.standard_normal(t.size), 0.02)
+    found = find_limits(run)
+    drag = next(row for row in found["limits"] if row["name"] == "quadratic-drag")
+    assert (found["verdict"], drag["unit"], drag["why"]) == ("none", "u/y^2", None)
+    assert 0.0 < drag["detect"] < 0.01
