@@ -173,6 +173,9 @@ def _search_from(
         _polish_best(data, level)
         levels.append(level)
         best = _best_accepted(data, path[-1], level)
+        if step == 0 and most > 1 and best is not None and _is_a_change(data, best, levels, highpass):
+            path.append(best)
+            break
         if step == 0 and most > 1 and not residual_is_white(data, best or base):
             sets = set_fits(data, base, highpass, _candidates(data))
             together = [fit for fit in sets if not disguised(fit)]
@@ -194,6 +197,13 @@ def _search_from(
         levels.append({})
         keep_best(levels[-1], _of_size(together, size))
     return tuple(levels), _pruned(data, levels, path)
+
+
+def _is_a_change(data: Data, best: Fit, levels: list[Level], highpass: Fit) -> bool:
+    """Whether a change at an instant explains all that the best single effect, which varies in time, does not."""
+    if residual_is_white(data, best) or not may_change_at_an_instant(best):
+        return False
+    return any(residual_is_white(data, fit) for fit in fits_with_instants(data, levels[:1], highpass))
 
 
 def _of_size(fits: Iterable[Fit], size: int) -> list[Fit]:
