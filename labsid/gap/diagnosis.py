@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from labsid._arrays import FloatArray, stretches_of
 from labsid._cores import on_cores
 from labsid.gap.dynamics.record_start import LEAST_START, MOST_SHARE
+from labsid.gap.effects.drifts import GainStep
 from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
@@ -38,7 +39,7 @@ from labsid.gap.reports.report import build_report, fit_of_limits, record_limits
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.sentences import is_probable, number_sentences
 from labsid.gap.reports.traces import figure_traces
-from labsid.gap.search.beam_search import Progress
+from labsid.gap.search.beam_search import Progress, residual_is_white
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.signals.diagnosis import diagnose_signals
 from labsid.gap.signals.result import SignalsDiagnosis
@@ -74,6 +75,10 @@ MIN_SCORED = 10  # samples
 MIN_HOLDOUT = LEAST_START + MIN_SCORED  # samples, of which the first determine the initial state
 SIZES = 1e-50, 1e50  # of the range of a signal and of the sampling time: powers of their ratios stay finite
 LIMITS_SCHEMA = "labsid.gap.limits/1"
+CHANGED_RIG = (
+    "The rig changed during the record, and with that change only noise is left. No simulation holds before and after "
+    "it, so the holdout, of a run before or after, is not scored."
+)
 TESTED_SIZE = 1.5  # over the smallest size that is named
 
 
@@ -175,6 +180,9 @@ def diagnose(
                 explanation, undecided = explain_record(prepared.data, replace(prepared.base, start=start), progress)
             if undecided:
                 prepared = replace(prepared, notes=(*prepared.notes, UNDECIDED_TERM))
+            if prepared.holdout is not None and _changed_during(explanation):
+                notes = (*prepared.notes, CHANGED_RIG)
+                prepared = replace(prepared, holdout=None, holdout_measured=None, notes=notes)
             return _in_units(_report(prepared, explanation, seed, progress, why), records[0].units)
 
 
@@ -314,6 +322,12 @@ def _start(data: Data, base: Baseline, progress: Progress | None) -> FloatArray 
     if progress is not None:
         progress(f"free numbers at their nominal values: {_identifiability(data, structure)}", 0.0)
     return search_numbers(data, structure, base.start)
+
+
+def _changed_during(explanation: Explanation) -> bool:
+    """Whether the rig changed during the record, and nothing else did: no simulation holds on another run then."""
+    names = explanation.best.hypothesis.names
+    return GainStep.name in names and residual_is_white(explanation.data, explanation.best)
 
 
 def _identifiability(data: Data, structure: Hypothesis) -> str:

@@ -184,3 +184,16 @@ def test_a_command_that_is_not_applied_is_told_from_a_kick(level: float) -> None
     assert found["probability"] > 0.85
     level_found = found["parameters"]["level"]
     assert abs(level_found["value"] - level) < 4.0 * level_found["stderr"]
+
+
+@pytest.mark.slow
+def test_a_rig_that_changed_is_not_scored_on_another_run_of_before_or_after() -> None:
+    """No simulation holds in both: before, the cause was "not known", and sentences spoke of the other run."""
+    changed = recorded(lambda u: first_order(u * (1.0 + 0.4 * after(480))), 3)
+    as_before = recorded(first_order, 4)
+    report = diagnose(changed, holdout=as_before).report
+    (found,) = report["effects"]
+    assert (report["verdict"], found["name"]) == ("effect", "parameter-drift")
+    assert found["parameters"]["onset"]["value"] == pytest.approx(960.0, abs=2.0)
+    assert report["holdout_traces"] is None
+    assert any("The rig changed during the record" in text for text in report["screen"])
