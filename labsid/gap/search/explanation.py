@@ -48,6 +48,7 @@ CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse
 MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
 MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # for a first, second and third effect to be named
 MIN_SHARE_OF_GAP = 0.07  # change of the output over the baseline's error, for further effects; true ones reach 0.14
+MIN_SPIKES = 2  # one sample may be anything; the fits exclude it
 MIN_UNRIVALLED_CHANGE = 0.6  # for a first effect that has rivals of nearly the same BIC
 UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
 BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
@@ -283,6 +284,8 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
     found = []
     spikes = faults.spikes.copy()
     spikes[0] = False  # the logger's start-up, or the step to the first input
+    if spikes.sum() < MIN_SPIKES:
+        spikes[:] = False
     for name, bad in (("output-dropout", faults.held), ("output-outliers", spikes)):
         beyond = data.among_samples(faults.beyond_resolution(data.readings(e)))
         bad = bad & data.rows & beyond

@@ -82,6 +82,10 @@ def test_sample_faults_are_effects_if_they_cause_the_gap(plain: Explanation) -> 
     spikes[[50, 150, 333]] = True
     y[spikes] += 3.0
     assert spoilt(fit, plain, SampleFaults(nothing, (), spikes, None), y) == ("output-outliers",)
+    y, single = plain.data.y.copy(), nothing.copy()
+    single[50] = True
+    y[single] += 3.0
+    assert spoilt(fit, plain, SampleFaults(nothing, (), single, None), y) == ()  # one sample may be anything
     y, held = plain.data.y.copy(), nothing.copy()
     held[100:140] = True
     y[held] = y[99] + 1.0
