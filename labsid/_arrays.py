@@ -41,6 +41,16 @@ def lies_within(stretches: Iterable[Sequence[int]], at: NDArray[Any]) -> NDArray
     return np.any(marks, axis=0) if marks else np.ones(at.size, bool)
 
 
+def up_to_next(marks: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Marks, also of the samples after each up to the next one; gaps of two usual distances or more stay gaps."""
+    at = np.flatnonzero(marks)
+    if at.size < 2:
+        return marks
+    longest = 2 * int(np.median(np.diff(at))) - 1
+    last = np.maximum.accumulate(np.where(marks, np.arange(marks.size), -longest))
+    return np.asarray(np.arange(marks.size) - last < longest)
+
+
 def window_sums(x: FloatArray, length: int) -> FloatArray:
     """Sums of `x` over each window of so many samples, by its first one."""
     total = np.concatenate([[0.0], np.cumsum(x)])
@@ -49,7 +59,7 @@ def window_sums(x: FloatArray, length: int) -> FloatArray:
 
 def lagged_columns(x: FloatArray, at: NDArray[Any], lags: int, stride: int = 1) -> FloatArray:
     """The `lags` samples before each index of `at`, `stride` apart, the latest first, shape (len(at), lags)."""
-    return np.column_stack([x[at - lag * stride] for lag in range(1, lags + 1)])
+    return x[at[:, None] - stride * np.arange(1, lags + 1)]
 
 
 def left_by(columns: FloatArray, target: FloatArray, dependent: float) -> tuple[FloatArray, int]:

@@ -205,7 +205,7 @@ def limits_row(name: str, **changes: Any) -> dict[str, Any]:
 
 def with_limits(base: dict[str, Any]) -> dict[str, Any]:
     """The same report with an effect that is told from others, one that is only visible, and one that is neither."""
-    looks = "It looks like dry friction here, at any size. Needed: Other inputs."
+    looks = "It looks like dry friction here, at every size that was tried. Needed: Other inputs."
     none = {"detect": None, "named": None, "excluded_above": None}
     share = {"detect": 0.3, "named": None, "excluded_above": 0.2}
     rows = [

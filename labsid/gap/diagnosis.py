@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from labsid._arrays import FloatArray, stretches_of
+from labsid._arrays import FloatArray, stretches_of, up_to_next
 from labsid._cores import on_cores
 from labsid.gap.dynamics.record_start import LEAST_START, MOST_SHARE
 from labsid.gap.effects.drifts import GainStep
@@ -23,6 +23,7 @@ from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
+from labsid.gap.record.readings import at_readings, readings_alone
 from labsid.gap.record.record_findings import (
     about_correction,
     filtered_input,
@@ -51,7 +52,14 @@ from labsid.gap.simulations.baseline import (
     make_baseline,
     read_exported,
 )
-from labsid.gap.simulations.long_record import at_readings, shorten_holdout, shorten_record, shorten_records
+from labsid.gap.simulations.long_record import (
+    MAX_OF_SEVERAL,
+    MAX_SAMPLES,
+    cut_alike,
+    shorten_holdout,
+    shorten_record,
+    shorten_records,
+)
 from labsid.gap.simulations.model_check import check_model
 from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
@@ -404,14 +412,16 @@ def _prepare(
     order: int,
     exclude: Sequence[tuple[float, float]],
 ) -> _Prepared:
+    whole = record
     record, holdout = between_outputs(record), None if holdout is None else between_outputs(holdout)
+    simulation = cut_alike(simulation, whole, record)
     record, holdout = _common_sampling_time(record, holdout, simulation)
     findings = clock_findings(record, holdout)
     both = [record] if holdout is None else [record, holdout]
-    (record, *rest), stride, slow = at_readings(both, is_given=simulation is not None)
+    compared = at_readings(both, simulation is not None, MAX_SAMPLES, ~included_samples(record.t, exclude))
+    simulation = cut_alike(simulation, record, compared.records[0])
+    (record, *rest), is_slow = compared.records, compared.is_slow
     holdout = rest[0] if rest else None
-    if stride == 1:
-        _refuse_sparse(record)
     gaps, record = _without_gaps(record)
     other_gaps: _Times = ()
     if holdout is not None:
@@ -420,8 +430,8 @@ def _prepare(
     if holdout is not None:
         findings += _repeated([("the record", record), ("the holdout", holdout)])
     findings += _compared(record, simulation)
-    whole, shortened = record, shorten_record(record, simulation, stride=stride)
-    record, simulation, notes = shortened.record, shortened.simulation, slow + shortened.notes
+    whole, shortened = record, shorten_record(record, simulation, is_slow=is_slow)
+    record, simulation, notes = shortened.record, shortened.simulation, compared.notes + shortened.notes
     if holdout is not None:
         holdout, more = shorten_holdout(holdout, shortened.every)
         notes += more
@@ -433,7 +443,8 @@ def _prepare(
     measured = _measured(record, gaps)
     rows = _included(record, exclude, measured)
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
-    data = replace(data, stride=stride)
+    if is_slow:
+        data = replace(data, at=np.flatnonzero(measured), stride=compared.stride)
     base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
@@ -462,14 +473,13 @@ def _prepare_several(
         for number, record in enumerate(records, 1)
         for finding in clock_findings(record)
     ]
-    slow: tuple[str, ...] = ()
-    if simulation is None:
-        records, _, slow = at_readings(records, longest=0)
+    compared = at_readings(records, simulation is not None, MAX_OF_SEVERAL)
+    records = compared.records
     gaps, records = zip(*map(_without_gaps, records), strict=True)
     for number, record in enumerate(records, 1):
         _check_record(record, label(record, number))
     parts, notes = shorten_records(records)
-    notes = slow + notes
+    notes = compared.notes + notes
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
     joined = join_records(parts, [_measured(part, times) for part, times in zip(parts, gaps, strict=True)])
@@ -477,6 +487,8 @@ def _prepare_several(
     simulation = read_exported(simulation, joined.record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     data = joined.data(scales)
+    if compared.is_slow:
+        data = replace(data, at=np.flatnonzero(data.rows), stride=compared.stride)
     base = make_baseline(data, joined.record.t, simulation, order)
     return _Prepared(joined.record, joined.record, joined.measured, None, None, data, base, findings, notes, joined)
 
@@ -500,11 +512,12 @@ def _report(
                 record.u, record.y, np.asarray(data.y_scale.back(fitted.output)), answer.outputs[1], data.rows
             )
         )
-        found = findings_from_record(_at_readings_only(prepared.whole, data.stride), plateau)
+        whole = prepared.whole if data.at is None else readings_alone(prepared.record, data.at)
+        found = findings_from_record(whole, plateau)
     else:
         inside = joined.inside
-        found, plateau = findings_by_record(joined, answer.outputs, data.rows)
-    shown, y = data.until_next(prepared.measured), record.y
+        found, plateau = findings_by_record(joined, answer.outputs, data)
+    shown, y = up_to_next(prepared.measured), record.y
     known = np.where(inside & prepared.measured, y, answer.outputs[0])  # no error where nothing is measured
     record = Record(record.t, record.u, known, record.Ts, name=record.name)
     report = build_report(record, answer, base, rng, holdout)
@@ -522,19 +535,13 @@ def _report(
     report["holdout_traces"], there = None, None
     if holdout is not None:
         before, after = (np.asarray(data.y_scale.back(output)) for output in answer.score.outputs)
-        there = None if prepared.holdout_measured is None else data.until_next(prepared.holdout_measured)
+        there = None if prepared.holdout_measured is None else up_to_next(prepared.holdout_measured)
         report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after, there)
+        if prepared.holdout_measured is not None:
+            holdout = replace(holdout, y=np.where(prepared.holdout_measured, holdout.y, np.nan))
     report["replay"] = None if stabilised else replay_content(record, inside, (shown, there), answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model, explain_verdict(answer) if why else None)
-
-
-def _at_readings_only(record: Record, stride: int) -> Record:
-    """The record at the readings of a slow sensor."""
-    if stride == 1:
-        return record
-    rows = slice(None, None, stride)
-    return Record(record.t[rows], record.u[rows], record.y[rows], stride * record.Ts, name=record.name)
 
 
 def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:
@@ -542,17 +549,6 @@ def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:
     if not isinstance(simulation, Simulator) or simulation.joint is None:
         return []
     return check_model(record, simulation)
-
-
-def _refuse_sparse(record: Record) -> None:
-    """Refuse a record whose output has hardly two samples in a row: noise cannot be told from motion in it."""
-    apart = np.diff(np.flatnonzero(~record.missing))
-    if apart.size and np.median(apart) > 1.0:
-        step = float(np.median(apart)) * record.Ts
-        raise ValueError(
-            f"y of the record is there at one sample in {np.median(apart):.0f} or fewer. Read both signals at its "
-            f"rate: --resample {step:g}."
-        )
 
 
 def _without_gaps(record: Record) -> tuple[_Times, Record]:
@@ -583,8 +579,9 @@ def _measured_holdout(holdout: Record, gaps: _Times) -> np.ndarray:
 
 
 def _included(record: Record, exclude: _Times, measured: np.ndarray) -> np.ndarray:
-    """Mask of the samples with an output outside the excluded time ranges."""
-    rows = measured & included_samples(record.t, exclude)
+    """Mask of the samples with an output outside the excluded time ranges, which may be in no part that is used."""
+    left = [(start, stop) for start, stop in exclude if np.any((record.t >= start) & (record.t < stop))]
+    rows = measured & included_samples(record.t, left)
     if measured.sum() < MIN_SAMPLES:
         raise ValueError(
             f"the output of the record has {measured.sum()} readings; a diagnosis needs at least {MIN_SAMPLES}. Use a "

@@ -22,6 +22,7 @@ from labsid.gap.effects.restarts import Restarts, in_one_record
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data, Scale
+from labsid.records.record import bridge_gaps
 from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator
 
@@ -97,8 +98,8 @@ class ExportedModel:
         ----------
         u : ndarray, shape (N,)
         y : ndarray, shape (N,), optional
-            Its first samples determine the initial state; without it the simulation starts from rest. All of it acts
-            on the simulation of an unstable rig, which is not bounded otherwise.
+            Its first samples determine the initial state, but for missing ones (NaN); without it the simulation starts
+            from rest. All of it acts on the simulation of an unstable rig, which is not bounded otherwise.
         of_record : bool, optional
             Whether loads, sinusoids and drifts of the fitted record act; by default, if `u` is the input of that
             record.
@@ -149,7 +150,7 @@ class ExportedModel:
                 "the rig is unstable: beside the input alone, its simulation grows without bound. Give the measured "
                 "output as well."
             )
-        return replace(self, hypothesis=self.hypothesis.beside_output(self.y_scale.of(y)))
+        return replace(self, hypothesis=self.hypothesis.beside_output(self.y_scale.of(bridge_gaps(y))))
 
     def _fitted_to(self, u: FloatArray) -> bool:
         """Whether `u` is the input of the fitted record, as far as known."""
@@ -225,6 +226,7 @@ class ExportedModel:
         used = self.start.used(u.size)
         u, y = u[:used], y[:used]
         first = self._unknown_samples(u)
+        known = ~np.isnan(y[first:])
 
         def with_state(x: FloatArray) -> ExportedModel:
             theta, gains = self.theta.copy(), self.gains.copy()
@@ -235,7 +237,7 @@ class ExportedModel:
             """Error of the output, and the weighted distance of an estimated offset from that of this model."""
             model = with_state(x)
             away = self.offset_weight * (self.gains[self._offset] - model.gains[self._offset])
-            e = (y - model._output(u))[first:]
+            e = (y - model._output(u))[first:][known]
             return np.append(e, away) if self.offset_weight else e
 
         state, linear = self.theta[in_theta], self.gains[in_gains]

@@ -19,13 +19,13 @@ from labsid.records.signal_quality import (
     find_held,
     lattice_step,
     moving_mean_length,
-    refreshes,
     runs,
     scatter,
     shortest_hold,
     stuck_at_extreme,
 )
 from labsid.records.signals import name_places
+from labsid.records.slow_sensor import find_readings
 
 Level = Literal["ok", "note", "warning", "refused"]
 
@@ -230,12 +230,10 @@ def about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
         text = f"values lie on a lattice of {step:.5g}{_converter(step)}, {against}."
         findings.append(Finding("note" if step > 2 * noise else "ok", "converter", text))
     findings += about_clipping(y)
-    readings = refreshes(raw.u, sensor)
-    if readings is not None:
-        every = float(np.diff(readings).mean())
+    if (readings := find_readings(raw.u, sensor)) is not None:
         text = (
-            f"y has a new value at one sample in {every:.3g} only: its sensor or its bus is slower than the logger. "
-            "The values between are repeated ones, and no measurements."
+            f"y has a new value at one sample in {readings.every:.3g} only: its sensor or its bus is slower than the "
+            "logger. The values between are repeated ones, and no measurements."
         )
         return [*findings, Finding("warning", "held values", text)]
     stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]

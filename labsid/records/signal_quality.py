@@ -9,8 +9,8 @@ RARE_REPEATS = 0.01  # share of values that occur twice in a row; above it, nois
 FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are rare by chance
 LARGE_MOVE = 4.0  # median changes between samples: a jump away from the sensor's limit
 SEVERAL_HOLDS = 3
-MOSTLY_EVEN = 0.98  # of the distances between readings of a sensor with a clock of its own: two neighbouring ones
-MIN_REFRESHES = 20  # changes of a signal: by chance, none is at a sample of its own in 1 of 2^19
+NEAR, NEAR_SHARE = 10, 0.02  # of the smallest changes from one reading to the next, whose density is taken
+MOST_BY_CHANCE = 0.1  # repeats of a record
 
 
 def digits_of(value: float, span: float, least: int = 4) -> str:
@@ -174,6 +174,29 @@ def find_held(y: FloatArray, lattice: float | None, shortest: int = MIN_HOLD) ->
     )
 
 
+def shortest_repeat(x: FloatArray, step: float) -> int:
+    """Shortest run of equal readings that may be a hold: two, if chance makes them equal in few records.
+
+    Parameters
+    ----------
+    x : ndarray, shape (N,)
+    step : float
+        Resolution of the readings; 0 of exact ones.
+
+    Returns
+    -------
+    int
+        2, or `MIN_HOLD` where two readings in a row are often equal.
+    """
+    moves = np.sort(np.abs(np.diff(x)))
+    moves = moves[moves > 0.0]
+    near = max(NEAR, int(NEAR_SHARE * x.size))
+    if near >= moves.size:
+        return MIN_HOLD
+    by_chance = 0.5 * step * near / moves[near]  # changes are as dense at zero as next to it
+    return 2 if by_chance < MOST_BY_CHANCE else MIN_HOLD
+
+
 def shortest_hold(x: FloatArray) -> int:
     """Shortest run of equal values that noise rarely makes: in one of a thousand records.
 
@@ -190,37 +213,6 @@ def shortest_hold(x: FloatArray) -> int:
     if repeats < RARE_REPEATS:
         return MIN_HOLD
     return max(MIN_HOLD, int(np.log(1e-3 / lengths.size) / np.log(repeats)) + 2)
-
-
-def refreshes(u: FloatArray, y: FloatArray) -> np.ndarray | None:
-    """Find the readings of a sensor that is slower than the logger.
-
-    Parameters
-    ----------
-    u, y : ndarray, shape (N,)
-
-    Returns
-    -------
-    ndarray of int or None
-        The samples with a reading of its own: every m-th one, or at nearly even distances if the sensor has a clock of
-        its own. None if y changes where u does and hardly elsewhere, hardly at all, or at other samples too.
-    """
-    starts, lengths = runs(y)
-    changes = starts[1:]
-    if changes.size < MIN_REFRESHES or _follows(changes, runs(u)[0][1:]):
-        return None
-    every = int(np.gcd.reduce(np.diff(changes)))
-    if every > 1:
-        return np.arange(changes[0] % every, y.size, every)
-    inner = lengths[1:-1]
-    least = int(inner.min())
-    even = least > 1 and np.mean(inner <= least + 1) > MOSTLY_EVEN
-    return changes if even else None
-
-
-def _follows(changes: np.ndarray, of_input: np.ndarray) -> bool:
-    """Whether the output changes where the input does and hardly elsewhere, of inputs that change as seldom."""
-    return of_input.size < 2 * changes.size < 4 * of_input.size
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:

@@ -22,9 +22,12 @@ class RecordStart:
     rates : tuple of float or None
         c and k of the two slowest poles, s^2 + c s + k, in samples; None if they are unknown, as in files of earlier
         versions: 50 samples then, whatever the length.
+    every : float
+        Samples from one reading of the sensor to the next.
     """
 
     rates: tuple[float, float] | None = None
+    every: float = 1.0
 
     def samples(self, length: int) -> int:
         """Two of the slowest time constants, at most a quarter of a record of `length` samples, at least 50 samples."""
@@ -46,7 +49,7 @@ class RecordStart:
         _, sizes, V = np.linalg.svd(F[:count], full_matrices=False)
         known = sizes > NEGLIGIBLE * sizes[0]
         extra = (F[count:] @ V[known].T / sizes[known]) ** 2
-        return bool(extra.sum(axis=1).mean() > MAX_EXTRA)
+        return bool(self.every * extra.sum(axis=1).mean() > MAX_EXTRA)
 
     def used(self, length: int) -> int:
         """How many samples the state is estimated from: the first ones, or all."""

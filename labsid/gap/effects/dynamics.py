@@ -337,7 +337,9 @@ def _mode(frequency: float, damped: float) -> dict[str, float]:
 
 
 def peaks(context: Context, slowest: float) -> list[float]:
-    """Frequencies (rad per sample) of the highest narrow peaks in the spectrum of the residual."""
+    """Frequencies (rad per sample) of the highest narrow peaks in the spectrum of the residual, up to half the rate of
+    the readings: a peak above is the image of one below.
+    """
     e = context.residual
     padded = 1 << int(np.ceil(np.log2(4 * e.size)))
     power = np.abs(np.fft.rfft((e - e[context.data.rows].mean()) * np.hanning(e.size), padded)) ** 2
@@ -346,7 +348,7 @@ def peaks(context: Context, slowest: float) -> list[float]:
     width = max(9, 24 * padded // e.size // 2 * 2 + 1)
     log_power = np.log(power + 1e-300)
     smooth = np.convolve(log_power, np.ones(width) / width, mode="same")
-    height = np.where(w > slowest, log_power - smooth, -np.inf)
+    height = np.where((w > slowest) & (w <= np.pi / context.data.stride), log_power - smooth, -np.inf)
     found: list[float] = []
     for _ in range(PEAKS):
         i = int(np.argmax(height))

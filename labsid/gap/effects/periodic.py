@@ -32,7 +32,8 @@ class _Sinusoid(Effect):
             "The output oscillates, independent of the command",
         ),
         meaning=(
-            "A steady oscillation that the command does not cause. Check pumps, fans, mains hum and nearby machines."
+            "A steady oscillation that the command does not cause. Check pumps, fans, mains hum and nearby machines, "
+            "also for frequencies above half the sampling rate: read every T seconds, f looks like 1/T - f."
         ),
         excited_by="Several periods, with stretches of constant input.",
         parameters={

@@ -186,7 +186,8 @@ class Problem:
     def jacobian(self, at: Point) -> FloatArray | None:
         """Derivatives of the (whitened) output by theta and the gains, in this order; None where they diverge."""
         J = self.seen(self.derivatives(at))
-        return J if (np.abs(J[-1]) < DIVERGED).all() else None
+        is_bounded = (np.abs(J[-1]) < DIVERGED).all() and np.isfinite(J).all()  # in each of several records
+        return J if is_bounded else None
 
     def derivatives(self, at: Point) -> FloatArray:
         """Derivatives of the output by theta and the gains, in this order, shape (N, p)."""

@@ -43,8 +43,8 @@ def planned_record(data: Data, fit: Fit, u: FloatArray) -> tuple[Data, Fit]:
     )
     scaled = data.u_scale.of(u)
     output = hypothesis.output(theta, gains, scaled, data.samples, float(data.u[0]))
-    rows = np.arange(u.size) % data.stride == 0
-    planned = Data(scaled, output, rows, data.Ts, data.u_scale, data.y_scale, stride=data.stride)
+    rows, at = data.planned_readings(u.size)
+    planned = Data(scaled, output, rows, data.Ts, data.u_scale, data.y_scale, at=at, stride=data.stride)
     noise = replace(fit.noise, rows=int(rows.sum()))
     return planned, replace(fit, hypothesis=hypothesis, theta=theta, gains=gains, output=output, noise=noise)
 

@@ -57,10 +57,12 @@ class Data:
         With several records, joined end to end: first sample of each and the one after its last; else empty.
     at_input : bool
         Whether the search tries effects at the input only.
+    at : ndarray of int, shape (M,), optional
+        The samples with a reading of a slow sensor; by default all.
     stride : int
-        Samples from one reading of a slow sensor to the next, which are the rows.
+        Samples from a reading to the one before, on which its noise may depend.
     lags : int
-        The longest autoregression that the noise may have, in readings.
+        The longest autoregression that the noise may have, in readings; 0 of readings at uneven distances.
     complete : ndarray of bool, shape (N,)
         Rows that count together with so many before them.
     """
@@ -76,6 +78,7 @@ class Data:
     lattice: float = 0.0
     pieces: tuple[tuple[int, int], ...] = ()
     at_input: bool = False
+    at: np.ndarray | None = None
     stride: int = 1
     lags: int = field(init=False, repr=False)
     complete: np.ndarray = field(init=False, repr=False)
@@ -89,19 +92,29 @@ class Data:
         """N."""
         return int(self.u.size)
 
+    @property
+    def every(self) -> float:
+        """Mean distance of the readings of the sensor, in samples."""
+        return 1.0 if self.at is None else float(self.at[-1] - self.at[0]) / (self.at.size - 1)
+
     def readings(self, values: np.ndarray) -> np.ndarray:
         """Values or marks of all samples, at the readings of the sensor: all of them but for a slow one."""
-        return values[:: self.stride]
+        return values if self.at is None else values[self.at]
 
     def among_samples(self, marks: np.ndarray) -> np.ndarray:
         """Marks of the readings, as marks of all samples."""
+        if self.at is None:
+            return marks
         all_marks = np.zeros(self.samples, bool)
-        all_marks[:: self.stride] = marks
+        all_marks[self.at] = marks
         return all_marks
 
-    def until_next(self, marks: np.ndarray) -> np.ndarray:
-        """Marks of readings, also at the samples up to the next one."""
-        return np.repeat(self.readings(marks), self.stride)[: marks.size]
+    def planned_readings(self, samples: int) -> tuple[np.ndarray, np.ndarray | None]:
+        """Rows that count and readings of another run, at even distances."""
+        if self.at is None:
+            return np.ones(samples, bool), None
+        rows = np.arange(samples) % max(round(self.every), 1) == 0
+        return rows, np.flatnonzero(rows)
 
     @property
     def sampled(self) -> tuple[FloatArray, FloatArray]:
@@ -111,7 +124,7 @@ class Data:
     def at_readings(self) -> "Data":
         """The record at the readings of the sensor alone."""
         u, y = self.sampled
-        return replace(self, u=u, y=y, rows=self.readings(self.rows), Ts=self.stride * self.Ts, stride=1)
+        return replace(self, u=u, y=y, rows=self.readings(self.rows), Ts=self.every * self.Ts, at=None, stride=1)
 
     @property
     def longest(self) -> int:
@@ -161,7 +174,7 @@ def usable_lags(rows: np.ndarray, stride: int = 1) -> int:
     """Largest order of the noise model: `MAX_LAGS`, or less if too few rows have as many counted rows before them."""
     lags = MAX_LAGS
     least = max(MIN_COMPLETE_SHARE * rows.sum(), MIN_COMPLETE)
-    while lags > 1 and complete_rows(rows, lags, stride).sum() < least:
+    while lags > 0 and complete_rows(rows, lags, stride).sum() < least:
         lags //= 2
     return lags
 

@@ -56,7 +56,8 @@ def next_experiment(data: Data, first: Fit, second: Fit, rng: np.random.Generato
         y = first.hypothesis.output(first.theta, first.gains, u)
         if not np.isfinite(y).all() or np.abs(y).max() > 6.0:  # outside the range of the record
             continue
-        applied = replace(data, u=u, y=y, rows=np.arange(samples) % data.stride == 0)
+        rows, at = data.planned_readings(samples)
+        applied = replace(data, u=u, y=y, rows=rows, at=at)
         point = minimize(applied, second.hypothesis, second.theta, second.gains, iterations=10)
         if point is None:
             continue

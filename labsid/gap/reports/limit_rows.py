@@ -61,10 +61,10 @@ def _why(one: Limits) -> str | None:
     if one.reason == "stabilised":
         return "The rig is unstable; beside the correction of its simulation, this effect is not tried."
     if one.reason:
-        return f"A refit of the simulation hides it here, at any size. Needed: {needed}"
+        return f"A refit of the simulation hides it here, at every size that was tried. Needed: {needed}"
     if one.named is None:
         other = f"It looks like {noun(one.rival)} here" if one.rival else "It is not told from others here"
-        return f"{other}, at any size. Needed: {needed}"
+        return f"{other}, at every size that was tried. Needed: {needed}"
     return None
 
 

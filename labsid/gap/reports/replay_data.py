@@ -20,7 +20,7 @@ from labsid.gap.reports.sliders import Slider, parameter_sliders
 from labsid.gap.reports.traces import packed
 from labsid.gap.search.forms import remove_named_effect
 from labsid.gap.verdict.answer import Answer
-from labsid.records.record import Record
+from labsid.records.record import Record, bridge_gaps
 
 MOST_COMBINATIONS = 8
 Names = tuple[str, ...]
@@ -42,7 +42,7 @@ def replay_content(
     inside : ndarray of bool, shape (N,)
         Samples of the record; between several joined ones there are others.
     measured : tuple of ndarray of bool
-        Samples with an output, of the record and of the holdout.
+        Samples that are shown with an output, of the record and of the holdout.
     answer : Answer
     holdout : Record or None
 
@@ -73,7 +73,7 @@ def replay_content(
 
 
 def _with_gaps(holdout: Record, data: Data, measured: np.ndarray | None) -> FloatArray:
-    return np.asarray(np.where(True if measured is None else measured, data.y_scale.of(holdout.y), np.nan))
+    return np.asarray(np.where(True if measured is None else measured, data.y_scale.of(bridge_gaps(holdout.y)), np.nan))
 
 
 def accepted_names(answer: Answer) -> Names:

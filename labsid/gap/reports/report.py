@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.special import chdtrc
 
-from labsid._arrays import FloatArray, stretches_of
+from labsid._arrays import FloatArray, stretches_of, up_to_next
 from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.effects.families import DESCRIPTIONS
@@ -75,7 +75,7 @@ def build_report(
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
             "time": location.share_by_time(t, e, record.Ts, _acting_samples(answer, t.size)),
-            "band_hz": location.share_by_frequency(data.readings(e), data.stride * record.Ts),
+            "band_hz": location.share_by_frequency(data.readings(e), data.every * record.Ts),
             "operating": location.most_uneven_signal(u, y, record.Ts, e),
             "map": location.operating_map(u, y, e),
         },
@@ -87,7 +87,7 @@ def build_report(
             "corrected": answer.corrected,
             "closed": score.closed,
             "ci95": None if score.ci95 is None else list(score.ci95),
-            "holdout": _stretches(holdout or record, data.until_next(score.scored)),
+            "holdout": _stretches(holdout or record, up_to_next(score.scored)),
         },
         "noise": {
             "sd": float(np.sqrt(np.mean((explanation.data.y - explanation.best.output)[explanation.data.rows] ** 2)))

@@ -27,6 +27,7 @@ NOVELTIES = {
 }  # by the names of `novelty.RANGES`
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
+DEPENDENT = 1e-3  # p-value below which a record without a named cause is said to have a gap
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
 NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
@@ -195,10 +196,10 @@ def _none_sentence(report: dict[str, Any]) -> str:
             f"There is no gap beyond noise: the rms error of {which} is {number(gap['before'])} on the holdout, which "
             f"noise of {number(gap['noise_floor'])} reaches by chance."
         )
-    return (
-        f"There is no gap beyond noise: the rms error of {which} is {number(gap['before'])}, "
-        f"and the noise alone is {number(gap['noise_floor'])}."
-    )
+    sizes = f"the rms error of {which} is {number(gap['before'])}, and the noise alone is {number(gap['noise_floor'])}."
+    if report["unexplained"]["input_correlation_p"] < DEPENDENT:
+        return f"The gap is too small for its cause to be named: {sizes}"
+    return f"There is no gap beyond noise: {sizes}"
 
 
 def _holdout_sentence(report: dict[str, Any]) -> str:

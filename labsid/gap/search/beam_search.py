@@ -1,6 +1,6 @@
 """Beam search over combinations of effects: add up to three effects one by one, replace single ones, then prune."""
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from operator import attrgetter
 
@@ -110,7 +110,7 @@ def _with_instants(
         if better:
             best = min(better, key=penalized_bic)
             parents = [one for names, one in levels[1].items() if set(names) < set(best.hypothesis.names)]
-            path = (path[0], *parents[: size - 1], best)
+            path = _pruned(data, levels, [path[0], *parents[: size - 1], best])
             if residual_is_white(data, best):
                 break
     return levels, path
@@ -352,7 +352,7 @@ def _brief_trials(data: Data, parent: Fit, highpass: Fit) -> Callable[[tuple[Eff
     return lambda group: trial_fits(data, parent, group, highpass, brief=True)
 
 
-def _pruned(data: Data, levels: list[Level], path: list[Fit]) -> tuple[Fit, ...]:
+def _pruned(data: Data, levels: Sequence[Level], path: list[Fit]) -> tuple[Fit, ...]:
     """The path without effects that a later one has made redundant."""
     while len(path) > 2:
         best = path[-1]

@@ -39,7 +39,7 @@ from labsid.gap.search.beam_search import (
     search_effects,
 )
 from labsid.gap.search.candidates import trial_fits
-from labsid.records.signal_quality import find_held
+from labsid.records.signal_quality import find_held, shortest_repeat
 from labsid.simulators.meter import BudgetSpentError
 
 MOST_EFFECTS = 3  # of an explanation
@@ -123,12 +123,13 @@ def explain(
     y = np.asarray(data.y_scale.back(scaled))
     lattice, off = find_lattice(y)
     off = off | find_bad_start(y)
-    stretches = without_rest(find_held(y, lattice), u)
+    digits = digit_steps(y)
+    stretches = without_rest(find_held(y, lattice, shortest_repeat(y, max(lattice or 0.0, digits.max()))), u)
     if lattice is not None and is_printed(lattice, y):
         lattice = None
     flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
     step = 0.0 if lattice is None else lattice / data.y_scale.unit
-    resolution = None if lattice is not None else reading_errors(y, digit_steps(y)) / data.y_scale.unit
+    resolution = None if lattice is not None else reading_errors(y, digits) / data.y_scale.unit
     measured = data.y
     data = with_floor(replace(data, lattice=step))
     held = np.zeros(y.size, bool)

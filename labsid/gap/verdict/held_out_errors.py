@@ -61,6 +61,8 @@ class HeldOut:
         Which samples of another record determine its initial state: the same for all fits.
     further : dict, optional
         Further inputs of the other record by name, scaled.
+    known : ndarray of bool, optional
+        Samples of the other record that have an output; by default all.
     """
 
     data: Data
@@ -69,6 +71,7 @@ class HeldOut:
     in_turn: dict[Fit, FloatArray] | None = None
     start: RecordStart = LEAST
     further: dict[str, FloatArray] | None = None
+    known: np.ndarray | None = None
 
     @property
     def elsewhere(self) -> bool:
@@ -92,7 +95,9 @@ class HeldOut:
             return fit.output
         if self.further:
             fit = replace(fit, hypothesis=fit.hypothesis.with_signals(self.further))
-        return self.data.y_scale.of(export_model(self.data, fit, start=self.start).simulate(*self.other))
+        u, y = self.other
+        known = y if self.known is None else np.where(self.known, y, np.nan)
+        return self.data.y_scale.of(export_model(self.data, fit, start=self.start).simulate(u, known))
 
     @property
     def measured(self) -> FloatArray:
@@ -104,7 +109,8 @@ class HeldOut:
         assert self.other is not None
         u, y = self.data.u_scale.of(self.other[0]), self.measured
         own = self.data
-        data = Data(u, y, self.scored, own.Ts, own.u_scale, own.y_scale, lattice=own.lattice, stride=own.stride)
+        at = None if own.at is None else np.flatnonzero(self.scored)
+        data = Data(u, y, self.scored, own.Ts, own.u_scale, own.y_scale, lattice=own.lattice, at=at, stride=own.stride)
         output = self.output(fit)
         return data, replace(fit, output=output, noise=noise_of(data, y - output))
 
@@ -148,6 +154,8 @@ def _outputs_in_turn(data: Data, fit: Fit, again: Refit, begun: RecordStart) -> 
         others = replace(data, rows=rows)
         model = export_model(others, again(others, fit), start=begun)
         u, y = data.u_scale.back(data.u[start:stop]), data.y_scale.back(data.y[start:stop])
+        if data.at is not None:
+            y = np.where(data.rows[start:stop], y, np.nan)
         output[start:stop] = data.y_scale.of(model.simulate(np.asarray(u), np.asarray(y)))
     return output
 
@@ -179,7 +187,8 @@ def hold_out(
     """
     if other is not None:
         scored = np.arange(other[0].size) >= begun.samples(other[0].size)
-        return HeldOut(data, scored if measured is None else scored & measured, other, start=begun, further=further)
+        scored = scored if measured is None else scored & measured
+        return HeldOut(data, scored, other, start=begun, further=further, known=measured)
     if data.pieces:
         scored = np.zeros(data.samples, bool)
         for start, stop in data.pieces:

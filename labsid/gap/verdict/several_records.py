@@ -13,6 +13,7 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.model_file import LEAST
 from labsid.gap.record.clock import at_sampling_time
 from labsid.gap.record.data import Data, Scale, scaled
+from labsid.gap.record.readings import readings_alone
 from labsid.gap.record.record_findings import PlateauGap, filtered_input, findings_from_record, plateau_gap
 from labsid.gap.verdict.baseline_choice import fit_first_order
 from labsid.gap.verdict.scores import NO_GAP, GapScore, closed_share
@@ -187,7 +188,7 @@ def score_by_record(
 
 
 def findings_by_record(
-    joined: JoinedRecords, outputs: tuple[FloatArray, FloatArray], rows: np.ndarray
+    joined: JoinedRecords, outputs: tuple[FloatArray, FloatArray], data: Data
 ) -> tuple[list[Finding], PlateauGap | None]:
     """Findings from each record, those that all have in common once, and the plateaus that matter most.
 
@@ -196,17 +197,18 @@ def findings_by_record(
     joined : JoinedRecords
     outputs : tuple of ndarray, shape (N,)
         Of the simulation and of the explanation on the joined records.
-    rows : ndarray of bool, shape (N,)
-        Samples to use.
+    data : Data
+        With the samples to use.
     """
     named: defaultdict[Finding, list[str]] = defaultdict(list)
     plateaus: dict[str, PlateauGap] = {}
     for name, record, (start, stop) in zip(joined.names, joined.records, joined.pieces, strict=True):
         before, after = (output[start:stop] for output in outputs)
-        plateau = plateau_gap(record.u, record.y, before, after, rows[start:stop])
+        plateau = plateau_gap(record.u, record.y, before, after, data.rows[start:stop])
         if plateau is not None and plateau.matters:
             plateaus[name] = plateau
-        for finding in findings_from_record(record, plateau):
+        at = np.flatnonzero(joined.measured[start:stop])
+        for finding in findings_from_record(record if data.at is None else readings_alone(record, at), plateau):
             named[finding].append(name)
     worst = max(plateaus, key=lambda name: plateaus[name].missed, default=None)
     found = []

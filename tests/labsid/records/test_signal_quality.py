@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from labsid.records.signal_quality import (
     find_held,
     lattice_step,
     moving_mean_length,
-    refreshes,
     runs,
     scatter,
     stuck_at_extreme,
@@ -97,38 +95,3 @@ def test_other_filters_are_no_moving_mean():
     assert moving_mean_length(x, np.convolve(x, [0.5, 0.3, 0.2])[: x.size]) is None
     assert moving_mean_length(x, np.round(np.convolve(x, np.ones(5) / 5)[: x.size], 4)) is None
     assert moving_mean_length(x, np.convolve(x, np.ones(30) / 30)[: x.size]) is None
-
-
-@pytest.mark.parametrize(("every", "first"), [(2, 1), (3, 0), (7, 5)])
-def test_a_sensor_slower_than_the_logger_is_seen(every, first):
-    rng = np.random.default_rng(every)
-    u = np.repeat(rng.uniform(-1, 1, 30), 20)
-    readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
-    y = readings[np.maximum((np.arange(u.size) - first) // every, 0) * every + first]
-    np.testing.assert_array_equal(refreshes(u, y), np.arange(first, u.size, every))
-    y[333:] = readings[333:]
-    assert refreshes(u, y) is None
-
-
-@pytest.mark.parametrize("every", [2.4, 3.3, 6.7])
-def test_a_slow_sensor_with_a_clock_of_its_own_is_seen(every):
-    rng = np.random.default_rng(4)
-    u = np.repeat(rng.uniform(-1, 1, 30), 20)
-    readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
-    at = np.ceil(np.floor(np.arange(u.size) / every) * every).astype(int)
-    np.testing.assert_array_equal(refreshes(u, readings[at]), np.unique(at)[1:])
-
-
-@pytest.mark.parametrize("held", [1, 2, 4])
-def test_a_sensor_slower_than_a_command_that_moves_is_seen(held):
-    """Also where the command changes at every sample, or faster than the sensor reads."""
-    rng = np.random.default_rng(held)
-    u = np.repeat(rng.uniform(-1, 1, 600 // held), held)
-    readings = lfilter([0, 0.1], [1, -0.9], u) + 0.01 * rng.standard_normal(u.size)
-    at = np.arange(u.size) // 8 * 8
-    np.testing.assert_array_equal(refreshes(u, readings[at]), np.unique(at))
-
-
-def test_an_output_that_rests_between_steps_of_the_input_is_no_slow_sensor():
-    u = np.repeat(np.random.default_rng(0).uniform(-1, 1, 60), 10)
-    assert refreshes(u, 2 * u) is None

@@ -68,7 +68,7 @@ def gapped(period: int) -> np.ndarray:
     return rows
 
 
-@pytest.mark.parametrize(("period", "lags"), [(3000, 8), (40, 8), (9, 4), (6, 4), (5, 2), (4, 2), (3, 1), (2, 1)])
+@pytest.mark.parametrize(("period", "lags"), [(3000, 8), (40, 8), (9, 4), (6, 4), (5, 2), (4, 2), (3, 1), (2, 0)])
 def test_lags_are_as_many_as_there_are_good_samples_in_a_row(period: int, lags: int) -> None:
     assert usable_lags(gapped(period)) == lags
 
@@ -81,7 +81,15 @@ def test_a_few_good_samples_in_a_row_are_enough_if_they_are_a_tenth() -> None:
     assert usable_lags(rows) == 8
     rows = gapped(2)
     rows[:80] = True
-    assert usable_lags(rows) == 1
+    assert usable_lags(rows) == 0  # most rows count, as white noise
+
+
+def test_rows_of_which_none_follows_another_have_white_noise() -> None:
+    rows = gapped(2)
+    e = np.where(rows, np.random.default_rng(2).normal(0.0, 0.3, rows.size), 50.0)
+    found = fit_noise(e, complete_rows(rows, 0), 0)
+    assert found.sigma2 == pytest.approx(0.09, rel=0.15)
+    assert (found.ar.size, found.rows) == (0, 1000)
 
 
 @pytest.mark.parametrize("period", [6, 4])

@@ -114,9 +114,10 @@ def test_an_output_at_every_second_sample_is_diagnosed_at_its_readings(clipped):
     assert "one sample in 2 only" in " ".join(report["screen"])
 
 
-def test_an_output_at_uneven_distances_is_to_be_read_at_its_rate(clipped):
-    there = np.cumsum(np.random.default_rng(1).integers(2, 6, len(clipped)))
+def test_an_output_at_uneven_distances_is_diagnosed_at_its_readings(clipped):
+    there = np.cumsum(np.random.default_rng(1).integers(2, 4, len(clipped)))
     y = np.full(len(clipped), np.nan)
     y[there[there < y.size]] = clipped.y[there[there < y.size]]
-    with pytest.raises(ValueError, match=r"y of the record is there at one sample in 4 or fewer\. .* --resample 2\."):
-        diagnose(replace(clipped, y=y))
+    report = diagnose(replace(clipped, y=y)).report
+    assert named(report) == ["input-saturation"]
+    assert "one sample in 2.5" in " ".join(report["screen"])

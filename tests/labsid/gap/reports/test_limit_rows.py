@@ -51,8 +51,8 @@ def test_a_row_has_the_keys_of_the_contract():
         ),
         ({"reason": "closed", "named": None}, "The simulation can only be run as a whole"),
         ({"reason": "beside", "named": None}, "It cannot be combined with the dynamics of what was found."),
-        ({"reason": "hidden", "named": None}, "A refit of the simulation hides it here, at any size."),
-        ({"named": None}, "It looks like dry friction here, at any size. Needed: Changes of direction"),
+        ({"reason": "hidden", "named": None}, "A refit of the simulation hides it here, at every size that was tried."),
+        ({"named": None}, "It looks like dry friction here, at every size that was tried. Needed: Changes of direction"),
         ({"named": None, "rival": None}, "It is not told from others here"),
     ],
 )
@@ -92,7 +92,7 @@ def test_the_sentence_says_what_is_excluded():
 def test_what_is_hidden_is_listed_by_reason():
     base = with_limits(report(verdict="none"))
     assert hidden_sentences(base) == [
-        "Transport delay: it looks like dry friction here, at any size. Needed: Other inputs.",
+        "Transport delay: it looks like dry friction here, at every size that was tried. Needed: Other inputs.",
         "Extra lag: the input has two levels only.",
     ]
 

@@ -1,0 +1,137 @@
+"""Records of a slow sensor: simulated at all samples, compared at the readings that it has."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from labsid.gap.diagnosis import diagnose
+from labsid.gap.record.readings import at_readings
+from labsid.records.record import Record
+
+
+def test_a_slow_sensor_is_diagnosed_at_its_readings():
+    rng = np.random.default_rng(2)
+    u = np.repeat(rng.uniform(0, 10, 30), 40)
+    readings = lfilter([0, 0.03], [1, -0.97], u) + 0.02 * rng.standard_normal(u.size)
+    y = readings[np.arange(u.size) // 5 * 5]
+    run = Record(0.1 * np.arange(u.size), u, y, 0.1)
+    found = at_readings([run])
+    (slow,), stride, (note,) = found.records, found.stride, found.notes
+    assert (stride, slow.Ts) == (1, pytest.approx(0.5))
+    np.testing.assert_array_equal(slow.y, readings[::5][: len(slow)])
+    np.testing.assert_array_equal(slow.u, u[::5][: len(slow)])
+    report = diagnose(run).report
+    assert report["verdict"] == "none"
+    assert note in report["screen"]
+
+
+def test_a_slow_sensor_with_a_clock_of_its_own_shows_no_gap():
+    rng = np.random.default_rng(6)
+    u = np.repeat(rng.uniform(-1, 1, 40), 40)
+    readings = lfilter([0, 1.0, -0.5], np.poly([0.96, 0.92]), u)
+    readings = readings / np.std(readings) + 0.02 * rng.standard_normal(u.size)
+    y = readings[np.ceil(np.floor(np.arange(u.size) / 3.3) * 3.3).astype(int)]
+    report = diagnose(Record(0.1 * np.arange(u.size), u, y, 0.1)).report
+    assert report["verdict"] == "none"
+    assert "one sample in 3.3 only" in " ".join(report["screen"])
+
+
+def test_readings_at_the_ticks_of_a_clock_are_at_even_distances():
+    """Of a fast rig, where a reading that is taken for one of the next sample is far off."""
+    rng, every, pole = np.random.default_rng(7), 4.32, np.exp(-1 / 6)
+    u = rng.uniform(-1, 1, 1500)
+    exact = lfilter([0, 1 - pole], [1, -pole], u)
+    ticks = 0.4 + every * np.arange(int(u.size / every))
+    whole = ticks.astype(int)  # y decays towards u within a sample
+    true = u[whole] + (exact[whole] - u[whole]) * np.exp(-(ticks - whole) / 6)
+    readings = true + 0.01 * rng.standard_normal(ticks.size)
+    seen = np.searchsorted(ticks, np.arange(u.size), side="right") - 1
+    run = Record(0.1 * np.arange(u.size), u, readings[np.maximum(seen, 0)], 0.1)
+    found = at_readings([run])
+    (slow,), stride = found.records, found.stride
+    assert (stride, slow.Ts) == (5, pytest.approx(0.1 * every / 5, rel=1e-4))
+    t, y = slow.t[::5], slow.y[::5]
+    first = int(np.argmin(np.abs(ticks * 0.1 - t[0])))
+    np.testing.assert_array_equal(y, readings[first : first + y.size])
+    assert np.isnan(np.delete(slow.y, np.arange(0, slow.y.size, 5))).all()
+    np.testing.assert_allclose(t, 0.1 * ticks[first : first + t.size], atol=0.05)
+    assert diagnose(run).report["verdict"] == "none"
+
+
+def read_slowly(w, seed, every=5, held=True):
+    """A command that moves at each sample, and a rig behind `w` of it that is read at every so many samples."""
+    rng = np.random.default_rng(seed)
+    u = lfilter([0.5], [1, -0.5], rng.uniform(-1, 1, 1000))
+    y = lfilter([0, 0.05, 0.04], np.poly([0.9, 0.8]), w(u))
+    y = y + 0.01 * np.std(y) * rng.standard_normal(u.size)
+    seen = y[np.arange(u.size) // every * every] if held else np.where(np.arange(u.size) % every, np.nan, y)
+    return Record(0.02 * np.arange(u.size), u, seen, 0.02)
+
+
+def dead(u):
+    return np.sign(u) * np.maximum(np.abs(u) - 0.2, 0.0)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_the_input_may_move_between_two_readings(held):
+    found = at_readings([run := read_slowly(dead, 1, held=held)])
+    (slow,), stride, (note,) = found.records, found.stride, found.notes
+    assert (stride, len(slow)) == (5, 996)
+    np.testing.assert_array_equal(slow.u, run.u[:996])
+    np.testing.assert_array_equal(slow.y[::5], run.y[:996:5])
+    assert slow.missing.sum() == 996 - 200
+    report = diagnose(run).report
+    assert note in report["screen"]
+    (cause,) = report["effects"]
+    assert cause["name"] == "input-dead-zone"
+    assert cause["parameters"]["high"]["value"] == pytest.approx(0.2, abs=0.02)
+    assert not any("feedback" in finding["text"] for finding in report["record_findings"])
+
+
+def test_nothing_is_invented_between_the_readings():
+    for seed in (2, 3):
+        report = diagnose(read_slowly(np.array, seed, every=4)).report
+        assert (report["verdict"], report["effects"]) == ("none", [])
+        assert report["unexplained"]["whiteness_p"] > 1e-3
+
+
+def test_a_delay_of_a_slow_sensor_is_found_between_its_readings():
+    late = read_slowly(lambda u: np.concatenate([np.full(7, u[0]), u[:-7]]), 4, every=3)
+    report = diagnose(late).report
+    (cause,) = report["effects"]
+    assert cause["name"] == "input-delay"
+    assert cause["parameters"]["delay"]["value"] == pytest.approx(0.14, abs=0.02)
+
+
+def test_a_slow_sensor_beside_a_simulation_and_another_run():
+    found = diagnose(read_slowly(dead, 5), holdout=read_slowly(dead, 6))
+    assert [cause["name"] for cause in found.report["effects"]] == ["input-dead-zone"]
+    assert found.report["gap"]["closed"] > 0.9
+    again = diagnose(read_slowly(dead, 7), found.model.to_json_dict()).report
+    assert again["verdict"] == "none"
+
+
+def test_missing_readings_of_a_slow_sensor_are_left_out():
+    run = read_slowly(np.array, 8, held=False)
+    y = run.y.copy()
+    y[[100, 105, 500]] = np.nan
+    holes = Record(run.t, run.u, y, run.Ts)
+    found = at_readings([holes])
+    (slow,), stride = found.records, found.stride
+    assert (stride, int((~slow.missing).sum())) == (5, 197)
+    assert diagnose(holes).report["verdict"] == "none"
+
+
+def test_too_few_readings_are_refused():
+    run = read_slowly(np.array, 9, every=12)
+    with pytest.raises(ValueError, match="has 84 readings; a diagnosis needs at least 100"):
+        diagnose(run)
+
+
+def test_more_samples_than_a_search_can_take_are_fewer_between_the_readings():
+    run = read_slowly(dead, 1)
+    found = at_readings([run], longest=500)
+    (slow,), stride = found.records, found.stride
+    assert (stride, slow.Ts) == (2, pytest.approx(0.05))
+    np.testing.assert_array_equal(slow.y[::2], run.y[::5][: slow.y[::2].size])
+    assert at_readings([run], longest=0).stride == 1
