@@ -23,7 +23,7 @@ from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
-from labsid.gap.record.readings import at_readings, readings_alone
+from labsid.gap.record.readings import along, at_readings, readings_alone
 from labsid.gap.record.record_findings import (
     about_correction,
     filtered_input,
@@ -517,7 +517,8 @@ def _report(
     else:
         inside = joined.inside
         found, plateau = findings_by_record(joined, answer.outputs, data)
-    shown, y = up_to_next(prepared.measured), record.y
+    shown = up_to_next(prepared.measured)
+    y = record.y if data.at is None else along(answer.outputs[1], record.y, data.at)
     known = np.where(inside & prepared.measured, y, answer.outputs[0])  # no error where nothing is measured
     record = Record(record.t, record.u, known, record.Ts, name=record.name)
     report = build_report(record, answer, base, rng, holdout)
@@ -535,10 +536,10 @@ def _report(
     report["holdout_traces"], there = None, None
     if holdout is not None:
         before, after = (np.asarray(data.y_scale.back(output)) for output in answer.score.outputs)
-        there = None if prepared.holdout_measured is None else up_to_next(prepared.holdout_measured)
-        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, holdout.y, before, after, there)
-        if prepared.holdout_measured is not None:
-            holdout = replace(holdout, y=np.where(prepared.holdout_measured, holdout.y, np.nan))
+        assert prepared.holdout_measured is not None
+        holdout = replace(holdout, y=np.where(prepared.holdout_measured, holdout.y, np.nan))
+        there = up_to_next(prepared.holdout_measured)
+        report["holdout_traces"] = figure_traces(holdout.t, holdout.u, along(after, holdout.y), before, after, there)
     report["replay"] = None if stabilised else replay_content(record, inside, (shown, there), answer, holdout)
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
     return Diagnosis(report, model, explain_verdict(answer) if why else None)

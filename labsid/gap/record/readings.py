@@ -144,6 +144,21 @@ def _resampled(
     return between_outputs(Record(t, u, at_ticks, every / stride * record.Ts, name=record.name))
 
 
+def along(simulated: FloatArray, y: FloatArray, at: np.ndarray | None = None) -> FloatArray:
+    """An output with values between its readings, for figures: straight lines of the error of a simulation.
+
+    Straight lines of the output itself would show errors of the simulation where nothing is measured.
+
+    Parameters
+    ----------
+    simulated, y : ndarray, shape (N,)
+    at : ndarray of int, optional
+        Samples with a reading; by default those where `y` is not missing (NaN).
+    """
+    at = np.flatnonzero(~np.isnan(y)) if at is None else at
+    return np.asarray(simulated + np.interp(np.arange(y.size), at, (y - simulated)[at]))
+
+
 def readings_alone(record: Record, at: np.ndarray) -> Record:
     """The record at the readings `at` of a slow sensor, as if all were at their mean distance."""
     Ts = record.Ts * float(at[-1] - at[0]) / (at.size - 1)

@@ -16,11 +16,12 @@ from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import export_model
 from labsid.gap.record.data import Data, Scale
+from labsid.gap.record.readings import along
 from labsid.gap.reports.sliders import Slider, parameter_sliders
 from labsid.gap.reports.traces import packed
 from labsid.gap.search.forms import remove_named_effect
 from labsid.gap.verdict.answer import Answer
-from labsid.records.record import Record, bridge_gaps
+from labsid.records.record import Record
 
 MOST_COMBINATIONS = 8
 Names = tuple[str, ...]
@@ -45,6 +46,7 @@ def replay_content(
         Samples that are shown with an output, of the record and of the holdout.
     answer : Answer
     holdout : Record or None
+        Its output is missing (NaN) where there is none.
 
     Returns
     -------
@@ -54,7 +56,8 @@ def replay_content(
     data, score = answer.explanation.data, answer.score
     before = np.where(inside, answer.before.output, np.nan)
     after = np.where(inside, score.after_fit.output, np.nan)
-    y = np.where(inside & measured[0], data.y, np.nan)
+    y = data.y if data.at is None else along(score.after_fit.output, data.y, data.at)
+    y = np.where(inside & measured[0], y, np.nan)
     combinations = _combinations(answer)
     return {
         "u_scale": _scale(data.u_scale),
@@ -63,7 +66,7 @@ def replay_content(
         | {"fitted": stretches_of(data.rows), "scored": [] if holdout or data.pieces else stretches_of(score.scored)},
         "holdout": None
         if holdout is None
-        else _signals(holdout, (data.u_scale.of(holdout.u), _with_gaps(holdout, data, measured[1]), *score.outputs))
+        else _signals(holdout, (data.u_scale.of(holdout.u), _with_gaps(holdout, answer, measured[1]), *score.outputs))
         | {"fitted": [], "scored": stretches_of(score.scored)},
         "accepted": list(accepted_names(answer)),
         "combinations": [
@@ -72,8 +75,9 @@ def replay_content(
     }
 
 
-def _with_gaps(holdout: Record, data: Data, measured: np.ndarray | None) -> FloatArray:
-    return np.asarray(np.where(True if measured is None else measured, data.y_scale.of(bridge_gaps(holdout.y)), np.nan))
+def _with_gaps(holdout: Record, answer: Answer, measured: np.ndarray | None) -> FloatArray:
+    y = along(answer.score.outputs[1], answer.explanation.data.y_scale.of(holdout.y))
+    return np.asarray(np.where(True if measured is None else measured, y, np.nan))
 
 
 def accepted_names(answer: Answer) -> Names:
