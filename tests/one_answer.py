@@ -203,7 +203,7 @@ def solve(name: str, student: str = "z5000001", content: bytes | None = None) ->
     With the `content` of a data file it runs on that record, of which no origin is known.
     """
     assignment = load_assignment(name)
-    cells = _cells(name)
+    cells = cells_of(name)
     with work_folder() as folder, quietly():
         record = None
         if assignment.record_file is not None:
@@ -240,7 +240,7 @@ def own_record(name: str, student: str) -> Record | None:
 
 
 @cache
-def _cells(name: str) -> dict[str, str]:
+def cells_of(name: str) -> dict[str, str]:
     """Source of each cell that is run or judged, by grade_id; demonstrations are left out."""
     notebook = jupytext.read(NOTEBOOKS / name / f"{name}.md", fmt="md:myst")
     return {

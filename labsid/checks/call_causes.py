@@ -9,6 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
+from labsid.checks.key_causes import field_as_attribute
 from labsid.checks.matlab_syntax import MATLAB
 from labsid.checks.stops import Stop
 
@@ -85,9 +86,13 @@ def unknown_in_a_number(stop: Stop, found: re.Match[str]) -> str | None:
     return f"`{_owner_of(stop, found[1]) or 'It'}` is one number, no array: it has no `.{found[1]}`."
 
 
-def missing_axis(_: Stop, found: re.Match[str]) -> str | None:
+def missing_axis(stop: Stop, found: re.Match[str]) -> str | None:
     """An axis that an array does not have."""
     axes = int(found[2])
+    for node in _calls(stop):
+        if ast.unparse(node.func) == "np.size" and len(node.args) > 1:
+            name = ast.unparse(node.args[0])
+            return f"MATLAB's `size({name}, 1)` is `{name}.shape[0]`, `size({name}, 2)` is `{name}.shape[1]`."
     has = (
         "one axis, 0" if axes == 1 else "the axes 0, down the rows, and 1, along them" if axes == 2 else f"{axes} axes"
     )
@@ -106,6 +111,31 @@ def no_steps(stop: Stop, _: re.Match[str]) -> str | None:
         if called == "range":
             return "`range` counts in whole numbers; `np.arange(start, stop, step)` takes any step."
     return None
+
+
+def no_count(stop: Stop, _: re.Match[str]) -> str | None:
+    """A list or an array in the place of a count."""
+    for node in _calls(stop):
+        for part in node.args if ast.unparse(node.func) == "range" else ():
+            thing, name = stop.things.get(ast.unparse(part)), ast.unparse(part)
+            if thing is not None and (thing.kind == "list" or (thing.kind == "array" and thing.shape)):
+                return (
+                    f"`range` counts up to one number, and `{name}` {thing.said}. A loop goes through it itself, "
+                    f"`for x in {name}`; it has `len({name})` entries."
+                )
+    return None
+
+
+def negative_size(stop: Stop, _: re.Match[str]) -> str | None:
+    """A diagonal of `np.eye` that stands in the place of the number of columns, or a size below zero."""
+    for node in _calls(stop):
+        if ast.unparse(node.func) == "np.eye" and len(node.args) > 1:
+            n, k = map(ast.unparse, node.args[:2])
+            return (
+                "What comes second in `np.eye` is the number of columns. A diagonal above or below is chosen by "
+                f"its name, `np.eye({n}, k={k})`."
+            )
+    return "A size is below zero: print it."
 
 
 def own_function_of_python(stop: Stop, found: re.Match[str]) -> str | None:
@@ -177,6 +207,9 @@ def without_entries(stop: Stop, _: re.Match[str]) -> str | None:
     for node in stop.expressions():
         if isinstance(node, ast.Subscript):
             owner, thing = ast.unparse(node.value), stop.things.get(ast.unparse(node.value))
+            field = field_as_attribute(stop, node.value)
+            if field:
+                return field
             if thing is not None and thing.kind == "number":
                 return f"`{owner}` is one number: it has no entries, and takes no `[...]`."
             if "method' object" in stop.text or (thing is not None and thing.kind == "function"):
@@ -190,31 +223,11 @@ def called_attribute(stop: Stop, _: re.Match[str]) -> str | None:
         if isinstance(node.func, ast.Attribute) and node.func.attr in ("shape", "size", "ndim", "T", "Ts", "dtype"):
             written = ast.unparse(node.func)
             first = f", and its first number `{written}[0]`" if node.func.attr == "shape" else ""
+            if node.func.attr == "size" and node.args:
+                owner = ast.unparse(node.func.value)
+                first = f" counts all entries. The number of rows is `{owner}.shape[0]`, of columns `{owner}.shape[1]`"
             return f"It is no function, and takes no round brackets: `{written}`{first}."
     return None
-
-
-def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
-    """A call with other arguments than the function takes: of a library's function, or by the check."""
-    if found[1] == "subplot":
-        return "A figure with two axes is made by `plt.subplots(2, 1)`, with an s at the end."
-    if not stop.line:
-        return (
-            "The call and the first line of the function differ. The check calls it with the arguments of the "
-            "question, in their order."
-        )
-    for node in _calls(stop):
-        written = ast.unparse(node.func)
-        if isinstance(node.func, ast.Attribute) and node.func.attr == found[1]:
-            if written == "np.array":
-                handed = ", ".join(map(ast.unparse, node.args))
-                return f"The numbers of an array are handed over together, in a list: `np.array([{handed}])`."
-            return f"Which arguments it takes, and in which order, `help({written})` tells."
-    missing = re.search(r"missing \d+ required positional arguments?: (.+)", stop.text)
-    if missing is None:
-        return None
-    names = re.sub("'", "`", missing[1])
-    return f"The first line of `{found[1]}` has {names}, too: hand over as many as it has, in its order."
 
 
 def _calls(stop: Stop) -> Iterator[ast.Call]:

@@ -5,6 +5,7 @@ import re
 
 from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
+from labsid.checks.tables import zeros_of_one_size
 
 
 def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
@@ -15,9 +16,13 @@ def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
             name = ast.unparse(node.right)
             return (
                 f"numpy matches shapes from the last axis: a flat array stands for one *row* of {one[1]}. "
-                f"For one number "
-                f"to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
+                f"For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
             )
+    turned = re.search(r"(\w+)\[(np\.newaxis|None),\s*:\]", stop.line)
+    if turned is not None:
+        return (
+            f"`{turned[0]}` is one row. For one number to each row make a column of it: `{turned[1]}[:, {turned[2]}]`."
+        )
     return None
 
 
@@ -25,8 +30,14 @@ def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
     """Two signals of different lengths, zeros that are added in place of joined, or a mean over the wrong axis."""
     if re.search(r"(zeros|ones)\([^()]*\) \+|\+ np\.(zeros|ones)\(", stop.line):
         return "`+` adds entry by entry. To put one array behind the other, join them: `np.concatenate([a, b])`."
+    if "axis=0" in stop.line:
+        return "`axis=0` makes one number of each column, `axis=1` one of each row: which are asked for?"
     if "axis=1" in stop.line:
         return "`axis=1` makes one number of each *row*, `axis=0` one of each column: which are asked for?"
+    joined = re.search(r"np\.convolve\((\w+), (\w+)\)", " ".join((stop.line, *stop.made.values())))
+    if joined is not None:
+        a, b = joined.groups()
+        return f"`{joined[0]}` has len({a}) + len({b}) - 1 entries: keep the first, `{joined[0]}[: len({b})]`."
     for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div):
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and len(one) == len(other) == 1:
@@ -42,8 +53,11 @@ def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
     return "Entry by entry, both need the same shape (an axis of length 1 fits any)."
 
 
-def beyond_the_end(_: Stop, found: re.Match[str]) -> str | None:
+def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
     """An index that is the number of entries, or larger."""
+    counted = next((made for made in (stop.line, *stop.made.values()) if "digitize(" in made), "")
+    if counted:
+        return f"`np.digitize` counts its cells from 1, in `{counted}`, and Python its entries from 0: take 1 off."
     index, size = int(found[1]), int(found[2])
     if size == 0:
         return "It is empty along that axis: a slice before it took nothing. Print its shape."
@@ -60,35 +74,11 @@ def too_many_indices(stop: Stop, found: re.Match[str]) -> str | None:
             if shape is not None and len(shape) < len(node.slice.elts):
                 owner, said = ast.unparse(node.value), f"`{ast.unparse(node.value)}` has shape {shape}"
                 counted = re.search(r"\[(\d+)\](?!.*\[\d+\])", owner)
-                asked = (
-                    f" Often here: is `[{counted[1]}]` counted from 1, as in MATLAB? The first is `[0]`."
-                    if counted
-                    else ""
-                )
-                return f"{said}: it is flat, and takes one index, not {len(node.slice.elts)}.{asked}"
+                asked = f" Is `[{counted[1]}]` counted from 1, as in MATLAB? The first is `[0]`." if counted else ""
+                zeros = zeros_of_one_size(stop, owner)
+                takes = f"{said}: it is flat, and takes one index, not {len(node.slice.elts)}."
+                return f"{takes}{asked or ' ' * bool(zeros) + zeros}"
     return "The array has fewer axes than indices in the brackets: look at its `.shape`."
-
-
-def field_of_a_dictionary(stop: Stop, found: re.Match[str]) -> str | None:
-    """A field taken as an attribute."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Attribute) and node.attr == found[1]:
-            owner = ast.unparse(node.value)
-            thing = stop.things.get(owner)
-            if thing is not None and found[1] in thing.keys:
-                return f'`{owner}` is a dictionary: a field is a key of it, `{owner}["{found[1]}"]`.'
-    return f'A dictionary has keys, not attributes: write `["{found[1]}"]` in place of `.{found[1]}`.'
-
-
-def unknown_key(stop: Stop, found: re.Match[str]) -> str | None:
-    """A key that a dictionary lacks."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Subscript):
-            thing = stop.things.get(ast.unparse(node.value))
-            if thing is not None and thing.kind == "dictionary" and thing.keys:
-                keys = ", ".join(f'"{key}"' for key in thing.keys)
-                return f"`{ast.unparse(node.value)}` has the keys {keys}."
-    return "The dictionary has no such key: print it with `print(list(name))`."
 
 
 def called_array(stop: Stop, _: re.Match[str]) -> str | None:
@@ -125,19 +115,6 @@ def _entry_from_one(call: ast.Call) -> str:
     return ", ".join(str(index - 1) for index in whole) if whole and len(whole) == len(call.args) else ""
 
 
-def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
-    """A list, a tuple or an array where an index is one number."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Subscript):
-            for part in ast.walk(node.slice):
-                thing = stop.things.get(ast.unparse(part)) if isinstance(part, ast.Name) else None
-                if thing is not None and (thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape)):
-                    name = ast.unparse(part)
-                    entry = f"{name}[0][0]" if thing.lengths else f"{name}[0]"
-                    return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{entry}`."
-    return None
-
-
 def reshaped(stop: Stop, found: re.Match[str]) -> str | None:
     """A shape that the entries do not fill, or a number in place of an argument."""
     fixed = [number for number in re.findall(r"\b\d+\b", found[2]) if re.search(rf"\b{number}\b", stop.line)]
@@ -145,8 +122,7 @@ def reshaped(stop: Stop, found: re.Match[str]) -> str | None:
     if fixed and unused:
         names = " or ".join(f"`{name}`" for name in unused)
         return (
-            f"The line has the number {fixed[0]} in it, whatever is handed over. Often here: should it "
-            f"be the argument {names}?"
+            f"The line has the number {fixed[0]} in it, whatever is handed over, and does not use the argument {names}."
         )
     return f"{found[1]} entries do not fill that shape: the product of its sides must be {found[1]}."
 
@@ -170,15 +146,13 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
         )
     if 0 in lengths:
         return (
-            f"{said} One is empty. Often here: does its slice `x[a:b]` begin below zero? A negative a counts from the "
-            "end: print it."
+            f"{said} One is empty, as a slice `x[a:b]` can be whose a is below zero: it counts from the end. Print a."
         )
     if ":" not in stop.line:
         return said
     return (
-        f"{said} `y[a:b]` has b - a of them. Often here: does a slice drop samples at one end, and "
-        f"no zeros and no other cut "
-        "make up for them?"
+        f"{said} `y[a:b]` has b - a of them. Each column is cut so that this difference is the same, or begins with as "
+        "many zeros as its slice drops samples."
     )
 
 
@@ -201,7 +175,8 @@ def truth_of_an_array(stop: Stop, _: re.Match[str]) -> str | None:
     return (
         "`if`, `while`, `and` and `or` need one True or False, and a comparison of an array gives "
         "one for each entry. Compare "
-        "one entry, `u[n] != u[0]`, or ask `np.any(...)` or `np.all(...)`."
+        "one entry, `u[n] != u[0]`, or ask `np.any(...)` or `np.all(...)`. (To choose entry by "
+        "entry: `np.where(condition, a, b)`.)"
     )
 
 
@@ -226,4 +201,43 @@ def unpacked(stop: Stop, found: re.Match[str]) -> str | None:
                     )
                 if shape and shape[0] != count:
                     return f"`{right}` has {shape[0]} parts, and on the left of `=` stand {count} names."
+                if isinstance(node.value, ast.Call):
+                    said = _unpacked_call(stop, node.value, count)
+                    if said:
+                        return said
+    if not _takes_apart(stop):
+        return "It arises within the function that is called: look at what is handed over to it."
     return "On the left of `=` there must be as many names as the right side has parts: print the right side first."
+
+
+def _takes_apart(stop: Stop) -> bool:
+    """Whether a line gives several names the parts of something."""
+    head = re.match(r"\s*(?:for\s+)?[^=()]*,[^=()]*(?:=(?!=)|\bin\b)", stop.line)
+    return head is not None or " for " in stop.line or "(" in stop.line.partition("=")[0]
+
+
+def _unpacked_call(stop: Stop, call: ast.Call, count: int) -> str:
+    """What a call returns that is taken apart; empty if that is not known."""
+    called, handed = ast.unparse(call.func), ast.unparse(call.args[0]) if call.args else ""
+    if called in ("np.size", "len") and handed:
+        counted = "all entries" if called == "np.size" else "the rows"
+        return f"`{called}({handed})` is one number, that of {counted}. Rows and columns are `{handed}.shape`."
+    if called.endswith("lstsq"):
+        return "`lstsq` returns four things: the solution is its first, `[0]`."
+    got = re.search(r"got (\d+)", stop.text)
+    return "" if got is None else f"`{called}` returns {got[1]} things, and on the left of `=` stand {count} names."
+
+
+def unequal_spectra(stop: Stop, _: re.Match[str]) -> str | None:
+    """Half of a spectrum beside the whole of one, or frequencies that are counted from the spectrum."""
+    lines = " ".join((stop.line, *stop.made.values()))
+    kinds = {name for name in ("fft", "rfft", "fftfreq", "rfftfreq") if re.search(rf"\b{name}\(", lines)}
+    if kinds in ({"fft", "rfftfreq"}, {"rfft", "fftfreq"}):
+        return (
+            "`fft` and `fftfreq` have as many entries as there are samples, n; `rfft` and `rfftfreq` have those from "
+            f"frequency zero up, n // 2 + 1. Here are {' and '.join(f'`{one}`' for one in sorted(kinds))}: take both "
+            "with r, or both without."
+        )
+    if re.search(r"fftfreq\(\s*len\([^)]*fft\(", lines):
+        return "`rfftfreq(n, Ts)` takes the number of samples, `len(e)`, and not that of the frequencies."
+    return None

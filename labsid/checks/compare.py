@@ -49,7 +49,8 @@ def as_number(name: str, value: Value) -> float:
         more = (
             " Which of them is meant, their number, their sum or their mean?"
             if array.size
-            else " Often here: did no entry meet a condition, such as `==` between numbers of many digits?"
+            else " It is empty, as `x[condition]` is where no entry meets the condition. (Numbers of many digits are "
+            "hardly ever equal, `==`.)"
         )
         raise NoAnswer(f"`{name}` should be one number; it is {kind_of(value)}.{more}")
     return float(array.reshape(-1)[0])
@@ -125,13 +126,17 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
     if array.ndim == 2 and array.shape[0] <= array.shape[1] and array.shape[0] == (size or array.shape[1]):
         raise NoAnswer(
             f"`{name}` should be one column of numbers; it is a table of {array.shape[0]} by "
-            f"{array.shape[1]}. Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or "
-            "was `*` or `/` taken for matrices? (Their product is `@`, and a system of equations is solved by "
+            f"{array.shape[1]}. A column (N, 1) and a flat array (N,) in one sum or difference make such a table, "
+            "and so do `*` and `/` between matrices. (Their product is `@`, and a system of equations is solved by "
             "`np.linalg.solve`.) Print the shapes of its parts.",
             "a table in place of a vector",
         )
     if array.ndim == 0 and size is not None and size > 1:
-        raise NoAnswer(f"`{name}` should hold {size} numbers; it is one number.", "one number in place of a vector")
+        is_index = isinstance(value, int) and not isinstance(value, bool)
+        index = f", {value}. Is it an index, as `np.argmin` and `np.argmax` return it?" if is_index else "."
+        raise NoAnswer(
+            f"`{name}` should hold {size} numbers; it is one number{index}", "one number in place of a vector"
+        )
     if array.ndim != 1:
         empty = " A slice took nothing: `A[first:]` cuts rows, `A[:, first:]` columns." if array.size == 0 else ""
         raise NoAnswer(f"`{name}` should be one column of numbers; it is {kind_of(value)}.{empty}")
@@ -191,7 +196,8 @@ def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
 def as_system(name: str, value: Value) -> SystemValue:
     """Read a transfer function or a state space with one input and one output."""
     if not isinstance(value, (TransferFunctionValue, StateSpaceValue)):
-        made = " Make it with `ct.tf(...)` or `ct.ss(...)`." if isinstance(value, tuple) else ""
+        is_data = isinstance(value, tuple | int | float | np.ndarray | str)
+        made = " Make it with `ct.tf(...)` or `ct.ss(...)`." if is_data else ""
         raise NoAnswer(f"`{name}` should be a transfer function or a state space; it is {kind_of(value)}.{made}")
     if isinstance(value, StateSpaceValue):
         order, inputs, outputs = value.A.shape[0], value.B.shape[1], value.C.shape[0]
@@ -290,8 +296,17 @@ def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
     if not np.all(np.isfinite(array)):
         first = tuple(np.argwhere(~np.isfinite(array))[0])
         where = f" (at [{', '.join(map(str, first))}])" if first else ""
-        raise NoAnswer(f"`{name}` holds {array[first]}{where}: check the computation before it.")
+        raise NoAnswer(
+            f"`{name}` holds {array[first]}{where}: check the computation before it. {_not_finite(float(array[first]))}"
+        )
     return array
+
+
+def _not_finite(number: float) -> str:
+    """What gives a number that is none."""
+    if np.isnan(number):
+        return "(0/0 gives nan, and so does the root or the logarithm of a negative number.)"
+    return "(A division by zero gives inf, and so does a number that grows beyond all bounds.)"
 
 
 def _imaginary(value: NDArray[np.complex128]) -> str:

@@ -1,14 +1,12 @@
 """Python's errors that are explained: which they are, and what explains each."""
 
-import re
-from collections.abc import Callable
-from dataclasses import dataclass
-
+from labsid.checks.array_errors import ARRAY_ERRORS, Translation
 from labsid.checks.call_causes import (
     array_for_an_axis,
     called_attribute,
     compared_by_python,
     missing_axis,
+    no_count,
     no_steps,
     not_iterable,
     own_function_of_python,
@@ -20,54 +18,23 @@ from labsid.checks.call_causes import (
     unknown_in_an_array,
     unknown_property,
     without_entries,
-    wrong_arguments,
 )
 from labsid.checks.causes import (
-    beyond_the_end,
     called_array,
-    field_of_a_dictionary,
     reshaped,
-    rows_by_a_vector,
-    several_indices,
     time_and_input,
-    too_many_indices,
     truth_of_an_array,
     unequal_columns,
-    unequal_lengths,
-    unknown_key,
     unpacked,
 )
-from labsid.checks.matrix_causes import (
-    entry_by_entry,
-    flat_matrix,
-    flat_state_space,
-    not_square,
-    number_in_a_product,
-    product_without_inverse,
-    unfit_product,
-    unfit_right_side,
+from labsid.checks.handed_over import one_list, starred_argument, wrong_arguments
+from labsid.checks.key_causes import field_of_a_dictionary, unknown_key
+from labsid.checks.tables import entry_of_a_flat_array
+from labsid.checks.tuple_causes import (
+    several_indices,
+    tuple_for_a_part,
+    value_for_an_index,
 )
-from labsid.checks.stops import Stop
-
-Cause = Callable[[Stop, re.Match[str]], str | None]
-
-
-@dataclass(frozen=True, slots=True)
-class Translation:
-    """A kind of error.
-
-    Attributes
-    ----------
-    kind, text : str
-        Patterns of its kind and of its message.
-    cause : str or callable
-        What causes it; a function may return None, and the next translation is tried.
-    """
-
-    kind: str
-    text: str
-    cause: str | Cause
-
 
 _FLAT_BESIDE_COLUMN = (
     "One is a column, (N, 1), and one is flat, (N,). Make them alike: `.reshape(-1, 1)` makes "
@@ -77,34 +44,7 @@ _FLAT_BESIDE_COLUMN = (
 _WHOLE = "An index, a size or a count must be a whole number: `/` always gives a float, `//` a whole number."
 
 TABLE: tuple[Translation, ...] = (
-    Translation("ValueError", "could not be broadcast together", entry_by_entry),
-    Translation("ValueError", "could not be broadcast together", rows_by_a_vector),
-    Translation("ValueError", "could not be broadcast together", unequal_lengths),
-    Translation("ValueError", r"solve1?: .*mismatch in its core dimension", unfit_right_side),
-    Translation("ValueError", "does not have enough dimensions", number_in_a_product),
-    Translation(
-        "ValueError",
-        r"filter coefficient a\[0\]",
-        "`lfilter(b, a, x)` has the numerator first; the denominator begins with a number other "
-        "than zero. Are they swapped?",
-    ),
-    Translation("ValueError", r"mismatch in its core dimension|not aligned", unfit_product),
-    Translation("LinAlgError", "[Ss]ingular matrix", product_without_inverse),
-    Translation("LinAlgError", "must be square", not_square),
-    Translation("LinAlgError", "must be (at least )?two-dimensional", flat_matrix),
-    Translation(
-        "LinAlgError",
-        "did not converge",
-        "There is a nan or an inf in it: print `np.isfinite(...)` of each part. (The logarithm and the root of a "
-        "negative number are nan.)",
-    ),
-    Translation("ControlDimension", r"state-space matrix|dimensions of [ABCD] matrix", flat_state_space),
-    Translation("LinAlgError", "Incompatible dimensions", "`lstsq(A, b)`: A and b must have the same number of rows."),
-    Translation("IndexError", r"index (\d+) is out of bounds for axis \d+ with size (\d+)", beyond_the_end),
-    Translation("IndexError", "too many indices", too_many_indices),
-    Translation(
-        "IndexError", "list index out of range", "Python counts from 0: a list of 2 has the entries `[0]` and `[1]`."
-    ),
+    *ARRAY_ERRORS,
     Translation("AttributeError", r"'dict' object has no attribute '(\w+)'", field_of_a_dictionary),
     Translation(
         "AttributeError",
@@ -130,11 +70,6 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation("AttributeError", r"'numpy.ndarray' object has no attribute '(\w+)'", unknown_in_an_array),
     Translation("AttributeError", r"'(?:int|float|numpy\.\w+)' object has no attribute '(\w+)'", unknown_in_a_number),
-    Translation(
-        "KeyError",
-        r"^\d+$",
-        "It is no array: its parts have names. Of what scipy's `least_squares` returns, `.x` is the solution.",
-    ),
     Translation("KeyError", "(.*)", unknown_key),
     Translation(
         "UnknownColumns",
@@ -197,8 +132,8 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "ValueError",
         "inhomogeneous",
-        "What should be numbers is a list or tuple of parts of different lengths. Often here: is it all that a "
-        "function returns, such as `np.linalg.lstsq` or `np.histogram`, of which `[0]` is meant?",
+        "What should be numbers has parts of different lengths, such as all that `np.linalg.lstsq` returns "
+        "(`[0]` is its solution), or an array among numbers, `[1, x]` (`[1, *x]` has each of its entries).",
     ),
     Translation(
         "ValueError",
@@ -208,9 +143,16 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "ValueError",
         "need at least one array",
-        "The list of arrays is empty. Often here: does its `range` end too early? `range(1, n)` leaves out n.",
+        "The list of arrays is empty: print its `range`. (`range(1, n)` leaves out n, and with n = 1 it is empty.)",
     ),
     Translation("TypeError|IndexError", "slice indices must be integers|only integer", several_indices),
+    Translation("TypeError", "'tuple' (and|object cannot)|and 'tuple'|concatenate tuple", tuple_for_a_part),
+    Translation(
+        "TypeError",
+        "not supported between instances of 'OptimizeResult'",
+        "Each is a whole result: compare one number of it, `min(fits, key=lambda fit: fit.cost)`.",
+    ),
+    Translation("ValueError", "setting an array element with a sequence", entry_of_a_flat_array),
     Translation(
         "ValueError",
         "setting an array element with a sequence",
@@ -239,6 +181,8 @@ TABLE: tuple[Translation, ...] = (
         "A list takes one index. For `[:, 1]` make an array of it: `np.array(...)`.",
     ),
     Translation("IndexError", "only integer", text_for_an_index),
+    Translation("TypeError", "cannot be interpreted as an integer", value_for_an_index),
+    Translation("TypeError", "'list' object cannot be|only integer scalar arrays", no_count),
     Translation("TypeError", "cannot be interpreted as an integer", no_steps),
     Translation(
         "TypeError|IndexError",
@@ -261,6 +205,7 @@ TABLE: tuple[Translation, ...] = (
         'Size mismatch between "values" and "edges"',
         'MATLAB\'s `stairs` is `ax.step(t, y, where="post")`; `ax.stairs` takes the edges of the steps.',
     ),
+    Translation("ValueError", "Needs 1, 2, or 3 arguments; received", starred_argument),
     Translation(
         "ValueError",
         "Needs 1, 2, or 3 arguments; received",
@@ -273,6 +218,7 @@ TABLE: tuple[Translation, ...] = (
         "Cannot interpret '.*' as a data type",
         "The shape is one argument, in brackets of its own: `np.zeros((3, 4))`.",
     ),
+    Translation("TypeError", r"((?:column_|[hv])?stack|concatenate)\(\) takes", one_list),
     Translation(
         "TypeError",
         r"(?:(?:column_|[hv])?stack|concatenate)\(\) (?:takes .* positional|got)|_dispatcher\(\) takes .* positional",
@@ -299,10 +245,10 @@ TABLE: tuple[Translation, ...] = (
         "is not subscriptable",
         ("It has no entries, so it takes no `[...]`: is it one number, or a function without its `(...)`?"),
     ),
-    Translation("TypeError", r"(\w+)\(\) (?:missing|takes|got)", wrong_arguments),
+    Translation("TypeError", r"([\w.<>]+)\(\) (?:missing|takes|got)", wrong_arguments),
     Translation(
         "TypeError",
-        r"(\w+)\(\) (missing|takes|got)",
+        r"\(\) (missing|takes|got)",
         "The call and the first line of the function differ: compare their arguments, one by one.",
     ),
     Translation(
@@ -319,7 +265,7 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "MemoryError",
         "",
-        ("An array is far too large. Often here: a column (N, 1) and a flat array (N,) make a table of N by N."),
+        "An array is far too large. A column (N, 1) and a flat array (N,), for one, make a table of N by N.",
     ),
 )
 """In order: the first that matches and knows a cause."""

@@ -1,7 +1,7 @@
 """Checks of what a figure shows; each `require_` function raises `NoAnswer` with what is missing."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -100,7 +100,7 @@ def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice:
         )
         return NoAnswer(text, "rows drawn")
     related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
-    related += " Often here: is an offset still in it?" if "constant added" in related else ""
+    related += " Such a constant is an offset: is one still in it?" if "constant added" in related else ""
     near = f"In {where} no curve shows {what}, but one is near to it. {related}"
     return NoAnswer(near if related else f"In {where} no curve shows {what}. {advice}", "no curve")
 
@@ -125,6 +125,37 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
 def _has_unit(label: str, unit: str) -> bool:
     pattern = rf"[(\[/,][\s$]*(?:\\(?:mathrm|text)\s*{{?)?{re.escape(unit)}"
     return re.search(pattern, label, re.IGNORECASE) is not None
+
+
+def require_here(check: Callable[[AxesValue], object], axes: AxesValue, beside: AxesValue | None, ax: str) -> None:
+    """Check one of two panels; where it fails and the panel `beside` it would pass, the message says that, too.
+
+    `ax` is the name of the axes that should be set.
+    """
+    try:
+        check(axes)
+    except NoAnswer as failed:
+        if beside is None or not _passes(check, beside):
+            raise
+        raise NoAnswer(
+            f"{failed} The other panel has that. Each panel is set through its own axes, this one through `{ax}`. "
+            "(`plt.xlim` and the like set the panel that was made last.)",
+            failed.slip,
+        ) from None
+
+
+def _passes(check: Callable[[AxesValue], object], axes: AxesValue) -> bool:
+    try:
+        check(axes)
+    except NoAnswer:
+        return False
+    return True
+
+
+def require_grid(axes: AxesValue, where: str) -> None:
+    """Require a grid."""
+    if not axes.grid:
+        raise NoAnswer(f"{where} has no grid: call `grid(True)`.", "no grid")
 
 
 def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:

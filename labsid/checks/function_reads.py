@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-_MOST_NAMES = 3
+_MOST_NAMES, _FEWEST_UNREAD = 3, 2
 _SHORTEST_DATA, _SHORTEST_SIGNAL = 2, 20
 """Entries; parameters that a step has estimated are fewer than those of a signal, and a function may use them."""
 
 
 def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> str:
-    """A sentence if a function reads a signal of the notebook, or any of its data in place of an argument; or nothing.
+    """A sentence if a function reads data of the notebook in place of an argument, or no argument at all; or nothing.
 
     Parameters
     ----------
@@ -33,7 +33,8 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
     least = _SHORTEST_DATA if unread else _SHORTEST_SIGNAL
     data = [one for one in read if _entries(variables.get(one)) >= least][:_MOST_NAMES]
     if not data:
-        return ""
+        is_constant = len(unread) == code.co_argcount >= _FEWEST_UNREAD
+        return f"`{name}` reads none of its arguments, {_listed(unread)}." if is_constant else ""
     never = f"never reads its argument{'s' * (len(unread) > 1)} {_listed(unread)}, but" if unread else "reads"
     return (
         f"`{name}` {never} {_listed(data)} of the notebook. It is called with other data: use its arguments in their "

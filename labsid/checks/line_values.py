@@ -6,7 +6,7 @@ Names are looked up, and shapes of products and slices are computed from the sha
 import ast
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,9 @@ from labsid.checks.cell_names import parse_python
 from labsid.checks.syntax_trees import is_deep
 
 MOST_PARTS = 60
-_MOST_ITEMS = 8
+_MOST_ITEMS, _MOST_KEYS = 8, 12
+_RESULT = "OptimizeResult"
+"""The dictionary of results that scipy's searches return."""
 _LONGEST_LINE, _MOST_LEVELS = 2_000, 40  # characters, and levels of the tree, of a line that is explained
 _READ, _LOAD = (ast.Name, ast.Attribute, ast.Subscript, ast.BinOp, ast.Call, ast.UnaryOp, ast.List), ast.Load()
 _ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow)
@@ -34,7 +36,7 @@ class Thing:
     value : int, optional
         Of a whole number.
     keys : tuple of str
-        Of a dictionary.
+        Of a dictionary or a result of scipy; of a function the names of its arguments.
     lengths : tuple of int
         Of a list of arrays: how many rows each has.
     """
@@ -96,8 +98,10 @@ def _as_thing(value: Any) -> Thing | None:
     if type(value) in (list, tuple):
         arrays = value[:_MOST_ITEMS] if value and all(type(one) is np.ndarray and one.ndim for one in value) else ()
         return Thing(type(value).__name__, (len(value),), lengths=tuple(len(one) for one in arrays))
-    if type(value) is dict:
-        return Thing("dictionary", keys=tuple(key for key in value if type(key) is str)[:12])
+    if type(value) is dict or (isinstance(value, dict) and type(value).__name__ == _RESULT):
+        return Thing("dictionary", keys=tuple(key for key in dict.keys(value) if type(key) is str)[:_MOST_KEYS])
+    if isinstance(value, FunctionType):
+        return Thing("function", keys=value.__code__.co_varnames[: value.__code__.co_argcount])
     if value is None:
         return Thing("nothing")
     if isinstance(value, bool | np.bool_):
@@ -194,7 +198,11 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
         shapes = [_shape(_value(part, names)) for part in node.args[0].elts]
         if all(len(shape) == 1 for shape in shapes):
             return _Shaped((sum(shape[0] for shape in shapes),))
-    if called == "transpose" and node.args:
+    if called in ("array", "asarray") and len(node.args) == 1:
+        listed = _value(node.args[0], names)
+        sizes = {_shape(one) for one in listed[:_MOST_ITEMS]} if type(listed) is list else set()
+        return _Shaped((len(listed), *sizes.pop()) if len(sizes) == 1 else _shape(listed))
+    if called in ("transpose", "pinv") and node.args:
         return _Shaped(_shape(_value(node.args[0], names))[::-1])
     if called in ("inv", "abs", "sqrt", "exp") and len(node.args) == 1:
         return _Shaped(_shape(_value(node.args[0], names)))

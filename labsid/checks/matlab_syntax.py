@@ -120,7 +120,7 @@ _MESSAGES: tuple[Spelling, ...] = (
 
 _NUMPY = re.compile(
     "sin|cos|tan|exp|log|sqrt|pi|zeros|ones|eye|linspace|arange|array|mean|std|var|abs|sum|cumsum|diff|roots|polyval|dot|"
-    "outer|column_stack|hstack|vstack|concatenate|size|shape|reshape|floor|ceil|sign|conv|convolve"
+    "outer|column_stack|hstack|vstack|concatenate|shape|reshape|floor|ceil|sign|conv|convolve"
 )
 _LINEAR = re.compile("inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd")
 MATLAB = {
@@ -128,6 +128,7 @@ MATLAB = {
     "false": "`False`",
     "length": "`len(x)`",
     "numel": "`x.size`",
+    "size": "`A.shape`; `size(A, 1)` is `A.shape[0]`, the number of rows, and `size(A, 2)` is `A.shape[1]`",
     "disp": "`print(x)`",
     "rand": "`rng.random((rows, columns))`, from 0 to 1; between other bounds `rng.uniform(low, high, shape)`",
     "randn": "`rng.standard_normal((rows, columns))`",

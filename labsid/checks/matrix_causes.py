@@ -70,6 +70,8 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             f"these must be equal."
         )
         flat = [part for part in ast.walk(node) if isinstance(part, ast.Name) and len(stop.shape(part) or ()) == 1]
+        if len(other) == 2 and other[0] == 1 and other[1] == one[-1]:
+            return f"{said} `{right}` has shape {other}, a table of one row; `{right}.ravel()` is flat."
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
         if weight:
             return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
@@ -83,7 +85,8 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         if one[0] == other[0] and re.fullmatch(r"\w+(\.T)?", left):
             turned = left[:-2] if left.endswith(".T") else f"{left}.T"
             return f"{said} Is `{turned} @ {right}` meant?"
-        return said
+        is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
+        return f"{said} Is `{right} @ {left}` meant?" if is_swapped else said
     return "In `A @ B` the columns of A must be as many as the rows of B. Is a transpose, `.T`, missing or too many?"
 
 
@@ -110,6 +113,20 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
     return "`solve(A, b)` needs as many entries in b as A has rows: is the right-hand side of the equations complete?"
 
 
+def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:
+    """`lstsq` with another number of rows in A than in b."""
+    for node in stop.expressions():
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("lstsq") and len(node.args) > 1:
+            left, right = (stop.shape(part) for part in node.args[:2])
+            if left and right:
+                A, b = map(ast.unparse, node.args[:2])
+                return (
+                    f"`lstsq(A, b)`: `{A}` has {left[0]} rows and `{b}` has {right[0]} entries. Each row needs "
+                    "its own: cut b as the columns of A are cut."
+                )
+    return "`lstsq(A, b)`: A and b must have the same number of rows."
+
+
 def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
     """A flat array in the place of a matrix; of `solve` and `lstsq`, the two arguments may be swapped."""
     for node in stop.expressions():
@@ -129,8 +146,24 @@ def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
 _MATRICES = ("A", "B", "C", "D")
 
 
-def flat_state_space(stop: Stop, _: re.Match[str]) -> str | None:
-    """A list of numbers in the place of a matrix of a state space."""
+def _turned(parts: dict[str, ast.expr]) -> str:
+    """Which of B and C, written as lists of rows, is turned; empty if none is."""
+    B, C = parts.get("B"), parts.get("C")
+    if isinstance(B, ast.List) and len(B.elts) == 1 and isinstance(B.elts[0], ast.List) and len(B.elts[0].elts) > 1:
+        column = ", ".join(f"[{ast.unparse(one)}]" for one in B.elts[0].elts)
+        return f"B, here `{ast.unparse(B)}`, is one row. With one input it is a column, n by 1: `[{column}]`."
+    if (
+        isinstance(C, ast.List)
+        and len(C.elts) > 1
+        and all(isinstance(r, ast.List) and len(r.elts) == 1 for r in C.elts)
+    ):
+        row = ", ".join(ast.unparse(one.elts[0]) for one in C.elts if isinstance(one, ast.List))
+        return f"C, here `{ast.unparse(C)}`, is one column. With one output it is a row, 1 by n: `[[{row}]]`."
+    return ""
+
+
+def flat_state_space(stop: Stop, found: re.Match[str]) -> str | None:
+    """A list of numbers in the place of a matrix of a state space, or a row in the place of a column."""
     for node in stop.expressions():
         if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("ss"):
             for name, part in zip(_MATRICES, node.args, strict=False):
@@ -139,6 +172,9 @@ def flat_state_space(stop: Stop, _: re.Match[str]) -> str | None:
                         f"{name}, here `{ast.unparse(part)}`, is a flat list. A matrix is a list of its rows, each of "
                         "them a list: `[[0, 1], [2, 3]]`, and a column `[[0], [1]]`."
                     )
+            turned = _turned(dict(zip(_MATRICES, node.args, strict=False)))
+            if turned:
+                return turned
     return "In `ct.ss(A, B, C, D, Ts)`, A is n by n, B n by 1, C 1 by n and D 1 by 1, each as a list of its rows."
 
 
@@ -164,13 +200,13 @@ def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
                 return f"`{ast.unparse(node.args[0])}` is a single number, and it is zero: print what it is made of."
     if not _without_inverse(stop) and ".jac" in stop.line:
         return (
-            "Where the search ended, the output does not depend on each of the parameters. Often here: does the model "
-            "lack one, so that no value of the others fits, or does the search begin far from the data?"
+            "Where the search ended, the output does not depend on each of the parameters. That is so when the model "
+            "does not use one of them, when it lacks one, so that no value of the others fits, and when the "
+            "search begins far from the data: print where it ended."
         )
     return _without_inverse(stop) or (
-        "The matrix has no inverse: its columns are dependent. Often here: is a column of Phi "
-        "zero, or there twice, or is "
-        "the wrong factor transposed?"
+        "The matrix has no inverse: its columns are dependent, as they are when a column of Phi is zero or a multiple "
+        "of others, or when Phi has fewer rows than columns. Print `np.linalg.matrix_rank(...)` of each factor."
     )
 
 

@@ -19,6 +19,7 @@ _FACTORS: tuple[tuple[float, str], ...] = (
 )  # fmt: skip
 _LARGEST_SHIFT = 3
 _MOST_COLUMNS = 5
+_NEAR = 1e-6
 _FEWEST = 3
 """Entries from which on a common factor or shift is no chance."""
 
@@ -41,7 +42,7 @@ def relation(got: object, right: object, same: Same) -> str:
         return ""
     if np.max(np.abs(a)) == 0:
         return "It is zero." if a.size == 1 else "All of it is zero."
-    kinds = (_scaled, _changed, _reordered, _columns, _moved, _partly) if a.ndim else (_scaled, _changed)
+    kinds = (_scaled, _changed, _reordered, _columns, _moved, _zeroed, _partly) if a.ndim else (_scaled, _changed)
     with np.errstate(all="ignore"):
         for found in kinds:
             try:
@@ -129,14 +130,30 @@ def _moved(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
             yield f"It is right, but {samples} early."
 
 
+def _zeroed(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
+    """Which rows or entries are zero and should not be, where all others are right."""
+    rows = (np.abs(a - b) <= _NEAR * np.max(np.abs(b))).reshape(len(b), -1).all(axis=1)
+    wrong = np.flatnonzero(~rows)
+    if wrong.size and rows.any() and not np.any(a[wrong]):
+        one, many = ("Row", "Rows") if a.ndim == 2 else ("Entry", "Entries")
+        if wrong.size == 1:
+            yield f"{one} {wrong[0]} (counted from 0) is zero, and should not be; the others are right."
+        elif wrong[-1] - wrong[0] == wrong.size - 1:
+            yield (
+                f"{many} {wrong[0]} to {wrong[-1]} (counted from 0) are zero, and should not be; the others are right."
+            )
+
+
 def _partly(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
     """Which rows or entries are wrong, where most are right; or which columns."""
     scale = np.max(np.abs(b))
-    near = np.abs(a - b) <= 1e-6 * scale
+    near = np.abs(a - b) <= _NEAR * scale
     if a.ndim == 2:
         bad = [f"`[:, {j}]`" for j in np.flatnonzero(~near.all(axis=0))]
-        if len(bad) < a.shape[1]:
-            yield f"Column {' and column '.join(bad)} is wrong, the others are right."
+        if len(bad) == 1 < a.shape[1]:
+            yield f"Column {bad[0]} is wrong, the others are right."
+        elif len(bad) < a.shape[1]:
+            yield f"Columns {' and '.join(bad)} are wrong, the others are right."
     rows = near.reshape(len(b), -1).all(axis=1)
     wrong = np.flatnonzero(~rows)
     if 0 < wrong.size <= len(b) / 2:

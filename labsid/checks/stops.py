@@ -6,6 +6,7 @@ Nothing of the student's is run to find this out.
 import ast
 import difflib
 import linecache
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import FrameType, TracebackType
@@ -16,6 +17,11 @@ from labsid.checks.line_values import MOST_PARTS, Thing, parsed_line, things_in
 _LARGEST_SIZE = 10**7
 _KINDS = ("array", "list", "tuple", "number", "text", "dictionary", "function", "module", "nothing", "object")
 _LONGEST_LINE = 300
+_MOST_MADE, _MOST_STEPS, _MOST_LINES = 12, 2, 100
+"""Variables whose origin is told, how many assignments back, and from how many lines above."""
+_INNER = ("<listcomp>", "<genexpr>", "<setcomp>", "<dictcomp>", "<lambda>")
+_NAME = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*")
+_ASSIGNS = re.compile(r"\s*(?:for\s+(?P<each>[^=\[\]]+?)\s+in\b|(?P<name>[^=\[\]#'\"]+?)\s*=(?!=))")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +46,8 @@ class Stop:
         For a name that is not defined, one that is and is spelt nearly like it.
     outside : tuple of str
         Names in the line of a function that are variables of the notebook.
+    made : mapping
+        By the name of a variable in the line, or in one of these lines, the line that gave it its value.
     """
 
     kind: str
@@ -51,6 +59,7 @@ class Stop:
     arguments: tuple[str, ...] = ()
     near: str = ""
     outside: tuple[str, ...] = ()
+    made: Mapping[str, str] = field(default_factory=dict)
 
     def shape(self, node: ast.expr) -> tuple[int, ...] | None:
         """Shape of an array that stands in the line."""
@@ -84,6 +93,7 @@ def packed(stop: Stop) -> dict[str, Any]:
         "arguments": list(stop.arguments),
         "near": stop.near,
         "outside": list(stop.outside),
+        "made": dict(stop.made),
     }
 
 
@@ -114,6 +124,8 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
         tuple(str(name) for name in names) if isinstance(names := message.get(key), list) else ()
         for key in ("arguments", "outside")
     )
+    lines = message.get("made")
+    made = {str(name): str(made) for name, made in list(lines.items())[:_MOST_MADE]} if isinstance(lines, dict) else {}
     return Stop(
         kind,
         text,
@@ -124,6 +136,7 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
         arguments if all(map(is_known, arguments)) else (),
         near if is_known(near) else "",
         outside if all(map(is_known, outside)) else (),
+        {name: made_by for name, made_by in made.items() if is_known(name) and is_known(made_by)},
     )
 
 
@@ -163,10 +176,43 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
         longer = [name for name in own if name.startswith(f"{error.name}_")]
         close = difflib.get_close_matches(error.name, own, 1, 0.75) or (longer if len(longer) == 1 else [])
         near = next(iter(alike or close), "")
+    made = _made(line, frame, trace.tb_lineno, source)
     things = things_in(line, names)
+    for other in dict.fromkeys(made.values()):
+        things = {**things_in(other, names), **things}
     is_function = code.co_name != "<module>"
     outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)
-    return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside)
+    return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside, made)
+
+
+def _made(line: str, frame: FrameType, number: int, source: str) -> dict[str, str]:
+    """The nearest lines above, in the same function or cell, that give the variables of a line their values."""
+    lines = linecache.getlines(frame.f_code.co_filename) or source.splitlines(keepends=True)
+    first = 1 if frame.f_code.co_name in _INNER else frame.f_code.co_firstlineno
+    above = [one.strip()[:_LONGEST_LINE] for one in lines[max(first, number - _MOST_LINES) - 1 : number - 1]]
+    if frame.f_code.co_name in _INNER:  # Python 3.11 runs a comprehension in a frame of its own
+        heads = [i for i, one in enumerate(above) if one.startswith("def ")]
+        above = above[heads[-1] :] if heads else above
+    assigned = [(one, _assigned(one)) for one in reversed(above)]
+    found: dict[str, str] = {}
+    asked = [line]
+    for _ in range(_MOST_STEPS):
+        names = dict.fromkeys(name for one in asked for name in _NAME.findall(one) if name not in found)
+        asked = []
+        for name in names:
+            made_by = [one for one, heads in assigned if name in heads]
+            begun = (one for one in made_by if name not in _NAME.findall(one.partition("=")[2]))
+            made = next(begun, made_by[0] if made_by else "")
+            if made and len(found) < _MOST_MADE:
+                found[name] = made
+                asked.append(made)
+    return found
+
+
+def _assigned(line: str) -> list[str]:
+    """The variables that a line gives a value."""
+    head = _ASSIGNS.match(line)
+    return [] if head is None else _NAME.findall(head["each"] or head["name"])
 
 
 def _last_frame(trace: TracebackType | None, variables: Mapping[str, Any]) -> tuple[FrameType, TracebackType] | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import NamedTuple
 
-from one_answer import Solved, quietly, solve
+from one_answer import Solved, cells_of, quietly, solve
 
 from labsid.checks.notebook import NotebookAsk
 from labsid.checks.python_errors import told
@@ -62,7 +62,17 @@ class Try:
 def tries_of(assignment: str) -> tuple[Try, ...]:
     """The tries at an assignment."""
     tries: tuple[Try, ...] = import_module(f"tries.{assignment.replace('-', '_')}").TRIES
-    return tries
+    of_kinds = [import_module(f"tries.{kinds}").TRIES for kinds in ("kinds_of_errors", "kinds_of_answers")]
+    return (*tries, *(one for kinds in of_kinds for one in kinds.get(assignment, ())))
+
+
+def edited(question: str, *changes: tuple[str, str]) -> str:
+    """The model solution of a question, with some of its text replaced."""
+    source = next(cells[f"{question}-answer"] for cells in map(cells_of, ASSIGNMENTS) if f"{question}-answer" in cells)
+    for old, new in changes:
+        assert old in source, f"{old!r} is not in the solution of {question}"
+        source = source.replace(old, new)
+    return source
 
 
 class Said(NamedTuple):

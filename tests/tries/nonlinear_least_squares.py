@@ -324,7 +324,7 @@ TRIES = (
             "[y[-1] / amplitude, t[-1] / 5])\n"
             "    return fit.x, np.sqrt(np.diag(2 * fit.cost / len(y) * np.linalg.inv(fit.jac.T @ fit.jac)))",
         ),
-        "does the model lack one",
+        "when it lacks one",
     ),
     Try(
         STEP,

@@ -136,7 +136,7 @@ TRIES = (
         "def fit_order(u, y, n):\n    N = len(y)\n"
         "    Phi = np.column_stack([x[n - i : N - i] for x in (y, u) for i in range(1, n + 1)])\n"
         "    return np.linalg.lstsq(Phi, y)[0]\n",
-        "same number of rows",
+        "has 59 rows and `y` has 60 entries",
         never="notebook's own",
     ),
     Try(THETA, "swapped", "theta_1 = np.linalg.lstsq(Y_1, Phi_1)[0]", r"`lstsq\(A, b\)` takes the matrix first"),

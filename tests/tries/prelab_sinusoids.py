@@ -60,7 +60,7 @@ TRIES = (
     Try(C, "columns", "t_new = t[:, 200:]\ny1_new = y1[:, 200:]\ny2_new = y2[:, 200:]", "A slice took nothing"),
     Try(C, "from 20 s", "t_new = t[t >= 20]\ny1_new = y1[200:]\ny2_new = y2[200:]", "subtract its first time"),
     Try(M, "vstack", "data_new = np.vstack([t_new, y1_new, y2_new])", "one below the other"),
-    Try(M, "no list", "data_new = np.hstack(t_new, y1_new, y2_new)", "in a list"),
+    Try(M, "no list", "data_new = np.hstack(t_new, y1_new, y2_new)", r"`np.hstack\(\[t_new, y1_new, y2_new\]\)`"),
     Try(M, "array", "data_new = np.array([t_new, y1_new, y2_new])", r"along a new one\."),
     Try(M, "MATLAB brackets", "data_new = [t_new y1_new y2_new]", "separated by commas"),
     Try(M, "uncut", "data_new = np.hstack([t, y1, y2])", "original data"),

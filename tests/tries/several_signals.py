@@ -382,14 +382,14 @@ TRIES = (
         PHI,
         "Y one sample early",
         phi(PAST.format("[y[:, i], *u.T]") + "y[n - 1 : -1, i]"),
-        r"should be y_i\(k\) of its rows",
+        "Phi of .* is right.*Y: it is 1 sample early",
     ),
     Try(PHI, "Y too long", phi(PAST.format("[y[:, i], *u.T]") + "y[:, i]"), r"one y\(k\) for each row"),
     Try(
         PHI,
         "rolled",
         phi("return np.column_stack([np.roll(x, lag) for x in [y[:, i], *u.T] for lag in range(1, n + 1)]), y[:, i]"),
-        "rows for .* samples",
+        "goes round.*begin with k = n",
     ),
     Try(
         PHI,

@@ -99,7 +99,7 @@ TRIES = (
         TIME,
         "16 fixed",
         time("s = np.sum(e.reshape(16, -1)**2, axis=1)\n    return s / np.sum(s)"),
-        "be the argument `parts`",
+        "does not use the argument `parts`",
     ),
     Try(
         TIME,
@@ -132,8 +132,8 @@ TRIES = (
     Try(FREQ, "not squared", band("np.abs(E)"), "Squares are asked for"),
     Try(FREQ, "no Ts", band("np.abs(E)**2", "np.fft.rfftfreq(len(e))"), "leaves Ts out"),
     Try(FREQ, "1/Ts", band("np.abs(E)**2", "np.fft.rfftfreq(len(e), 1 / Ts)"), "sampling time Ts"),
-    Try(FREQ, "fftfreq", band("np.abs(E)**2", "np.fft.fftfreq(len(e), Ts)"), "one weight"),
-    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "or `np.histogram`"),
+    Try(FREQ, "fftfreq", band("np.abs(E)**2", "np.fft.fftfreq(len(e), Ts)"), "Here are `fftfreq` and `rfft`"),
+    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "all that `np.histogram` returns"),
     Try(
         OPER,
         "mean",
@@ -256,7 +256,7 @@ TRIES = (
         more=(("gap-8-effect-answer", "effect = 'input-delay'"),),
     ),
     Try(PARS, "a list", "parameters = [1.2, 3.4]", "dictionary", more=(("gap-8-effect-answer", NAMED),)),
-    Try(PARS, "names", "parameters = {'min': 1.2, 'max': 3.4}", "names", more=(("gap-8-effect-answer", NAMED),)),
+    Try(PARS, "names", "parameters = {'min': 1.2, 'max': 3.4}", "keys", more=(("gap-8-effect-answer", NAMED),)),
     Try(CLOSED, "gap_before not squared", closed(before="gap_before"), "`gap_before` itself, a root"),
     Try(CLOSED, "whole record", closed("np.mean((simulate_better(u_act) - y_act)**2)"), "whole record"),
     Try(
@@ -303,7 +303,7 @@ TRIES = (
     Try(SIZE, "with the offset", "gap_before = np.sqrt(np.mean((y_act - y_lin)[half:]**2))", "compares `y_act`"),
     Try(SIZE, "over N", "gap_before = np.sqrt(np.sum(e[half:]**2) / N)", "divides by N"),
     Try(TIME, "means", time("return np.mean(e.reshape(parts, -1)**2, axis=1)"), "adds up to"),
-    Try(TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers"),
+    Try(TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers.*Is it an index"),
     Try(
         TIME, "largest error", time(RIGHT, worst="t[np.argmax(np.abs(e))] + np.array([0, Ts])"), "largest single error"
     ),
@@ -318,7 +318,7 @@ TRIES = (
     ),
     Try(FREQ, "counted", band("np.ones(len(f))"), "counts the frequencies"),
     Try(FREQ, "decibels", band("20 * np.log10(np.abs(E))"), "adds up decibels"),
-    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "or `np.histogram`"),
+    Try(FREQ, "all of histogram", band("np.abs(E)**2").replace("[0]", ""), "all that `np.histogram` returns"),
     Try(
         OPER,
         "np.digitize",
@@ -377,7 +377,7 @@ TRIES = (
         PARS,
         "other names",
         named("input-saturation", "{'lower': 1.2, 'upper': 3.4}"),
-        "names lower, upper; the list gives low, high",
+        'keys "lower", "upper"; the list gives "low", "high"',
     ),
     Try(
         REST,

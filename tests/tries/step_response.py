@@ -65,7 +65,7 @@ TRIES = (
         "if on array",
         "def first_order_response(t, K, tau, td, amplitude):\n    if t < td:\n        return 0\n"
         "    return K * amplitude * (1 - np.exp(-(t - td) / tau))",
-        "True or False",
+        r"True or False.*`np.where\(condition, a, b\)`",
     ),
     Try(RESP, "e^", response("K * amplitude * (1 - e^(-(t - td) / tau))"), r"np\.exp"),
     Try(
@@ -188,7 +188,7 @@ TRIES = (
     Try(GRAD, "sign", fun("gradient", A, "return Phi.T @ (Y - Phi @ theta)"), "wrong sign"),
     Try(GRAD, "twice", fun("gradient", A, "return -2 * Phi.T @ (Y - Phi @ theta)"), "twice too large"),
     Try(GRAD, "no transpose", fun("gradient", A, "return -Phi @ (Y - Phi @ theta)"), "uses Phi transposed"),
-    Try(GRAD, "number", fun("gradient", A, "return np.sum(-Phi.T @ (Y - Phi @ theta))"), "elements|shape|one column"),
+    Try(GRAD, "number", fun("gradient", A, "return np.sum(-Phi.T @ (Y - Phi @ theta))"), "should hold 3 numbers"),
     Try(GRAD, "one term", fun("gradient", A, "return -Phi.T @ Y"), "lacks the term"),
     Try(
         MIN,
@@ -273,7 +273,7 @@ TRIES = (
         READ,
         "==",
         read().replace("t_step[np.argmax(y_step >= 0.632 * y_end)]", "t_step[y_step == 0.632 * y_end]"),
-        "did no entry meet",
+        "where no entry meets",
     ),
     Try(READ, "tau = t63, delay from it", read(tau="t_63"), "td is zero.*the delay is in it"),
     Try(

@@ -105,8 +105,8 @@ VARIANTS: list[Right | Wrong] = [
         "begins with y\\(k-1\\)",
     ),
     wrong(PHI, "u(k) among the regressors", phi(u1="u[2:half]", u2="u[1 : half - 1]"), "lag off by one", "u\\(k-1\\)"),
-    wrong(PHI, "a lag too many", phi(Y="y[3 : half + 1]"), "lag off by one", "begins with y\\(k-1\\)"),
-    wrong(PHI, "target one early", phi(Y="y[1 : half - 1]"), "lag off by one", "begins with y\\(k-1\\)"),
+    wrong(PHI, "a lag too many", phi(Y="y[3 : half + 1]"), "Y is not y(k)", "`Phi` is right.*1 sample late"),
+    wrong(PHI, "target one early", phi(Y="y[1 : half - 1]"), "Y is not y(k)", "`Phi` is right.*1 sample early"),
     wrong(PHI, "minus in Phi", phi("-y[1 : half - 1]", "-y[0 : half - 2]"), "sign of a", "minus sign is in theta"),
     wrong(
         PHI,

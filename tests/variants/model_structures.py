@@ -163,7 +163,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(EQUATIONS, "y(k) in its own row", equations(y_lags="range(na)"), "lag off by one", "y.k. in the row"),
     wrong(EQUATIONS, "rows before k0", equations(k0="max(na, nb)"), "rows before k0", "nobody recorded"),
-    wrong(EQUATIONS, "all rows", equations(k0="0"), "rows before k0", "nobody recorded"),
+    wrong(EQUATIONS, "all rows", equations(k0="0"), "index wraps around", "goes round"),
     wrong(
         EQUATIONS,
         "SUSTech's q",
@@ -186,7 +186,7 @@ VARIANTS: list[Right | Wrong] = [
         "Y one sample early",
         equations(result="np.column_stack(c1 + c2), y[k0 - 1 : -1]"),
         "Y is not y(k)",
-        "outputs y.k.",
+        "is right.*1 sample early",
     ),
     wrong(
         EQUATIONS,

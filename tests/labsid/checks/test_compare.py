@@ -41,10 +41,18 @@ NOT_FOUR, RANGE = (
 DOUBLE = "and the comparison needs more. Compute in double precision, numpy's own `float`: leave the type out."
 
 
+MADE = "Make it with `ct.tf(...)` or `ct.ss(...)`."
+BEFORE_NAN = (
+    "check the computation before it. (0/0 gives nan, and so does the root or the logarithm of a negative number.)"
+)
+BEFORE_INF = (
+    "check the computation before it. (A division by zero gives inf, and so does a number that grows beyond all "
+    "bounds.)"
+)
 TABLE = "`y` should be one column of numbers; it is a table of"
 ASKED = (
-    "Often here: did a column (N, 1) meet a flat array (N,) in one sum or difference, or was `*` or `/` taken for "
-    "matrices? (Their product is `@`, and a system of equations is solved by `np.linalg.solve`.) Print the shapes of "
+    "A column (N, 1) and a flat array (N,) in one sum or difference make such a table, and so do `*` and `/` between "
+    "matrices. (Their product is `@`, and a system of equations is solved by `np.linalg.solve`.) Print the shapes of "
     "its parts."
 )
 
@@ -107,15 +115,15 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
         ),
         (
             [],
-            "`a` should be one number; it is an array of shape (0,). Often here: did no entry meet a condition, such "
-            "as `==` between numbers of many digits?",
+            "`a` should be one number; it is an array of shape (0,). It is empty, as `x[condition]` is where no entry "
+            "meets the condition. (Numbers of many digits are hardly ever equal, `==`.)",
         ),
         (10**400, "`a` should be one number; it is an object of type int of too many digits."),
         (TF, "`a` should be one number; it is a transfer function."),
         (len, "`a` should be one number; it is an object of type builtin_function_or_method."),
-        (NAN, "`a` holds nan: check the computation before it."),
-        (np.array(-np.inf), "`a` holds -inf: check the computation before it."),
-        ([NAN], "`a` holds nan (at [0]): check the computation before it."),
+        (NAN, f"`a` holds nan: {BEFORE_NAN}"),
+        (np.array(-np.inf), f"`a` holds -inf: {BEFORE_INF}"),
+        ([NAN], f"`a` holds nan (at [0]): {BEFORE_NAN}"),
     ],
 )
 def test_what_is_no_number_is_said(value: Any, said: str) -> None:
@@ -174,8 +182,8 @@ def test_a_column_of_one_is_a_vector() -> None:
         (..., "`y` should be a vector; it is still `...`.", None),
         (np.zeros((3, 9)), f"{TABLE} 3 by 9. {ASKED}", "a table in place of a vector"),
         (("a", 1), "`y` should be a vector; it is a list or tuple of 2 items.", None),
-        (np.array([1, NAN, NAN]), "`y` holds nan (at [1]): check the computation before it.", None),
-        (np.array([[1], [np.inf]]), "`y` holds inf (at [1, 0]): check the computation before it.", None),
+        (np.array([1, NAN, NAN]), f"`y` holds nan (at [1]): {BEFORE_NAN}", None),
+        (np.array([[1], [np.inf]]), f"`y` holds inf (at [1, 0]): {BEFORE_INF}", None),
         (
             np.array([1j, 1, 1]),
             f"`y` should be a vector; it is a complex array of shape (3,). {NO_ROUNDING.format(1)}",
@@ -234,7 +242,7 @@ def test_a_matrix_is_read_with_open_sizes() -> None:
         (np.zeros(4), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (4,).", None),
         (3, (None, 4), "`Phi` should have shape (any, 4); it is a number.", None),
         ("x", (None, 4), "`Phi` should be a matrix; it is text.", None),
-        (np.array([[1, NAN]]), (1, 2), "`Phi` holds nan (at [0, 1]): check the computation before it.", None),
+        (np.array([[1, NAN]]), (1, 2), f"`Phi` holds nan (at [0, 1]): {BEFORE_NAN}", None),
     ],
 )  # fmt: skip
 def test_what_is_no_such_matrix_is_said(value: Any, shape: tuple, said: str, slip: str | None) -> None:
@@ -325,7 +333,7 @@ def test_closeness_wants_equal_shapes_and_something_to_compare() -> None:
 def test_a_system_is_read() -> None:
     assert as_system("G", TF) is TF
     assert as_system("G", SS) is SS
-    with refused("`G` should be a transfer function or a state space; it is an array of shape (2,)."):
+    with refused(f"`G` should be a transfer function or a state space; it is an array of shape (2,). {MADE}"):
         as_system("G", np.zeros(2))
     two = StateSpaceValue(np.eye(2), np.ones((2, 1)), np.eye(2), np.zeros((2, 1)), TS)
     with refused("`G` should have one input and one output; it has 1 and 2."):

@@ -14,6 +14,7 @@ from labsid.checks.figures import (
     one_figure,
     plain_text,
     require_curve,
+    require_here,
     require_label,
     require_labels,
     require_legend,
@@ -313,6 +314,20 @@ def test_limits_are_those_of_the_figure() -> None:
     assert "y-axis runs from -1.5 to 1.5" in str(refusal(require_limits, axes, "(a)", (0, 100), (-1.5, 1)))
 
 
+def test_what_the_other_panel_has_is_said() -> None:
+    limited, free = seen(lambda ax: (ax.set_xlim(0, 9), ax.set_ylim(0, 1))), seen(lambda ax: ax.set_xlim(0, 3))
+
+    def check(axes: AxesValue) -> None:
+        require_limits(axes, "(a)", (0, 9), (0, 1))
+
+    require_here(check, limited, free, "ax_a")
+    error = refusal(require_here, check, free, limited, "ax_a")
+    assert "The other panel has that. Each panel is set through its own axes, this one through `ax_a`." in str(error)
+    assert error.slip == "axis limits"
+    for beside in (free, None):
+        assert "other panel" not in str(refusal(require_here, check, free, beside, "ax_a"))
+
+
 def test_a_legend_names_its_curves() -> None:
     def draw(ax: Axes) -> None:
         ax.plot(T, Y, label="output")
@@ -378,7 +393,7 @@ def test_a_curve_of_unequal_length_is_not_found() -> None:
     [
         (lambda ax: ax.plot(Y, T), "`y` is on the horizontal axis", "x and y swapped"),
         (lambda ax: ax.plot(np.column_stack([Y, U]).T), "a curve for each *row*", "rows drawn"),
-        (lambda ax: ax.plot(T, Y + 2), "Often here: is an offset still in it?", "no curve"),
+        (lambda ax: ax.plot(T, Y + 2), "Such a constant is an offset: is one still in it?", "no curve"),
         (lambda ax: ax.plot(T, 2 * Y), "twice the right value.", "no curve"),
         (lambda ax: ax.plot(T, U), "Plot it against time.", "no curve"),
         (lambda ax: (ax.plot(T, U), ax.step(T, U)), "and two show `u`.", "one signal drawn twice"),

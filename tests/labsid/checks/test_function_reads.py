@@ -29,6 +29,8 @@ def made(source: str) -> Callable[..., Any]:
         ("def f(t):\n    return t[:half]", ""),
         ("def f(t):\n    t_step = t\n    return t_step", ""),
         ("def f(t):\n    return 1", ""),  # an argument that is not needed
+        ("def f(t, y):\n    return half", "`f` reads none of its arguments, `t` and `y`."),
+        ("def f(t, y):\n    return half * t", ""),
         ("f = len", ""),
     ],
 )

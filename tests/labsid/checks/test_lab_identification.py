@@ -159,7 +159,7 @@ def test_an_output_of_zeros_is_not_told_a_cause_that_nothing_proves(shipped_reco
         verdict = judge_entire_run(FakeAsk({"y_sim": zeros}), "y_sim", data, model)
         assert (verdict.passed, verdict.slip) == (False, slip)
     assert verdict.reason.endswith(
-        "Often here: did `lfilter` get a column? It filters along its rows, which have one "
+        "Did `lfilter` get a column? It filters along its rows, which have one "
         "element each, unless it is given `axis=0`."
     )
     for constant in (0.1, -3.0):

@@ -63,14 +63,18 @@ CAUSES = [
     ("y[:0][3]", "y[20]", "It is empty along that axis"),
     ("y[:, 1]", "Phi[:, 1, 0]", "`y` has shape (20,): it is flat"),
     ("data.t", "data.time", 'a key of it, `data["t"]`'),
-    ('data["y"]', "data[4]", '`data` has the keys "t"'),
+    ('data["y"]', "data.time", '`data` has the keys "t"'),
     ("y(1)", "k(1)", "round brackets call, square ones take entries"),
     ("k(1 + 1)", "y(1)", "is a `*` missing"),
     ("np.column_stack([y[1:], u])", "np.concatenate([Phi, W])", "Here these are 19, 20"),
-    ("np.column_stack(y, u)", "np.array([y, w])", "in a list: `np.column_stack([a, b])`"),
+    ("np.column_stack(y, u)", "np.array([y, w])", "in a list: `np.column_stack([y, u])`"),
     ("np.concatenate([Phi, y])", "np.column_stack([y[1:], u])", "one is flat, (N,)"),
     ("if y > 3: pass", "if y.undefined: pass", "need one True or False"),
-    ("a, b = np.linalg.lstsq(Phi, Y, rcond=None)", "a = np.array(np.linalg.lstsq(Phi, Y))", "as many names as"),
+    (
+        "a, b = np.linalg.lstsq(Phi, Y, rcond=None)",
+        "a = np.array(np.linalg.lstsq(Phi, Y))",
+        "the solution is its first",
+    ),
     ("np.zeros(20 / 2)", "np.zeros(-1)", "`//` a whole number"),
     ("y ^ 2", "y @ 2", "write `**`"),
     ("np.inv(R)", "np.invert_it(R)", "`np.linalg.inv`"),
@@ -157,6 +161,37 @@ CAUSES = [
     ("control.tf([1], [1, 2])", "kontrol.tf([1], [1, 2])", "`ct`, the name under which"),
     ("ct.lsim(1)", "ct.lsims(1)", "`ct.forced_response(sys, inputs=u).outputs`"),
     ("def g(a, b): pass\ng(1)", "np.append(y)", "The first line of `g` has `b`, too"),
+    ("size(y, 1)", "sizes(y, 1)", "`size(A, 1)` is `A.shape[0]`"),
+    ("np.size(Phi, 2)", "np.mean(Phi, axis=2)", "`size(Phi, 2)` is `Phi.shape[1]`"),
+    ("y.shape // 2", "data // 2", "`y.shape` is a tuple"),
+    ("Phi.shape[2]", "pair[3]", "is counted from 0: `[0]` is the number of rows"),
+    ("n = Phi.shape\nrange(n)", "n = 2.5\nrange(n)", "a whole shape, a tuple, by `n = Phi.shape`"),
+    ("n = np.where(y > 3)\nn - 1", "n = np.linalg.lstsq(Phi, Y)\nn - 1", "The first index is `n[0][0]`"),
+    ("n = np.linalg.lstsq(Phi, Y)\nn - 1", "n = np.where(y > 3)\nn - 1", "is all that `np.linalg.lstsq` returns"),
+    ("n = y[np.where(y > 3)]\nn - y", "n = y[4:]\nn - y", "one for each index that `np.where` finds"),
+    ("n = y[3]\ny[:n]", "n = k / 2\ny[:n]", "An index counts samples"),
+    ("y[np.min(y)]", "y[k / 2]", "where it is, `np.argmin(...)` tells"),
+    ("phi = Phi[:, 0]\nphi @ w[:2]", "phi = Phi[0]\nphi @ w[:3]", "is a column of `Phi`, with 20 entries"),
+    ("Phi[0] - y", "w[:2] - y", "is a row of `Phi`, with 2 entries; a column, `Phi[:, 0]`, has 20"),
+    ("for phi in Phi.T:\n phi @ w[:2]", "for phi in Phi:\n phi @ w[:3]", "is gone through column by column"),
+    ("theta = np.zeros(len(Phi))\nPhi[0] @ theta", "theta = np.zeros(5)\nPhi[0] @ theta", "`Phi.shape[1]`, 2"),
+    ("H = np.zeros((3, 4))\nH[:, 0] = w[:4]", "H = np.zeros((3, 4))\nH[0] = w[:3]", "a row, `H[0]`, has 4"),
+    ("H = np.zeros(4)\nH[0] = w", "H = np.zeros((4, 4))\nH[0] = w", "MATLAB's `zeros(n)` is n by n"),
+    ("np.linalg.solve((R, w))", "np.linalg.solve(R)", "`np.linalg.solve(R, w)`"),
+    ("def g(a): pass\ng(*w)", "def g(a): pass\ng(w, w)", "each of its 5 parts as an argument of its own"),
+    ("def g(a): pass\ng(1, 2)", "def g(a): pass\ng(*w)", "`g` takes `a`, and the call hands over 2"),
+    ("np.column_stack(*[y, u])", "np.column_stack(y, u)", "without the star"),
+    ('data["t.values"]', 'data["values"]', "names two levels at once"),
+    ("data[4]", 'data["y"]', "A number is no key here"),
+    ("f = np.fft.rfftfreq(20, 1)\nf * np.fft.fft(y)", "f = y[:11]\nf * y", "Here are `fft` and `rfftfreq`"),
+    ("np.fft.rfftfreq(y, 1)", "np.zeros('a')", "takes the number of samples first"),
+    ("np.linalg.lstsq(Phi, w)", "np.linalg.lstsq(Y, Phi, None)", "`Phi` has 20 rows and `w` has 5 entries"),
+    ("i = np.digitize(20, y)\ny[i]", "i = 20\ny[i]", "counts its cells from 1"),
+    ("np.eye(3, -1)", "np.zeros(-1)", "`np.eye(3, k=-1)`"),
+    ("range([1, 2])", "range(1.5)", "goes through it itself"),
+    ("a, b = np.size(Phi)", "a, b = k", "Rows and columns are `Phi.shape`"),
+    ("U, s, V, r = np.linalg.svd(R)", "U, s = w", "`np.linalg.svd` returns 3 things"),
+    ("ct.ss([[0, 1], [2, 3]], [[0, 1]], [[1, 2]], [[0]], 1)", "ct.ss(R, w, w, 0)", "`[[0], [1]]`"),
 ]
 
 
@@ -225,7 +260,7 @@ def test_reading_a_line_runs_none_of_it() -> None:
 
 
 def test_a_stop_is_the_same_after_the_way_to_another_process() -> None:
-    stop = stopped("theta = np.linalg.solve(Phi.T @ Phi, Y)")
+    stop = stopped("phi = Phi[:, 0]\ntheta = np.linalg.solve(R, phi)")
     again = unpacked(packed(stop), stop.kind, stop.text, lambda text: True)
     assert details(again) == details(stop)
 
@@ -235,6 +270,7 @@ def test_a_stop_is_the_same_after_the_way_to_another_process() -> None:
     [
         None, [], "text", {"things": 3}, {"things": [[1, 2]]}, {"things": [["Phi", "array", [-1, "x", 10**9], True]]},
         {"things": [["Phi", "secret of grading", [3], True]]}, {"arguments": 5, "line": ["x"]},
+        {"made": [1]}, {"made": {"Phi": 3}},
     ],
 )  # fmt: skip
 def test_another_process_cannot_say_what_it_likes(message: Any) -> None:
@@ -251,7 +287,8 @@ def test_only_what_stands_in_the_notebook_is_taken_over() -> None:
         "things": [["theta_of_grading", "array", [4], True], ["y", "array", [20], True]],
         "arguments": ["theta_of_grading"],
         "near": "theta_of_grading",
+        "made": {"theta_of_grading": "y", "y": "y = hidden"},
     }
     stop = unpacked(sent, "ValueError", "text", lambda text: text == "y")
-    assert (stop.line, stop.part, stop.arguments, stop.near) == ("", "", (), "")
+    assert (stop.line, stop.part, stop.arguments, stop.near, stop.made) == ("", "", (), "", {})
     assert set(stop.things) == {"y"}

@@ -9,6 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_history, as_theta, close
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import WRAPS, slips_of_fit, wrapped
 from labsid.checks.trials import ARX, STARTS, first_order, trial_record
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.instrumental import instrumental_variables
@@ -70,12 +71,26 @@ def _rounds(u: FloatArray, y: FloatArray, rounds: int, way: _Way = _RIGHT) -> Fl
     return theta
 
 
+def _rounds_wrapped(u: FloatArray, y: FloatArray, rounds: int) -> FloatArray:
+    """The rounds with rows that wrap around."""
+    Phi = wrapped([(-y, 1), (u, 1)])
+    theta = solve_least_squares(Phi, y).theta
+    for _ in range(rounds):
+        y_model = free_run(first_order(float(theta[0]), float(theta[1])), u)
+        theta = instrumental_variables(wrapped([(-y_model, 1), (u, 1)]), Phi, y).theta
+    return theta
+
+
 def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verdict:
     call = f"iterated_iv(u, y, {rounds})"
     got = as_theta(call, returned(ask, "iterated_iv", u, y, rounds), 2)
     rights = [_rounds(u, y, rounds, _Way(start)) for start in STARTS]
     right = next((right for right in rights if SAME(got, right)), rights[0])
     noisy = f"`{call}` makes its instrument with the measured output: that holds the noise. "
+    goes_round = (
+        f"`{call}` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
+        "begin with the row of y(1)."
+    )
     count = f"`{call}` goes another number of rounds: a round is simulate, then solve."
     return judge(
         got,
@@ -143,6 +158,8 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 partial(_rounds, u, y, rounds, _Way(from_zero=True)),
             ),
             Slip("sign of a", f"`{call}` has the other sign of a.", lambda: right * [-1, 1]),
+            Slip(WRAPS, goes_round, partial(_rounds_wrapped, u, y, rounds)),
+            *slips_of_fit(f"the least-squares estimate of `{call}`", [(-y, 1), (u, 1)], y, u),
             Slip("a and b swapped", f"`{call}` returns b before a.", lambda: right[::-1]),
             Slip("rounds miscounted", count, partial(_rounds, u, y, rounds + 1)),
             Slip("rounds miscounted", count, partial(_rounds, u, y, max(rounds - 1, 0))),

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_theta, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.regressions import slips_of_fit
 from labsid.checks.trials import ARX, STARTS, trial_record
 from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
@@ -77,6 +78,7 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 "`fit_arx` returns Phi'y: the inverse of Phi'Phi is missing.",
                 lambda: build_equations(ARX, u, y).Phi.T @ y[1:],
             ),
+            *slips_of_fit("`fit_arx`", [(-y, 1), (u, 1)], y, u),
         ],
     )
 

@@ -8,11 +8,12 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_theta, as_vector
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import WRAPS
 from labsid.checks.trials import ARMAX, ARX, STARTS, first_order, trial_record
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run, prediction_errors
-from labsid.model_structures.structures import build_equations, fit_structure, model_from_theta
+from labsid.model_structures.structures import PolynomialModel, build_equations, fit_structure, model_from_theta
 
 
 @first_failure
@@ -93,9 +94,25 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
                 lambda: y - errors(),
                 mend="Take it off y.",
             ),
+            Slip(
+                WRAPS,
+                "`prediction_errors` takes y(-1) and u(-1) from the *end* of the record, as `np.roll` and an index of "
+                "-1 do: begin with t = 1, epsilon(0) = 0.",
+                lambda: _filtered(c, y + a * np.roll(y, 1) - b * np.roll(u, 1)),
+            ),
+            Slip(
+                "first samples left at zero",
+                "`prediction_errors` leaves epsilon(1) at zero, and y(1), y(0) and u(0) are there: begin with t = 1.",
+                lambda: _filtered(c, np.where(np.arange(y.size) < 2, 0.0, errors(c=0.0))),
+            ),
             Slip("sign of the errors", "`prediction_errors` has prediction less measurement.", lambda: -errors()),
         ],
     )
+
+
+def _filtered(c: float, w: FloatArray) -> FloatArray:
+    """The errors of epsilon(t) + c epsilon(t-1) = w(t)."""
+    return free_run(PolynomialModel(np.array([1.0, c]), np.ones(1), np.ones(1), 0), w)
 
 
 def rounds_of(

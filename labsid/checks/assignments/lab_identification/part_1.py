@@ -225,6 +225,16 @@ def check_first_period(ask: Ask) -> Verdict:
             [u.size for u in trials],
         ),
         slip(
+            "a value in place of its index",
+            "It returns the new value of the input: return the index of the first sample that has it.",
+            [float(u[n]) for u, n in zip(map(np.ravel, trials), right.astype(int), strict=True)],
+        ),
+        slip(
+            "an instant of another kind",
+            "It returns the sample of the largest rise. The first change may be a fall, and need not be the largest.",
+            [int(np.argmax(np.diff(np.ravel(u)))) for u in trials],
+        ),
+        slip(
             "time instead of a number of samples",
             "It returns a time; return the number of samples.",
             list(right * ask.record.Ts),
@@ -256,6 +266,20 @@ def _counted(ask: Ask, u: FloatArray) -> float:
     if value is None:
         raise NoAnswer("`first_period` returns nothing: end it with `return` and the number.", "nothing returned")
     if np.ndim(value):  # type: ignore[arg-type]
+        found = np.flatnonzero(np.ravel(u) != np.ravel(u)[0])
+        if np.size(value) == found.size and np.array_equal(np.ravel(np.asarray(value, float)), found):  # type: ignore[arg-type]
+            text = (
+                f"`first_period(u)` returns all {found.size} samples at which u is not what it was first. The "
+                "first of these indices is the answer: take it, `[0]` of the array. (`np.where` returns a tuple with "
+                "the array in it, so there it is `[0][0]`.)"
+            )
+            raise NoAnswer(text, "all indices in place of the first")
+        if np.size(value) == np.size(u) and set(np.ravel(np.asarray(value, float))) <= {0.0, 1.0}:  # type: ignore[arg-type]
+            text = (
+                "`first_period(u)` returns a truth value for each sample, and one number is asked for: how many "
+                "samples come before the first that differs."
+            )
+            raise NoAnswer(text, "a list in place of its length")
         raise NoAnswer(
             f"`first_period(u)` returns a list of {np.size(value)}, and one number is asked for"  # type: ignore[arg-type]
             + (": return how many there are, `len(...)`." if np.size(value) > 1 else ": leave the brackets out."),  # type: ignore[arg-type]

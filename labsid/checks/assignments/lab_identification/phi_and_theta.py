@@ -10,6 +10,7 @@ from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_array, as_matrix, as_vector, close
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask
+from labsid.checks.regressions import LEFT_SIDE, beside_right_rows, zero_rows
 from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
@@ -34,9 +35,10 @@ def judge_equations(ask: Ask, names: tuple[str, str], data: LabData, order: int)
     Y = as_vector(names[1], ask.value(names[1]))
     rows = Y.size
     if rows != Phi.shape[0]:
+        beside = _beside(Phi, Y, names, data, order, _ends_of_first_half(data.y.size))
         raise NoAnswer(
             f"`{names[0]}` has {Phi.shape[0]} rows and `{names[1]}` {rows} elements; each equation needs one row and "
-            "one element.",
+            f"one element. {beside}".rstrip(),
             "Phi and Y of different lengths",
         )
     if rows < 2 * order:
@@ -53,15 +55,50 @@ def judge_equations(ask: Ask, names: tuple[str, str], data: LabData, order: int)
                 return Verdict(False, hint, "late start")
             rest = " Samples before the record are at rest." if start < order else ""
             return Verdict(True, f"{rows} equations for {2 * order} unknowns, from k = {start} to {stop - 1}.{rest}")
+    beside = _beside(Phi, Y, names, data, order, range(data.half, data.half + 1))
+    if beside:
+        return Verdict(False, beside, LEFT_SIDE)
     named = _known_mistake(got, names, data, order)
     if named is not None:
         return named
+    beside = _beside(Phi, Y, names, data, order, _ends_of_first_half(N))
+    if beside:
+        return Verdict(False, beside, LEFT_SIDE)
     row = "[y[k-1], u[k-1]]" if order == 1 else "[y[k-1], y[k-2], u[k-1], u[k-2]]"
     otherwise = (
         f"`{names[0]}` and `{names[1]}` are not the equations of the first half. Take one row, k = 10 say: it should "
         f"be {row}, with y[k] in `{names[1]}`. It is row 10 minus your first k. Compare it with yours."
     )
+    zeros = _zero_rows(got, names[0], data, order)
+    if zeros:
+        return Verdict(False, zeros, "rows of zeros")
     return Verdict(False, _wrong_columns(got, names[0], data, order) or otherwise)
+
+
+def _beside(Phi: FloatArray, Y: FloatArray, names: tuple[str, str], data: LabData, order: int, stops: range) -> str:
+    """What Y holds, where Phi is right up to one of these ends; empty where it is not."""
+    for stop in stops:
+        start = stop - Phi.shape[0]
+        if start >= 0 and _is_built_from((Phi, data.y[start:stop]), data.u, data.y, order, start, stop):
+            quoted = f"`{names[0]}`", f"`{names[1]}`"
+            return beside_right_rows(quoted, Y, data.y, data.u, range(start, stop))
+    return ""
+
+
+def _zero_rows(got: Equations, name: str, data: LabData, order: int) -> str:
+    """That rows of Phi are zero whose samples were recorded; empty if something else is wrong."""
+    for stop in _ends_of_first_half(data.y.size):
+        start = stop - got[1].size
+        if not 0 <= start < order:
+            continue
+        zeros = zero_rows(got[0], build_phi(data.u, data.y, order, start, stop).Phi)
+        if zeros:
+            which = f"Row {zeros[0]}" if len(zeros) == 1 else f"Rows {zeros[0]} to {zeros[-1]}"
+            return (
+                f"{which} of `{name}` should not be all zeros: only samples before the record are zero, and y[0] and "
+                f"u[0] are in it. Begin with the row of k = {order}, or put in the samples that there are."
+            )
+    return ""
 
 
 def _wrong_columns(got: Equations, name: str, data: LabData, order: int) -> str:
@@ -188,9 +225,8 @@ def _read_phi(name: str, value: Value, order: int) -> FloatArray:
         rows = array.size // (2 * order)
         raise NoAnswer(
             f"`{name}` is flat, with {array.size} = {2 * order} times {rows} numbers: the columns are "
-            f"joined end to end. "
-            "`np.hstack` and `np.concatenate` do that with flat arrays; `np.column_stack([...])` puts "
-            "them side by side.",
+            "joined end to end. `np.hstack` and `np.concatenate` do that with flat arrays; `np.column_stack([...])` "
+            "puts them side by side.",
             "columns joined end to end",
         )
     if array.ndim == 3 and 1 in array.shape:
@@ -294,7 +330,6 @@ def _wrong_equations(
         minus,
         right.Y,
     )
-    yield "sign of Y", f"`{target}` has the wrong sign.", right.Phi, -right.Y
     late, early = "one step later", "one step earlier"
     for shift, what in ((1, late), (-1, early)):
         if start + shift < 0 or stop + shift > y.size:

@@ -74,6 +74,12 @@ def judge_entire_run(
                 f"`{name}` covers the second half only; simulate the entire input.",
                 lambda: simulate(model, data.u[data.half :]),
             ),
+            Slip(
+                "measured output joined",
+                f"`{name}` is the measured output in its first half: simulate the entire input, from its first "
+                "sample on.",
+                lambda: np.concatenate([data.y[: data.half], simulate(model, data.u[data.half :])]),
+            ),
             *(
                 Slip(
                     "two runs joined",
@@ -190,6 +196,11 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             "is averaged over the second half only; use the entire record.",
             np.mean(squared[e.size // 2 :]),
         ),
+        slip(
+            "first half only",
+            "is averaged over the first half only: the average goes over all samples.",
+            np.mean(squared[: e.size // 2]),
+        ),
         slip("mean absolute error", "is the mean of the absolute errors: square them.", np.mean(np.abs(e))),
         slip(
             "variance of the error",
@@ -269,7 +280,7 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         "each. Give it `axis=0`, or a flat `u`."
     )
     zero = (
-        "is zero at every sample, whatever the input is. Often here: did `lfilter` get a column? It filters along its "
+        "is zero at every sample, whatever the input is. Did `lfilter` get a column? It filters along its "
         "rows, which have one element each, unless it is given `axis=0`."
     )  # zeros may come from anything else, but a column of them hardly does
     yield slip(*(("filtered along the wrong axis", along) if is_column else ("zero output", zero)), np.zeros(u.size))
@@ -294,8 +305,7 @@ def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
     if got.size != right.size:
         return (
             f"`{name}` has {got.size} samples; this part of the input has {right.size}. A simulation "
-            f"gives one output for "
-            "each sample of its input: which input does your line hand over?"
+            f"gives one output for each sample of its input: which input does your line hand over?"
         )
     n = int(np.argmax(np.abs(got - right) > 1e-6 * np.max(np.abs(right))))
     begun = f" It is right up to sample {n - 1}." if n > _FEW else " It differs from its first samples on."

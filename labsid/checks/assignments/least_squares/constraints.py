@@ -10,6 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import WRAPS, wrapped
 from labsid.checks.trials import trial_equations
 from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
@@ -102,6 +103,15 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             *(
                 Slip("lag off by one", lag, partial(_lagged_fit, u, y, lags, first))
                 for first, lags in product((0, 3), _WRONG_LAGS)
+            ),
+            *(
+                Slip(
+                    WRAPS,
+                    "`example_1` takes samples from the *end* of the record for those before its first, as "
+                    "`np.roll` and an index below zero do: begin with the row of k = 4.",
+                    partial(fit, wrapped([(-y, 2), (u, 3)])[first:], (y - np.roll(u, 1))[first:]),
+                )
+                for first in (0, 1, 2)
             ),
             *(Slip("rows before k0", rows, partial(np.copy, wrong)) for wrong in early),
             *(
@@ -277,8 +287,7 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
             Slip(
                 "multipliers in place of theta",
                 "`constrained_fit` returns the *last* p numbers of the solution, with the multipliers at "
-                "their end: theta "
-                "is the first p.",
+                "their end: theta is the first p.",
                 lambda: _with_multipliers(Phi, Y, A, b)[-p:],
             ),
             Slip(

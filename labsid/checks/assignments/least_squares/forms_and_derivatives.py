@@ -275,7 +275,7 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
     except NoAnswer as stopped:
         if not any(told in str(stopped) for told in ("must match exactly", "inhomogeneous")):
             raise
-        rows = str(stopped).partition(" Often here")[0]
+        rows = str(stopped).partition(" `y[a:b]` has")[0].partition(" One is empty, as")[0]
         if "takes nothing" in rows:
             raise
         zeros = "Each column has len(u) rows: that of u(t-i) begins with i zeros and leaves out the last i samples."
@@ -308,6 +308,12 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
                 "`delayed_inputs` uses the last samples as those before the first: `np.roll` and negative indices "
                 "wrap around. Before the first sample the input is zero.",
                 lambda: np.column_stack([np.roll(u, i) for i in range(n)]),
+            ),
+            Slip(
+                "mirrored at the start",
+                "`delayed_inputs` has u(i-t) above its diagonal, as `scipy.linalg.toeplitz(u)` has. Before the "
+                "first sample the input is zero.",
+                lambda: np.array([[u[abs(t - i)] for i in range(n)] for t in range(u.size)]),
             ),
             Slip(
                 "lag off by one",

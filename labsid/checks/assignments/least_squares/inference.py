@@ -221,7 +221,7 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
                 "sign of the weights",
                 "`inverse_weights` has the wrong sign."
                 if n == 2  # the first size that is tried
-                else f"`inverse_weights` is right for 2 by 2, and for {n} by {n} its sign is wrong. Often here: c_n is "
+                else f"`inverse_weights` is right for 2 by 2, and for {n} by {n} its sign is wrong. c_n is "
                 "(-1)^n times the determinant of A, and not the determinant.",
                 lambda: c[::-1] / last,
                 mend="Move c_n I to the other side.",

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.regressions import WRAPS, wrapped
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.excitation import excitation_order, square_wave
@@ -58,8 +59,8 @@ def check_excitation(ask: Ask) -> Verdict:
         return Verdict(
             False,
             f"`excitation` finds too high an order, {answers[wrong]:g} for {trials[wrong][0]}: write the first rows of "
-            "its matrix down, and count the independent columns. Often here: are rounding errors of about 1e-16 taken "
-            "for rank? Compare with a small tolerance.",
+            "its matrix down, and count the independent columns. Rounding errors of about 1e-16 count "
+            "for rank, too, where the comparison has no tolerance.",
             "full rank where there is none",
         )
     return Verdict(False, f"`excitation` is wrong for {trials[wrong][0]}: write the first rows of its matrix down.")
@@ -122,6 +123,12 @@ def _frequencies(each: int, share: float, u: FloatArray) -> int:
     return min(each * int(np.sum(size > share * np.max(size))), _LARGEST)
 
 
+def _going_round(u: FloatArray) -> int:
+    """The order of columns that wrap around."""
+    ranks = (np.linalg.matrix_rank(wrapped([(u, i) for i in range(n)])) for n in range(1, _LARGEST + 1))
+    return next((n for n, rank in enumerate(ranks) if rank <= n), _LARGEST)
+
+
 _WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
     (
         "order one too high",
@@ -142,6 +149,19 @@ _WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
         "mean taken off",
         "takes the mean off the input. A constant is an input, too, and counts 1.",
         lambda u: _order_of(u - u.mean()),
+    ),
+    (
+        "rank of the signal",
+        "is 1 for every input that is not zero, as the rank of a flat array is: make a matrix of its delayed samples.",
+        lambda u: int(np.linalg.matrix_rank(u)),
+    ),
+    (
+        WRAPS,
+        "takes the input as if it went round, as `np.roll` does, and the Fourier transform if its frequencies "
+        "are counted: where the end meets the beginning there is then a jump, which has every order. Use only the "
+        "rows for which all samples were recorded, "
+        "and count independent *columns*.",
+        _going_round,
     ),
     *(
         (

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, same_response
 from labsid.checks.question import Ask, parts_of, returned, returned_parts
+from labsid.checks.regressions import LEFT_SIDE, WRAPS, beside_right_rows, wrapped
 from labsid.checks.values import StateSpaceValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.realisation import controllable_form
@@ -185,18 +186,28 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
         return Verdict(
             False,
             f"Phi of `{call}` has {na + nb - 1} column{'s' * (na + nb > 2)}, one too few: na = {na} outputs and nb = "
-            f"{nb} inputs make {na + nb}. Often here: `range(1, na)` ends before na.",
+            f"{nb} inputs make {na + nb}. (`range(1, na)` ends before na.)",
             "one lag too few",
         )
     Phi = as_matrix(f"Phi of {call}", parts[0], (None, na + nb))
     Y = as_vector(f"Y of {call}", parts[1])
     if not Y.size:
         return Verdict(False, f"`{call}` returns no rows: count from k0 to the last sample.", "no rows")
+    k0 = max(na, d + nb - 1) if nb else na
+    is_right = Phi.shape[0] == N - k0 and _EXACT(Phi, build_equations(structure, u, y, start=k0).Phi)
+    held = beside_right_rows((f"Phi of `{call}`", "Y"), Y, y, u, range(k0, N)) if is_right else ""
     if Y.size != Phi.shape[0]:
+        unequal = f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row. {held}"
+        return Verdict(False, unequal.rstrip(), "unequal rows")
+    start = N - Y.size
+    lagged = [(-y, lag) for lag in range(1, na + 1)] + [(u, lag) for lag in range(d, d + nb)]
+    if start == 0 < k0 and _EXACT(Phi, wrapped(lagged)):
         return Verdict(
-            False, f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row.", "unequal rows"
+            False,
+            f"Phi of `{call}` goes round: `np.roll` brings the last samples before the first. Leave these rows "
+            "out, and begin at k0 = max(na, d + nb - 1).",
+            WRAPS,
         )
-    start, k0 = N - Y.size, max(na, d + nb - 1) if nb else na
     if nb == 0 and start == d - 1 > k0:
         return Verdict(
             False,
@@ -227,7 +238,8 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
             "first rows left out",
         )
     if not _EXACT(Y, y[start:]):
-        return Verdict(False, f"Y of `{call}` should be the outputs y(k) of its rows, k0 to the end.", "Y is not y(k)")
+        reason = held or f"Y of `{call}` should be the outputs y(k) of its rows, k0 to the end."
+        return Verdict(False, reason, LEFT_SIDE)
 
     def rows(model: Structure, of_u: FloatArray = u, of_y: FloatArray = y) -> FloatArray:
         return build_equations(model, of_u, of_y, start=start).Phi

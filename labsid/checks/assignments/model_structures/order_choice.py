@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.regressions import LEFT_SIDE, WRAPS, wrapped
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run
@@ -38,6 +39,20 @@ def _loss_with_constant(u: FloatArray, y: FloatArray, order: int, start: int) ->
     rows = build_equations(Structure(order, order), u, y, start=start)
     fit = solve_least_squares(np.column_stack([rows.Phi, np.ones(rows.Y.size)]), rows.Y)
     return float(np.mean(fit.residual**2))
+
+
+def _loss(Phi: FloatArray, Y: FloatArray) -> float:
+    return float(np.mean(solve_least_squares(Phi, Y).residual ** 2))
+
+
+def _wrapped(u: FloatArray, y: FloatArray, n: int) -> FloatArray:
+    return wrapped([(signal, lag) for signal in (-y, u) for lag in range(1, n + 1)])
+
+
+def _losses_beside(u: FloatArray, y: FloatArray, orders: Sequence[int], lag: int) -> FloatArray:
+    """The losses of right rows with an older output beside them."""
+    start = max(orders)
+    return np.array([_loss(_wrapped(u, y, n)[start:], y[start - lag : y.size - lag]) for n in orders])
 
 
 def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...]) -> Verdict:
@@ -100,6 +115,21 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
                 "a constant fitted along",
                 "`losses` fits a constant with each model, through a column of ones; the ARX model has none.",
                 lambda: np.array([_loss_with_constant(u, y, n, start) for n in orders]),
+            ),
+            Slip(
+                WRAPS,
+                "`losses` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
+                "begin all rows at max(orders).",
+                lambda: np.array([_loss(_wrapped(u, y, n), y) for n in orders]),
+            ),
+            *(
+                Slip(
+                    LEFT_SIDE,
+                    f"`losses` has y(k-{lag}) on the left-hand side of the row of y(k): Y is `y[start:]`, with start = "
+                    "max(orders).",
+                    partial(_losses_beside, u, y, orders, lag),
+                )
+                for lag in dict.fromkeys((1, start))
             ),
             Slip(
                 "u and y swapped",

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_vector, close
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import wrapped_filter
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.model_structures.polynomials import apply
 from labsid.model_structures.prediction import free_run
@@ -226,14 +227,12 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
             Slip(
                 "index wraps around",
                 "`simulate` takes samples from the end of the record for those before its first: y[k - i] with k < i.",
-                lambda: free_run(PolynomialModel(A, np.ones(1), np.ones(1), 0), _round(B, u) + _round(C, e)),
+                lambda: free_run(
+                    PolynomialModel(A, np.ones(1), np.ones(1), 0), wrapped_filter(B, u) + wrapped_filter(C, e)
+                ),
             ),
         ],
     )
-
-
-def _round(P: FloatArray, x: FloatArray) -> FloatArray:
-    return np.asarray(sum(p * np.roll(x, i) for i, p in enumerate(P)), float)
 
 
 def _late_start(A: FloatArray, B: FloatArray, C: FloatArray, u: FloatArray, e: FloatArray) -> FloatArray:

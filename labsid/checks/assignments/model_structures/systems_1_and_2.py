@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta, as_vector, close
 from labsid.checks.figures import legend_text, no_curve, one_figure, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import WRAPS, slips_of_fit, wrapped_filter
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import solve_least_squares
@@ -111,6 +112,7 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 "`example_3_1` returns Phi'y: the inverse of Phi'Phi is missing.",
                 lambda: np.array([-y[:-1] @ y[1:], u[:-1] @ y[1:]]),
             ),
+            *slips_of_fit("`example_3_1`", [(-y, 1), (u, 1)], y, u),
         ],
     )
 
@@ -223,6 +225,11 @@ def _judge_prediction(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray, y: 
                 lambda: one_step_prediction(_model(A, np.r_[0, B]), u, y),
             ),
             Slip(
+                WRAPS,
+                "`predict` takes the last samples for those before the first: `np.roll` and negative indices go round.",
+                lambda: wrapped_filter(B, u) - wrapped_filter(np.r_[0, A[1:]], y),
+            ),
+            Slip(
                 "first samples left at zero",
                 "`predict` leaves the first samples at zero. Only what lies before the record is zero.",
                 lambda: np.where(np.arange(u.size) < longest, 0, right),
@@ -267,6 +274,11 @@ def _judge_run(ask: Ask, A: FloatArray, B: FloatArray, u: FloatArray) -> Verdict
                 "lag off by one",
                 "`free_run` has an extra delay: B holds it already.",
                 lambda: free_run(_model(A, np.r_[0, B]), u),
+            ),
+            Slip(
+                WRAPS,
+                "`free_run` takes the last inputs for those before the first: u[k - i] with k < i goes round.",
+                lambda: free_run(_model(A, [1]), wrapped_filter(B, u)),
             ),
             Slip(
                 "first samples left at zero",

@@ -219,7 +219,7 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
 
 _RUN_AWAY = (
     "`levenberg_marquardt` went so far that all slopes are zero, and the damped equations have no solution there. "
-    "Often here: is a step taken although the SSE does not decrease? Reject it, and multiply mu by 10."
+    "Is a step taken although the SSE does not decrease? Reject it, and multiply mu by 10."
 )
 
 

@@ -15,6 +15,7 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import (
 )
 from labsid.checks.compare import as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.regressions import WRAPS
 from labsid.checks.trials import first_order
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
@@ -258,6 +259,12 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
             "lag off by one",
             "`fit_output_error` lets u act one sample too late: x(t) answers u(t-1).",
             lambda: _fit_of_run(u, y, [right[0], 0.1], 2).theta,
+        ),
+        Slip(
+            WRAPS,
+            "the run of `fit_output_error` takes the last input for the one before the first: with k = 0, u[k-1] is "
+            "u[-1]. Begin with k = 1, x(0) = 0.",
+            lambda: _fit_of_run(np.roll(u, 1), y, right, 0).theta,
         ),
         Slip(
             "squares handed over",

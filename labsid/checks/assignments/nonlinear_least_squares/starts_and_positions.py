@@ -79,7 +79,7 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
     if not low <= abs(w) <= high and w == int(w):
         return Verdict(
             False,
-            f"`fit_frequency` returns {w:g}, a whole number outside low and high. Often here: `np.argmin` gives the "
+            f"`fit_frequency` returns {w:g}, a whole number outside low and high. `np.argmin` gives the "
             "*index* of the smallest value; the frequency is that entry.",
             "index for frequency",
         )

@@ -10,6 +10,7 @@ from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.assignments.lab_identification.phi_and_theta import rounded
 from labsid.checks.compare import as_vector
 from labsid.checks.question import Ask
+from labsid.checks.regressions import slips_of_fit
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import arx_from_theta, fit_arx
@@ -96,8 +97,8 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
         )
     if got.size == n:
         raise NoAnswer(
-            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}. Often here: were the "
-            "columns of y and of u added? `+` joins two lists, and adds two arrays entry by entry.",
+            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}. `+` "
+            "joins two lists, and adds two arrays entry by entry: are the columns of y and of u added?",
             "columns added",
         )
     if got.size != 2 * n:
@@ -121,6 +122,8 @@ def _trial(rng: np.random.Generator, n: int, Ts: float, samples: int) -> tuple[F
 def _slips(u: FloatArray, y: FloatArray, n: int, data: LabData) -> Iterator[Slip[FloatArray]]:
     for k in range(n + 2):
         yield from _slips_from(u, y, n, k, data)
+    past = [(signal, lag) for signal in (y, u) for lag in range(1, n + 1)]
+    yield from slips_of_fit("`fit_order`", past, y, u)
 
 
 def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> Iterator[Slip[FloatArray]]:

@@ -10,6 +10,8 @@ from labsid.checks.figures import (
     find_curve,
     plain_text,
     require_curve,
+    require_grid,
+    require_here,
     require_labels,
     require_legend,
     require_limits,
@@ -37,10 +39,18 @@ def panels(value: Value) -> tuple[AxesValue, ...]:
     return value.axes
 
 
-def require_panel(axes: AxesValue, where: str, t: FloatArray, signals: dict[str, FloatArray], title: str) -> None:
-    """Require a panel as in Fig. 1; `signals` holds the sine first, then the cosine."""
+def require_panel(
+    axes: AxesValue,
+    where: str,
+    t: FloatArray,
+    signals: dict[str, FloatArray],
+    title: str,
+    beside: AxesValue | None = None,
+) -> None:
+    """Require a panel as in Fig. 1; `signals` holds the sine first, then the cosine, and `beside` is the other "
+    "panel."""
+    ax = "ax_a" if "(a)" in where else "ax_b"
     if not axes.curves:
-        ax = "ax_a" if "(a)" in where else "ax_b"
         raise NoAnswer(
             f"There is no curve in {where} yet, the axes `{ax}` of `fig_1`: draw with `{ax}.plot` and `{ax}.step`. "
             "(`plt.figure` and `plt.subplots` begin another figure.)",
@@ -60,12 +70,12 @@ def require_panel(axes: AxesValue, where: str, t: FloatArray, signals: dict[str,
             f'In {where} the cosine changes before its sample, not at it: use `step(..., where="post")`.',
             "step before the sample",
         )
-    require_limits(axes, where, (0, 140), (-1.5, 1.5))
+    require_here(lambda panel: require_limits(panel, where, (0, 140), (-1.5, 1.5)), axes, beside, ax)
     if not re.search(title, axes.title, re.IGNORECASE):
         raise NoAnswer(f"The title of {where} is {axes.title!r}; see the step for the title it should have.", "title")
-    if not axes.grid:
-        raise NoAnswer(f"{where} has no grid: call `grid(True)`.", "no grid")
-    require_labels(axes, where, ("s", ""))
+    require_here(lambda panel: require_grid(panel, where), axes, beside, ax)
+    require_here(lambda panel: require_labels(panel, where, ("s", "")), axes, beside, ax)
+    require_here(lambda panel: require_legend(panel, where, 2), axes, beside, ax)
     _require_names(axes, where, sine, cosine)
 
 
@@ -89,7 +99,6 @@ def _require_colours(where: str, sine: CurveValue, cosine: CurveValue) -> None:
 
 
 def _require_names(axes: AxesValue, where: str, sine: CurveValue, cosine: CurveValue) -> None:
-    require_legend(axes, where, 2)
     entries = [plain_text(text) for text in axes.legend]
     for name in ("sin", "cos"):
         named = [text for text in entries if name in text]

@@ -59,6 +59,19 @@ def new_time_slips(t: FloatArray) -> Slips:
             for start in (0.0, t[CUT // 10], t[CUT])
         ),
         Slip("not cut", "`t_new` is still the whole of `t`.", lambda: t),
+        *(
+            Slip(
+                "set to zero",
+                "the first 200 samples of `t_new` are set to zero: they should be cut off, so that 801 are left.",
+                partial(np.where, np.arange(t.size) < CUT, 0.0, t - start),
+            )
+            for start in (0.0, t[CUT])
+        ),
+        Slip(
+            "rolled",
+            "`t_new` has the first 200 samples at its end: `np.roll` goes round. Cut them off, `t[200:]`.",
+            lambda: np.roll(t, -CUT),
+        ),
         Slip(
             "the last samples cut off",
             "`t_new` lacks the last 200 samples; the first 200 should go, and then the start be set to zero.",
@@ -89,6 +102,16 @@ def new_signal_slips(name: str, y: FloatArray, other: FloatArray) -> Slips:
             "the last samples cut off",
             f"`{name}` lacks the last 200 samples; the first 200 should go.",
             lambda: y[:-CUT],
+        ),
+        Slip(
+            "set to zero",
+            f"the first 200 samples of `{name}` are set to zero: they should be cut off, `{name[:2]}[200:]`.",
+            lambda: np.where(np.arange(y.size) < CUT, 0.0, y),
+        ),
+        Slip(
+            "rolled",
+            f"`{name}` has the first 200 samples at its end: `np.roll` goes round. Cut them off, `{name[:2]}[200:]`.",
+            lambda: np.roll(y, -CUT),
         ),
         Slip("the wrong part kept", f"`{name}` holds the 200 samples that should be removed.", lambda: y[:CUT]),
         *_off_by_one(name, lambda first: y[first:]),
@@ -166,6 +189,20 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
         ),
         slip(*last_off, lambda: rest(0, -n)),
         slip(*last_off, lambda: data[:-n]),
+        *(
+            slip(
+                "set to zero", "sets the first n rows to zero: they should be cut off.", partial(_zeros_on_top, made, n)
+            )
+            for made in (data, data - data[n, 0] * np.eye(1, data.shape[1]))
+        ),
+        *(
+            slip(
+                "rolled",
+                "brings the first n rows to the end: `np.roll` goes round. Cut them off.",
+                partial(np.copy, made),
+            )
+            for made in _rolled(data, n)
+        ),
         slip(*kept, lambda: data[:n]),
         slip(*kept, lambda: rest(0, n)),
         slip(*one_more, lambda: rest(n + 1)),
@@ -214,6 +251,16 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
             lambda: data[n:] - data[n],
         ),
     ]
+
+
+def _zeros_on_top(data: FloatArray, n: int) -> FloatArray:
+    return np.concatenate([np.zeros_like(data[:n]), data[n:]])
+
+
+def _rolled(data: FloatArray, n: int) -> tuple[FloatArray, FloatArray]:
+    """The data with their beginning at the end, and with the time of its new first row taken off."""
+    round_ = np.roll(data, -n, axis=0)
+    return round_, round_ - round_[0, 0] * np.eye(1, data.shape[1])
 
 
 def _off_by_one(name: str, cut_from: Callable[[int], FloatArray]) -> Slips:

@@ -211,7 +211,8 @@ def check_original(ask: Ask) -> Verdict:
                 "makes the figure again.",
                 "lower axes set",
             )
-    require_panel(upper, "Fig. 1(a)", t, {"y1": y1, "y2": y2}, _ORIGINAL)
+    beside = others[0] if len(others) == 1 else None
+    require_panel(upper, "Fig. 1(a)", t, {"y1": y1, "y2": y2}, _ORIGINAL, beside)
     return Verdict(True, "Fig. 1(a) shows the original data as the lab requires.")
 
 
@@ -232,9 +233,8 @@ def check_cut_off_data(ask: Ask) -> Verdict:
     if (shows(lower, y1) or shows(lower, y2)) and (shows(lower, y1_new) or shows(lower, y2_new)):
         raise NoAnswer(
             "Fig. 1(b) shows the cut-off data and the original data: curves of an earlier run stay in "
-            "the axes. Run the "
-            "cell that makes `fig_1` again, then this one. (`plt.plot` draws into the axes made last, "
-            "which are `ax_b`.)",
+            "the axes. Run the cell that makes `fig_1` again, then this one. (`plt.plot` draws into the axes made "
+            "last, which are `ax_b`.)",
             "old curves in (b)",
         )
     if shows(lower, y1) or shows(lower, y2):
@@ -244,7 +244,7 @@ def check_cut_off_data(ask: Ask) -> Verdict:
             "In Fig. 1(b) the cut-off data are plotted at their old time. Plot them against `t_new`.",
             "old time in (b)",
         )
-    require_panel(lower, "Fig. 1(b)", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)")
+    require_panel(lower, "Fig. 1(b)", t_new, {"y1_new": y1_new, "y2_new": y2_new}, r"cut|\(b\)", upper)
     return Verdict(True, "Fig. 1(b) shows the cut-off data, starting at time zero.")
 
 

@@ -15,6 +15,7 @@ from labsid.checks.assignments.recursive_identification.reference_runs import (
 from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
 from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.regressions import beside_right_rows
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.lecture_systems import ChangingRecord, example_6_1
@@ -28,6 +29,7 @@ SETTLED = 20
 _LATEST_START = 5
 _STRUCTURE = Structure(2, 1)
 _NAMES = ("a1", "a2", "b1")
+_QUOTED = ("Phi of `regressors`", "Y")
 
 
 @cache
@@ -71,7 +73,9 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
     if Y.size != Phi.shape[0]:
         yield Verdict(
             False,
-            f"`regressors` returns {Phi.shape[0]} rows of Phi and {Y.size} of Y: each row of Phi goes with one y(t).",
+            f"`regressors` returns {Phi.shape[0]} rows of Phi and {Y.size} of Y: each row of Phi goes with one y(t). "
+            f"{beside_right_rows(_QUOTED, Y, y, u, range(start, n)) if rows is not None and SAME(Phi, rows) else ''}"
+            "".rstrip(),
             "Phi and Y of unequal length",
         )
     if not 0 <= start <= _LATEST_START:
@@ -131,16 +135,22 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
         y[start:],
         SAME,
         "",
-        "Y of `regressors` holds other samples than the rows of Phi are for.",
+        beside_right_rows(_QUOTED, Y, y, u, range(start, n)),
         [
             Slip(
                 "rows do not start together",
-                "Y of `regressors` is one sample early: the row with y(t-1) in it belongs to y(t).",
+                "Phi of `regressors` is right, and Y one sample early: the row with y(t-1) in it belongs to y(t).",
                 lambda: y[start - 1 : n - 1] if start else y + 1,
             ),
-            Slip("sign of Y", "`regressors` has the sign of Y turned: the minus belongs into Phi.", lambda: -y[start:]),
             Slip(
-                "u for y", "Y of `regressors` holds the input; it is the output that is predicted.", lambda: u[start:]
+                "sign of Y",
+                "Phi of `regressors` is right, and the sign of Y is turned: the minus belongs into Phi.",
+                lambda: -y[start:],
+            ),
+            Slip(
+                "u for y",
+                "Phi of `regressors` is right, and Y holds the input; it is the output that is predicted.",
+                lambda: u[start:],
             ),
         ],
     )

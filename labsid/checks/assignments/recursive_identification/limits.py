@@ -245,11 +245,22 @@ def _careless_wrong(
     return history
 
 
+_LARGEST_ASYMMETRY = 2.0
+"""Of |P - P'| over the largest |P|: two entries of opposite signs."""
+
+
 def _judge_growth(asymmetry: FloatArray, Phi: FloatArray, lam: float, LN: float) -> Verdict:
     """Rounding is of no known size, but its growth is: a factor 1/lambda a sample, to far below a per cent."""
     if np.min(asymmetry) < 0:
         return Verdict(
             False, "the asymmetry of `rls_careless` is negative somewhere: take absolute values.", "sign kept"
+        )
+    if np.max(asymmetry) > _LARGEST_ASYMMETRY:
+        return Verdict(
+            False,
+            f"the asymmetry of `rls_careless` goes up to {np.max(asymmetry):.3g}. A share of the largest entry of "
+            f"P is at most {_LARGEST_ASYMMETRY:g}: is it an index, of `np.argmax`, or not divided by max|P|?",
+            "no share of the largest entry",
         )
     window = np.arange(100, 200)
     symmetric = bool(np.any(asymmetry[window] == 0))

@@ -225,6 +225,13 @@ def _one_choice(ask: Ask, best: float, slope: float, sigma: float) -> Verdict:
             "`best_forgetting` returns the least error: asked for is the lambda where it is.",
             "the error in place of lambda",
         )
+    if lam >= 1 and lam == int(lam):
+        return Verdict(
+            False,
+            f"`best_forgetting` returns {lam:.4g}, an index, as `np.argmin` gives it: asked for is the lambda at that "
+            "index.",
+            "index in place of lambda",
+        )
     if not 0 < lam < 1:
         return Verdict(False, f"`best_forgetting` returns {lam:.4g}: it should be a lambda between 0.5 and 0.999.")
     if abs(1 - lam - best) < 0.01:

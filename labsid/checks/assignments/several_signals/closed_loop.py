@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import LEFT_SIDE, WRAPS, wrapped
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.instrumental import instrumental_variables
 from labsid.lab.regressor import build_phi
@@ -107,6 +108,20 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
                     ).theta
                 ),
             ),
+            Slip(
+                WRAPS,
+                f"`{_CALL}` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
+                "leave these rows out.",
+                lambda: instrumental_variables(wrapped([(r, 1), (r, 2)]), wrapped([(y, 1), (u, 1)]), y).theta,
+            ),
+            *(
+                Slip(
+                    LEFT_SIDE,
+                    f"Phi and Z of `{_CALL}` are right, Y is not: it holds y(k-{lag}), and should hold y(k).",
+                    partial(_with_left_side, Z, Phi, y, lag),
+                )
+                for lag in (1, 2)
+            ),
             Slip("lag off by one", lags, lambda: by(_past(r, (0, 1)))),
             Slip("lag off by one", lags, lambda: by(_past(r, (0, 2)))),
             Slip(
@@ -139,6 +154,10 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
             ),
         ],
     )
+
+
+def _with_left_side(Z: FloatArray, Phi: FloatArray, y: FloatArray, lag: int) -> FloatArray:
+    return instrumental_variables(Z, Phi, y[_START - lag : y.size - lag]).theta
 
 
 def _least_squares(u: FloatArray, y: FloatArray, start: int) -> FloatArray:

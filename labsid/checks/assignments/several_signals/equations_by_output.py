@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
+from labsid.checks.regressions import LEFT_SIDE, WRAPS, beside_right_rows
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx_system import fit_arx_system
@@ -63,9 +64,18 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
     if ny > 1 and np.shape(as_array(f"Y of {call}", parts[1])) == (len(Phi), ny):
         return Verdict(False, f"Y of `{call}` holds all {ny} outputs: take column i of y.", "all outputs in Y")
     Y = as_vector(f"Y of {call}", parts[1])
+    quoted = f"Phi of `{call}`", "Y"
     if Phi.shape[0] != Y.size:
+        unequal = f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row."
+        if SAME(Phi, right):
+            unequal += f" {beside_right_rows(quoted, Y, y[:, i], u[:, 0], range(n, N))}"
+        return Verdict(False, unequal, "unequal rows")
+    if Y.size == N and SAME(Phi, np.column_stack([np.roll(x, k) for x in (y[:, i], *u.T) for k in range(1, n + 1)])):
         return Verdict(
-            False, f"`{call}` has {Phi.shape[0]} rows in Phi and {Y.size} in Y: one y(k) for each row.", "unequal rows"
+            False,
+            f"Phi of `{call}` goes round: `np.roll` brings the last samples before the first. Leave these rows "
+            "out, and begin with k = n.",
+            WRAPS,
         )
     if Y.size != N - n:
         return Verdict(
@@ -79,7 +89,10 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
                 False, f"Y of `{call}` is that of another output: use the argument `i`, from zero.", "wrong output"
             )
     if not SAME(Y, y[n:, i]):
-        return Verdict(False, f"Y of `{call}` should be y_i(k) of its rows, k = n to the end.", "Y is not y(k)")
+        reason = f"Y of `{call}` should be y_i(k) of its rows, k = n to the end."
+        if SAME(Phi, right):
+            reason = beside_right_rows(quoted, Y, y[:, i], u[:, 0], range(n, N))
+        return Verdict(False, reason, LEFT_SIDE)
     blocks = right.reshape(N - n, 1 + nu, n)
     ahead = build_phi(np.roll(u, -1, axis=0), y[:, i], n).Phi
     both_ahead = build_phi(np.roll(u, -1, axis=0), np.roll(y[:, i], -1), n).Phi
@@ -185,7 +198,7 @@ def _judge_theta(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> Verdict:
         return Verdict(
             False,
             f"`{call}` has {got.shape[0]} rows; there are {rows} outputs, one row for each."
-            + (" Often here: does a `return` inside the loop end it early?" if got.shape[0] == 1 else ""),
+            + (" Does a `return` inside the loop end it early?" if got.shape[0] == 1 else ""),
             "rows are not outputs",
         )
     fits = fit_arx_system(u, y, 1.0, n).equations

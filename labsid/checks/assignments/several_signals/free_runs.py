@@ -9,6 +9,7 @@ import scipy.signal
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_vector
 from labsid.checks.question import Ask, returned
+from labsid.checks.regressions import WRAPS, wrapped_filter
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.arx_system import simulate_system, system_from_thetas
 from labsid.records.several_signals import names_of
@@ -79,6 +80,28 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 "sign of a",
                 f"`{call}` has the wrong sign of a: theta holds -a, the denominator [1, a1, ...].",
                 lambda: _run(flipped, u, n),
+            ),
+            Slip(
+                WRAPS,
+                f"`{call}` takes the last inputs for those before the first: an index below zero goes round. Lags "
+                "before sample 0 are zero.",
+                lambda: np.asarray(
+                    scipy.signal.lfilter(
+                        [1.0],
+                        whole[1],
+                        sum(wrapped_filter(np.r_[0.0, b[j * n : (j + 1) * n]], u[:, j]) for j in range(nu)),
+                    )
+                ),
+            ),
+            Slip(
+                "counted from one",
+                f"`{call}` begins with the second of the n numbers of a: `theta[:n]` are all of them, counted from 0.",
+                lambda: np.asarray(
+                    sum(
+                        scipy.signal.lfilter(np.r_[0.0, b[j * n : (j + 1) * n]], np.r_[1.0, -a[1:]], u[:, j])
+                        for j in range(nu)
+                    )
+                ),
             ),
             Slip(
                 "numbers taken lag by lag",

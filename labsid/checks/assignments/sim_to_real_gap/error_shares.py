@@ -118,6 +118,21 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
                 "`worst` takes the number of a part for that of a sample: part i begins at sample i N/16.",
                 lambda: Ts * stretch,
             ),
+            *(
+                Slip(
+                    "a share for a time",
+                    "`worst` holds shares: give the times at which this stretch and the next one begin.",
+                    partial(np.copy, shares),
+                )
+                for shares in (energy[most : most + 2] / energy.sum(), energy[[most, most]] / energy.sum())
+                if shares.size == 2
+            ),
+            Slip(
+                "an index of the error",
+                "`worst` begins with the sample of the largest error, as the number of a stretch: take `np.argmax` of "
+                "the shares.",
+                lambda: length * (int(np.argmax(e)) + np.array([0.0, 1.0])),
+            ),
             Slip("samples for seconds", "`worst` is in samples: times `Ts`.", lambda: length / Ts * stretch),
             Slip("numbers of the parts", "`worst` counts parts: give the times, in seconds.", lambda: stretch),
             Slip(

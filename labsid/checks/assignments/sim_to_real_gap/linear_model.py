@@ -11,6 +11,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import SAME, as_number, as_vector, close
 from labsid.checks.question import Ask
+from labsid.checks.regressions import LEFT_SIDE, slips_of_fit
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import arx_from_theta, fit_arx
@@ -154,6 +155,15 @@ def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
             "`theta_arx` was fitted with a column of ones beside Phi. The model has no constant, because the signals "
             "are offset-free.",
             lambda: _with_constant(u, y, half),
+        )
+        for signals in ((y[:half], u[:half]), (y, u)):
+            past = [(signal, lag) for signal in signals for lag in (1, 2)]
+            yield from slips_of_fit("`theta_arx`", past, *signals)
+        rows = build_phi(u, y, stop=half)
+        yield Slip(
+            LEFT_SIDE,
+            "`theta_arx` has the output with its offset on the left-hand side, Y: the rows hold `y`, without it.",
+            lambda: solve_least_squares(rows.Phi, ask.record.y[2:half]).theta,
         )
 
     return judge(

@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid.checks.compare import as_number, kind_of
 from labsid.checks.question import Ask
+from labsid.checks.values import Unreadable
 from labsid.checks.verdict import NoAnswer, Verdict
 from labsid.lab.offset import first_period_length
 from labsid.records.record import Record
@@ -83,6 +84,12 @@ def check_path(ask: Ask) -> Verdict:
 def check_parameters(ask: Ask) -> Verdict:
     """Step 8: the parameters of the effect, in volts and seconds."""
     value = ask.value("parameters")
+    if isinstance(value, Unreadable) and value.kind == "dict":
+        raise NoAnswer(
+            "a key of `parameters` is no text. Each parameter has a key of its own, one text in quotes: "
+            '`{"low": 1.2, "high": 3.4}`.',
+            "names of parameters",
+        )
     if not isinstance(value, Mapping):
         raise NoAnswer(
             f'`parameters` should be a dictionary, such as {{"low": 1.2, "high": 3.4}}; it is {kind_of(value)}.',
@@ -99,9 +106,12 @@ def check_parameters(ask: Ask) -> Verdict:
                 "text for a number",
             )
         if rig is None:
-            names = ", ".join(map(str, value)) or "(none)"
+            names = ", ".join(f'"{name}"' for name in value) or "(none)"
+            asked = ", ".join(f'"{name}"' for name in wanted)
+            joined = [name for name in value if len([one for one in wanted if one in name]) > 1]
+            apart = f' "{joined[0]}" is one key: each name has one of its own.' if joined else ""
             raise NoAnswer(
-                f"`parameters` has the names {names}; the list gives {', '.join(wanted)} for the effect you named.",
+                f"`parameters` has the keys {names}; the list gives {asked} for the effect you named.{apart}",
                 "names of parameters",
             )
         raise NoAnswer(
@@ -138,8 +148,7 @@ def _impossible(got: Mapping[str, float], effect: str, record: Record) -> tuple[
         if name in got and not low <= got[name] <= high and low <= got[name] + rest <= high:
             return (
                 f"`{name}` is {got[name]:.4g}, and `{signal}_act` runs from {low:.3g} to {high:.3g} V: "
-                f"this is a deviation "
-                f"from rest. Give the voltage itself, `{signal}_offset` included.",
+                f"this is a deviation from rest. Give the voltage itself, `{signal}_offset` included.",
                 "offset left out",
             )
     if "low" in got and (got["high"] < low or got["low"] > high):
@@ -151,8 +160,7 @@ def _impossible(got: Mapping[str, float], effect: str, record: Record) -> tuple[
     if "empty" in got and got["empty"] >= low:
         return (
             f"`empty` is {got['empty']:.4g} V, but your record goes down to {low:.3g} V: the sensor of "
-            f"an empty tank shows "
-            "less than that. (The distance from rest is not the level: take it off `y_offset`.)",
+            f"an empty tank shows less than that. (The distance from rest is not the level: take it off `y_offset`.)",
             "distance for level",
         )
     if "delay" in got and not 0 < got["delay"] < float(record.t[-1]) / 4:
@@ -214,6 +222,10 @@ def _tolerances(rig: "WithheldRig", record: Record) -> dict[str, float]:
 def _named_effect(ask: Ask) -> str:
     got = _text("effect", ask).replace("_", "-").replace(" ", "-")
     if got not in EFFECT_PATHS:
+        several = [name for name in EFFECT_PATHS if name in got]
+        if len(several) > 1:
+            text = f"`effect` names {len(several)} effects, {' and '.join(several)}: give one, as a text by itself."
+            raise NoAnswer(text, "two effects")
         raise NoAnswer(
             f"`effect` is {got!r}, which is not in the list: {', '.join(EFFECT_PATHS)}.", "not a name of the list"
         )

@@ -86,6 +86,11 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
             size * (1 - np.exp(-since * tau)),
         ),
         slip(
+            "brackets forgotten",
+            "divides e^... by tau, not its exponent: that is -(t - td)/tau, as a whole.",
+            size * (1 - np.exp(-since) / tau),
+        ),
+        slip(
             "sign of the exponent",
             "grows without limit: the exponent is negative.",
             size * (1 - np.exp(since / tau)),

@@ -35,7 +35,8 @@ def check_solve_two(ask: Ask) -> Verdict:
         U, Y = ask.rng.uniform(0.5, 1.5, (2, 2)) + 2 * np.eye(2), ask.rng.uniform(1, 3, 2)
         if is_reversed:
             U = U[::-1].copy()
-        value = returned(ask, "solve_two", U, Y)
+        value = ask.call("solve_two", U, Y)
+        _require_a_solution(ask, value, is_reversed)
         require_whole_solution("solve_two", value, U, Y, ("U", "Y"))
         if np.size(value) == 1:  # type: ignore[arg-type]
             one = "`solve_two` returns one number. It should return both unknowns, by (A2)."
@@ -68,6 +69,36 @@ def check_solve_two(ask: Ask) -> Verdict:
     return verdict
 
 
+def _require_a_solution(ask: Ask, value: Value, is_reversed: bool) -> None:
+    """Refuse None, and a division by zero, for equations with one solution."""
+    made = "for two equations whose determinant is not zero"
+    twice = "A row, or a column, of `U` that is taken twice makes it zero."
+    if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.isinf(value).any():
+        text = f"`solve_two` divides by zero {made}: the one that it computes is 0. {twice}"
+        raise NoAnswer(text, "determinant is zero")
+    if value is not None:
+        return
+    if is_reversed:
+        text = (
+            "`solve_two` returns None for two equations whose determinant is negative, and solved those with a "
+            "positive one: a negative determinant gives one solution, too. None is for zero alone."
+        )
+        raise NoAnswer(text, "negative determinant refused")
+    row = ask.rng.integers(1, 5, 2).astype(float)
+    try:
+        is_turned = ask.call("solve_two", np.array([row, 2 * row]), np.array([1.0, 3.0])) is not None
+    except NoAnswer:
+        is_turned = True
+    if is_turned:
+        text = f"`solve_two` returns None {made}, and not for dependent ones: its condition is the wrong way round."
+        raise NoAnswer(text, "condition the wrong way round")
+    text = (
+        f"`solve_two` returns nothing (None) {made}. Print the determinant that it computes: is it zero? {twice} If it "
+        "is not, the `return` with the result is missing."
+    )
+    raise NoAnswer(text, "determinant is zero")
+
+
 def check_error_vector(ask: Ask) -> Verdict:
     """(A4)."""
 
@@ -79,7 +110,7 @@ def check_error_vector(ask: Ask) -> Verdict:
             (Y - Phi * theta if Phi.shape[1] == Y.size else Phi * theta, Y[:, None] - Phi * theta),
         )
         return judge(
-            as_vector("error_vector(Phi, Y, theta)", value),
+            as_vector("error_vector(Phi, Y, theta)", value, Y.size),
             Y - Phi @ theta,
             _same,
             "one error for each equation.",
@@ -97,8 +128,7 @@ def _require_no_table(name: str, value: Value, tables: tuple[FloatArray, ...]) -
         what = "comes of `Phi * theta`, which multiplies" if proved else "often comes of `*`, which multiplies"
         raise NoAnswer(
             f"`{name}` returns a table of shape {value.shape}, and not one error for each equation: "
-            f"that {what} entry by "
-            "entry. The product of Phi and theta is `Phi @ theta`.",
+            f"that {what} entry by entry. The product of Phi and theta is `Phi @ theta`.",
             "product entry by entry",
         )
 
@@ -132,7 +162,7 @@ def check_gradient(ask: Ask) -> Verdict:
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
         return judge(
-            as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta)),
+            as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta), theta.size),
             loss_gradient(Phi, Y, theta),
             _same,
             "it is the derivative of the loss with respect to each parameter.",
@@ -155,9 +185,8 @@ def check_minimum(ask: Ask) -> Verdict:
         if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
             raise NoAnswer(
                 f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. A "
-                f"table comes of "
-                "`*` or `/` between matrices, which work entry by entry: products of matrices are `@`. "
-                "Are all of yours?",
+                "table comes of `*` or `/` between matrices, which work entry by entry: products of matrices are "
+                "`@`. Are all of yours?",
                 "product entry by entry",
             )
         return judge(
@@ -270,7 +299,9 @@ def _truth(ask: Ask, Phi: FloatArray) -> bool:
         value = value.reshape(-1)[0].item()
     if isinstance(value, (bool, int, float)) and value in (0, 1):
         return bool(value)
-    raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.", "not True or False")
+    both = isinstance(value, np.ndarray) and value.size == Phi.ndim
+    two = " (`Phi.shape` has two numbers; that of the columns is `Phi.shape[1]`.)" if both else ""
+    raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.{two}", "not True or False")
 
 
 @first_failure

@@ -17,6 +17,8 @@ GAIN_WITHIN = 0.04
 """Relative; a careful reading of the final level is within 1 %."""
 COARSE = 0.5
 """Sampling time in seconds above which a delay in samples cannot be distinguished from one in seconds."""
+SAME_READING = 0.01
+"""Relative distance of tau and td that are read as a known mistake reads them, in the same samples."""
 SAME_VALUE = 0.04
 """Relative distance from the value of a known mistake, up to which it is recognised (times: plus 1.5 samples)."""
 
@@ -59,6 +61,13 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     if _is_right(got, step, fit):
         return Verdict(True, praise)
     right_gain = _is_right_gain(K, fit)
+    if right_gain and tau == td == 0 and fit.y_final > 10 * abs(fit.y_initial):
+        return Verdict(
+            False,
+            f"{where}tau is zero: t_28 and t_63 are the same instant. The first sample at or above a level is "
+            "`np.argmax(y >= level)`; `np.argmin(y - level)` gives the one that is farthest *below* it.",
+            "one instant for both",
+        )
     right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
     within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
     within[1:] += 0.5 * float(step.t[1] - step.t[0])
@@ -80,7 +89,29 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
         both = nearest.slip == "no delay" and any(one.slip == "tau measured from the step" for _, one in matches)
         in_tau = " Here tau is the whole time to 63.2 %, so the delay is in it: tau begins at t_d." if both else ""
         return Verdict(False, where + nearest.hint + in_tau, nearest.slip)
+    if right_gain and _close_to(got[1:], _from_values(step, fit)):
+        return Verdict(
+            False,
+            f"{where}tau and td are made of the *outputs* at 28.3 % and 63.2 %: take the times there, `t[...]`.",
+            "outputs for times",
+        )
     return Verdict(False, where + _deviation(values, fit, right_gain))
+
+
+def _from_values(step: Step, fit: StepResponseFit) -> list[FloatArray]:
+    """tau and td from the outputs in place of the times, as they are or as shares of the change."""
+    change = fit.y_final - fit.y_initial
+    way = (step.y - fit.y_initial) / change
+    pairs = []
+    for values in (step.y, way):
+        low, high = (float(values[np.argmax(way >= share)]) for share in (1 - np.exp(-1 / 3), 1 - np.exp(-1)))
+        tau = 1.5 * (high - low)
+        pairs += [np.array([tau, high - tau]), np.array([tau, max(high - tau, 0.0)])]
+    return pairs
+
+
+def _close_to(got: FloatArray, others: list[FloatArray]) -> bool:
+    return any(np.allclose(got, other, rtol=0.0, atol=SAME_READING * float(np.abs(other).max())) for other in others)
 
 
 def _is_right_gain(K: float, fit: StepResponseFit) -> bool:

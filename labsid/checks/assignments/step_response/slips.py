@@ -1,5 +1,7 @@
 """Known mistakes in the least-squares appendix, (A1) to (A6), and the values that they give."""
 
+from functools import partial
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -101,6 +103,14 @@ def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[f
             "errors not squared",
             "`loss` adds the errors without squaring them, so that they cancel.",
             lambda: float(np.sum(Y - Phi @ theta)) / 2,
+        ),
+        *(
+            Slip(
+                "errors not squared",
+                "`loss` adds absolute errors; (A5) has their squares.",
+                partial(float, factor * float(np.sum(np.abs(Y - Phi @ theta)))),
+            )
+            for factor in (0.5, 1.0)
         ),
         Slip("transposed Phi", f"`loss` {_TRANSPOSED}", lambda: loss(Phi.T, Y, theta)),
     ]

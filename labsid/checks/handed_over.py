@@ -1,0 +1,139 @@
+"""Causes of Python's errors at a call: too few or too many arguments, parts that belong together or apart."""
+
+import ast
+import re
+
+from labsid.checks.line_values import parsed_line
+from labsid.checks.stops import Stop
+
+_ONE_ARRAY = ("least_squares", "minimize", "fsolve", "root", "leastsq")
+"""Searches that hand all parameters to the function in one array."""
+
+
+def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
+    """A call with other arguments than the function takes: of a library's function, or by the check."""
+    name = found[1].rpartition(".")[2]
+    if name == "subplot":
+        return "A figure with two axes is made by `plt.subplots(2, 1)`, with an s at the end."
+    if not stop.line:
+        return (
+            "The call and the first line of the function differ. The check calls it with the arguments of the "
+            "question, in their order."
+        )
+    call = _call_of(stop, name)
+    if call is None:
+        return _called_by_a_search(stop, name) or _missing(stop, name)
+    written = ast.unparse(call.func)
+    if written == "np.array":
+        handed = ", ".join(map(ast.unparse, call.args))
+        return f"The numbers of an array are handed over together, in a list: `np.array([{handed}])`."
+    said = handed_together(stop, call) if " missing " in stop.text else handed_apart(stop, call)
+    if said:
+        return said
+    if isinstance(call.func, ast.Attribute):
+        return f"Which arguments it takes, and in which order, `help({written})` tells."
+    return _missing(stop, name) or _listed(stop, call)
+
+
+def starred_argument(stop: Stop, _: re.Match[str]) -> str | None:
+    """A star before a list that should be handed over as a whole."""
+    starred = next((node for node in _nodes(stop.line) if isinstance(node, ast.Starred)), None)
+    if starred is None:
+        return None
+    inner = ast.unparse(starred.value)
+    return f"`*{inner}` hands over its entries one by one: the whole of it is `{inner}`, without the star."
+
+
+def one_list(stop: Stop, found: re.Match[str]) -> str | None:
+    """Arrays that are to be joined, handed over one by one."""
+    starred = starred_argument(stop, found)
+    call = _call_of(stop, found[1])
+    if starred or call is None:
+        return starred
+    handed = ", ".join(map(ast.unparse, call.args))
+    return f"Hand the arrays over together, in a list: `{ast.unparse(call.func)}([{handed}])`."
+
+
+def handed_together(stop: Stop, call: ast.Call) -> str:
+    """That one argument holds several, where a call hands over too few; empty if none does."""
+    for i, part in enumerate(call.args):
+        name, thing = ast.unparse(part), stop.things.get(ast.unparse(part))
+        if isinstance(part, ast.Tuple | ast.List):
+            handed = ", ".join(map(ast.unparse, [*call.args[:i], *part.elts, *call.args[i + 1 :]]))
+            kind = "tuple" if isinstance(part, ast.Tuple) else "list"
+            return (
+                f"`{name}` is one argument, a {kind}. Its parts are handed over one by one: "
+                f"`{ast.unparse(call.func)}({handed})`."
+            )
+        if thing is not None and thing.kind == "tuple":
+            return (
+                f"`{name}` is one argument, a tuple of {(thing.shape or (0,))[0]}. Its parts are handed over one "
+                f"by one by a star, `*{name}`."
+            )
+        if len(call.args) == 1 and isinstance(part, ast.Call | ast.Subscript) and thing is None:
+            return (
+                f"`{name}` is one argument, whatever it holds. The parts of a tuple are handed over one by one by a "
+                f"star: `{ast.unparse(call.func)}(*{name})`."
+            )
+    return ""
+
+
+def handed_apart(stop: Stop, call: ast.Call) -> str:
+    """That a star hands over the entries of an argument, where a call hands over too many; empty without one."""
+    counted = re.search(r"takes (?:from \d+ to )?(\d+) positional arguments? but (\d+) (?:was|were) given", stop.text)
+    starred = next((part for part in call.args if isinstance(part, ast.Starred)), None)
+    if starred is None or counted is None:
+        return ""
+    takes, given = int(counted[1]), int(counted[2])
+    inner, others = ast.unparse(starred.value), len(call.args) - 1
+    said = f"`*{inner}` hands over each of its {given - others} parts as an argument of its own"
+    if others + 1 == takes:
+        return f"{said}. Without the star, `{inner}` is one argument."
+    return f"{said}, and `{ast.unparse(call.func)}` takes {takes} in all: take those that it asks for, `[:{takes}]`."
+
+
+def _called_by_a_search(stop: Stop, name: str) -> str:
+    """How a search calls the function that it is given; empty if the line has none."""
+    calls = [node for node in _nodes(stop.line) if isinstance(node, ast.Call)]
+    called = {ast.unparse(node.func).rpartition(".")[2] for node in calls}
+    if called & set(_ONE_ARRAY) and " missing " in stop.text:
+        search = next(iter(sorted(called & set(_ONE_ARRAY))))
+        shown = "the function" if name == "<lambda>" else f"`{name}`"
+        return (
+            f"`{search}` hands all parameters over in one array: {shown} takes one argument, such as `theta`, and "
+            "takes it apart, `a, b = theta`."
+        )
+    if "curve_fit" in called:
+        return "`curve_fit` hands x over and then the parameters one by one: `lambda x, a, b: ...`."
+    return ""
+
+
+def _missing(stop: Stop, name: str) -> str:
+    missing = re.search(r"missing \d+ required positional arguments?: (.+)", stop.text)
+    if missing is None:
+        return ""
+    names = re.sub("'", "`", missing[1])
+    return f"The first line of `{name}` has {names}, too: hand over as many as it has, in its order."
+
+
+def _listed(stop: Stop, call: ast.Call) -> str | None:
+    """The arguments of a function that is handed too many."""
+    thing = stop.things.get(ast.unparse(call.func))
+    if thing is None or thing.kind != "function" or not thing.keys or any(call.keywords):
+        return None
+    names = ", ".join(f"`{name}`" for name in thing.keys)
+    return (
+        f"`{ast.unparse(call.func)}` takes {names}, and the call hands over {len(call.args)} arguments. Several "
+        "numbers for one of them stand in a list, `[1, 0]`."
+    )
+
+
+def _call_of(stop: Stop, name: str) -> ast.Call | None:
+    """The call of a function of that name in the line."""
+    calls = (node for node in stop.expressions() if isinstance(node, ast.Call))
+    return next((node for node in calls if ast.unparse(node.func).rpartition(".")[2] == name), None)
+
+
+def _nodes(line: str) -> list[ast.AST]:
+    tree = parsed_line(line)
+    return [] if tree is None else list(ast.walk(tree))

@@ -1,0 +1,123 @@
+"""Known mistakes in regressions on past samples: what stands beside right rows, and rows that wrap around.
+
+Rows hold samples of some steps ago; the left-hand side, Y, holds the output of the same step.
+"""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from labsid._arrays import FloatArray
+from labsid.checks.verdict import Slip
+from labsid.least_squares.solve import solve_least_squares
+
+Regressor = tuple[FloatArray, int]
+"""A signal with its sign, and how many samples ago a row holds it."""
+WRAPS = "index wraps around"
+LEFT_SIDE = "Y is not y(k)"
+_NEAR = 1e-8
+_LARGEST_SHIFT = 3
+
+
+def wrapped(regressors: Sequence[Regressor]) -> FloatArray:
+    """The rows that `np.roll`, or an index below zero, makes of a whole record."""
+    return np.column_stack([np.roll(signal, lag) for signal, lag in regressors])
+
+
+def wrapped_filter(P: FloatArray, x: FloatArray) -> FloatArray:
+    """A polynomial in the delay, applied to a signal that goes round."""
+    return np.asarray(sum(p * np.roll(x, i) for i, p in enumerate(P)), float)
+
+
+def slips_of_fit(
+    name: str, regressors: Sequence[Regressor], target: FloatArray, u: FloatArray | None = None
+) -> Iterator[Slip[FloatArray]]:
+    """The theta that rows which wrap around give, and that of right rows beside another left-hand side.
+
+    Parameters
+    ----------
+    name : str
+        What the messages begin with: the function or the variable, in back-ticks.
+    regressors : sequence of (ndarray, int)
+    target : ndarray
+        The output at all samples.
+    u : ndarray, optional
+        The input, which may have been taken for the output.
+    """
+    longest = max(lag for _, lag in regressors)
+    rows, N = wrapped(regressors), target.size
+    hint = (
+        f"{name} takes samples from the *end* of the record for those before its first, as `np.roll` and an index "
+        f"below zero do. Begin at the first row for which every sample was recorded, k = {longest}."
+    )
+    for first in range(longest):
+        yield Slip(WRAPS, hint, partial(_fit, rows[first:], target[first:]))
+    others = [(f"y(k-{i})" if i > 0 else f"y(k+{-i})", i) for i in (*range(1, longest + 1), -1)]
+    for held, shift in others:
+        last = N + min(shift, 0)
+        left = target[longest - shift : last - shift]
+        said = f"{name} has {held} on the left-hand side, Y, of the row that holds the samples before y(k): it is y(k)."
+        yield Slip(LEFT_SIDE, said, partial(_fit, rows[longest:last], left))
+    if u is not None:
+        said = f"{name} has the input on the left-hand side, Y: it is the output y(k) that the rows explain."
+        yield Slip(LEFT_SIDE, said, partial(_fit, rows[longest:], u[longest:]))
+
+
+def _fit(Phi: FloatArray, Y: FloatArray) -> FloatArray:
+    return solve_least_squares(Phi, Y).theta
+
+
+def beside_right_rows(names: tuple[str, str], Y: FloatArray, y: FloatArray, u: FloatArray, rows: range) -> str:
+    """What the left-hand side holds beside a right Phi.
+
+    Parameters
+    ----------
+    names : (str, str)
+        What messages call Phi and Y.
+    Y : ndarray
+    y, u : ndarray
+        Output and input.
+    rows : range
+        The samples k of the rows of Phi.
+    """
+    phi, target = names
+    first, last = rows[0], rows[-1]
+    said = f"{phi} is right, with the rows of k = {first} to {last}. What is wrong is {target}:"
+    should = f"it should hold y[{first}] to y[{last}]"
+    if Y.size != len(rows):
+        start = _place(Y, y)
+        held = "" if start is None else f", and holds y[{start}] to y[{start + Y.size - 1}]"
+        return f"{said} {should}{held}."
+    for shift in range(-_LARGEST_SHIFT, _LARGEST_SHIFT + 1):
+        if shift and first + shift >= 0 and last + shift < y.size and _same(Y, y[first + shift : last + shift + 1]):
+            samples = f"{abs(shift)} sample{'s' * (abs(shift) > 1)}"
+            return f"{said} it is {samples} {'late' if shift > 0 else 'early'}; {should}."
+    right = y[first : last + 1]
+    if _same(Y, -right):
+        return f"{said} all of it has the wrong sign."
+    if _same(Y, u[first : last + 1]):
+        return f"{said} it holds the input; {should}."
+    if np.ptp(right) > 0 and _same(Y - np.mean(Y - right), right):
+        return f"{said} a constant is added to it, such as an offset; {should}."
+    return f"{said} {should}."
+
+
+def zero_rows(Phi: FloatArray, right: FloatArray) -> list[int]:
+    """The rows that are zero and should not be, if all others are right; empty otherwise."""
+    if Phi.shape != right.shape:
+        return []
+    wrong = ~np.isclose(Phi, right, rtol=_NEAR, atol=_NEAR).all(axis=1)
+    return list(map(int, np.flatnonzero(wrong))) if wrong.any() and not Phi[wrong].any() else []
+
+
+def _place(part: FloatArray, whole: FloatArray) -> int | None:
+    """Where a run of samples begins in a signal."""
+    if not 0 < part.size <= whole.size:
+        return None
+    starts = np.flatnonzero(np.isclose(whole[: whole.size - part.size + 1], part[0]))
+    return next((int(start) for start in starts if _same(part, whole[start : start + part.size])), None)
+
+
+def _same(a: FloatArray, b: FloatArray) -> bool:
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=_NEAR, atol=_NEAR))
