@@ -25,6 +25,7 @@ EVIDENCE = {
     "coloured": "1 for coloured noise beside effects",
     "reduction": "error that the effects take away",
     "unrepeated": "1 if levels do not repeat",
+    "dependent": "1 if the residual depends on u",
     "alone": "error that it alone takes away",
     "lead": "its lead, alone, over any other",
     "margin": "error with the best rival instead",

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.special import chdtrc
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
@@ -18,6 +19,7 @@ MAX_POINTS = 3000  # samples that are compared
 MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits
 MAX_LAG = 25  # samples: largest lag of the autocorrelation
 MIN_PAIRS = 100  # samples per lag
+INPUT_LAGS = 20  # samples: past inputs on which a residual may depend
 SLOW_LAG = 6  # samples after which sensor noise is uncorrelated
 BURSTS = 6.0  # standard errors of the kurtosis of Gaussian noise, above which a residual comes and goes
 SLOW_CORRELATION = 0.3  # autocorrelation after `SLOW_LAG` samples of a slow residual
@@ -45,6 +47,8 @@ class ResidualMeasures:
         The same two of the absolute residual: the size of noise does not depend on the input.
     tails : float
         Kurtosis of the innovations, or of a residual that comes and goes; 3 for a normal distribution.
+    input_p : float
+        P-value of `input_correlation`.
     """
 
     rms: float
@@ -56,6 +60,7 @@ class ResidualMeasures:
     activity: float
     activity_z: float
     tails: float
+    input_p: float = 1.0
 
 
 def is_noise(measures: ResidualMeasures, converted: bool) -> bool:
@@ -98,6 +103,7 @@ def measure_residual(data: Data, fit: Fit) -> ResidualMeasures:
         activity=activity,
         activity_z=activity_z,
         tails=max(float(np.mean(white**4)), _kurtosis(e[rows]) if comes_and_goes(e[rows], fit.noise) else 0.0),
+        input_p=input_correlation(data, fit, e),
     )
 
 
@@ -142,6 +148,24 @@ def slow_autocorrelation(e: FloatArray, rows: np.ndarray) -> float:
         if both.sum() > MIN_PAIRS:
             found = max(found, abs(float(np.mean((e[lag:] * e[:-lag])[both]))) / power)
     return found
+
+
+def input_correlation(data: Data, fit: Fit, e: FloatArray) -> float:
+    """P-value of a test that a whitened residual is uncorrelated with past values of the equally filtered input.
+
+    1 if the input does not move, as it may in a holdout.
+    """
+    if np.ptp(data.u) == 0.0:
+        return 1.0
+    white = _kernels.whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
+    x, u = white[:, 0], white[:, 1]
+    past = np.column_stack([np.concatenate([np.zeros(lag), u[:-lag]]) for lag in range(1, INPUT_LAGS + 1)])
+    past = past[data.complete] - past[data.complete].mean(axis=0)
+    target = x[data.complete] - x[data.complete].mean()
+    q, r = np.linalg.qr(past)
+    independent = np.abs(np.diag(r)) > 1e-6 * np.abs(np.diag(r)).max()
+    predicted = float(((q.T @ target)[independent] ** 2).sum())
+    return float(chdtrc(int(independent.sum()), predicted / (float(target @ target) / target.size)))
 
 
 def explained_share(data: Data, fit: Fit, e: FloatArray) -> float:

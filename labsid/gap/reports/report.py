@@ -4,16 +4,15 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from scipy.special import chdtrc
 
 from labsid._arrays import FloatArray, stretches_of, up_to_next
-from labsid.gap.dynamics._kernels import whiten
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
+from labsid.gap.fits.residual_tests import input_correlation
 from labsid.gap.fits.switching import only_switches
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
 from labsid.gap.record.controllers import has_controller
@@ -298,7 +297,7 @@ def _unexplained(answer: Answer) -> dict[str, Any]:
     return {
         "share": answer.share_left,
         "whiteness_p": _whiteness(e, data),
-        "input_correlation_p": _input_correlation(e, data, fit),
+        "input_correlation_p": input_correlation(data, fit, e),
         "path": None if remaining is None else remaining.path,
         "kinds": None if remaining is None else remaining.kinds,
         "rms": (answer.score.after if answer.tried else left.rms) * data.y_scale.unit,
@@ -313,25 +312,6 @@ def _whiteness(e: FloatArray, data: Data) -> float:
     energy = float(x @ x)
     r = [float(x[lag:] @ x[:-lag]) / energy for lag in range(1, LAGS + 1)]
     return ljung_box(r, int(data.rows.sum())).p_value
-
-
-def _input_correlation(e: FloatArray, data: Data, fit: Fit) -> float:
-    """P-value of a test that the whitened residual is uncorrelated with past values of the equally filtered input.
-
-    1 if the input does not move, as it may in a holdout.
-    """
-    if np.ptp(data.u) == 0.0:
-        return 1.0
-    white = whiten(np.column_stack([e, data.u - data.u.mean()]), fit.noise.ar)
-    x, u = white[:, 0], white[:, 1]
-    sound = data.complete
-    past = np.column_stack([np.concatenate([np.zeros(lag), u[:-lag]]) for lag in range(1, LAGS + 1)])[sound]
-    past = past - past.mean(axis=0)
-    target = x[sound] - x[sound].mean()
-    q, r = np.linalg.qr(past)
-    independent = np.abs(np.diag(r)) > 1e-6 * np.abs(np.diag(r)).max()
-    predicted = float(((q.T @ target)[independent] ** 2).sum())
-    return float(chdtrc(int(independent.sum()), predicted / (float(target @ target) / target.size)))
 
 
 def _experiment(

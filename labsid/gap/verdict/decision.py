@@ -68,6 +68,9 @@ class Evidence(NamedTuple):
     unrepeated : float
         1 if levels do not repeat at the same input, and the explanation leaves more than `MAX_UNREPEATED` of that, else
         0. Rounding and slow noise keep levels from repeating, too.
+    dependent : float
+        1 if the residual beside effects depends on past inputs beyond `CHANCE_DEPENDENCE`, else 0: effects that only
+        imitate an unknown cause leave a part of it.
     """
 
     colour: float = 0.0
@@ -79,6 +82,7 @@ class Evidence(NamedTuple):
     coloured: float = 0.0
     reduction: float = 0.0
     unrepeated: float = 0.0
+    dependent: float = 0.0
 
 
 PRIOR = 3.5  # constant of the logistic function of the evidence; fitted with `WEIGHTS`
@@ -92,11 +96,13 @@ WEIGHTS = Evidence(
     coloured=-1.5,
     reduction=0.33,
     unrepeated=-6.0,
+    dependent=-6.0,
 )
 """Weights of that function: fitted by `python -m labsid.blind.calibration` to the explanations of `dev` records."""
 MAX_FIT_REDUCTION = 4.0  # logarithm of the reduction on the fitted samples: more is no more certain
 CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
 CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
+CHANCE_DEPENDENCE = 1e-4  # p-value of the correlation with past inputs: of 500 right explanations, none is below
 CHANCE_BLACK_BOX = 0.15  # the same for all black boxes together
 
 
@@ -530,6 +536,7 @@ def evidence_in(
         short=_shortfall(explanation, closed),
         coloured=float(coloured and steps > 0),
         unrepeated=float(unrepeated > MAX_UNREPEATED and not coloured),
+        dependent=float(steps > 0 and left.input_p < CHANCE_DEPENDENCE),
     )
 
 

@@ -52,7 +52,7 @@ def test_a_row_has_the_keys_of_the_contract():
         ({"reason": "closed", "named": None}, "The simulation can only be run as a whole"),
         ({"reason": "beside", "named": None}, "It cannot be combined with the dynamics of what was found."),
         ({"reason": "hidden", "named": None}, "A refit of the simulation hides it here, at every size that was tried."),
-        ({"named": None}, "It looks like dry friction here, at every size that was tried. Needed: Changes of direction"),
+        ({"named": None}, "It looks like dry friction here, at every size that was tried. Needed: Changes of"),
         ({"named": None, "rival": None}, "It is not told from others here"),
     ],
 )
