@@ -132,6 +132,16 @@ def magnitudes_of(name: str) -> frozenset[str]:
     name : str
         Of the effect.
     """
-    parameters = DESCRIPTIONS[name].parameters
-    places = {key for key, one in parameters.items() if one.position}
+    parameters, places = DESCRIPTIONS[name].parameters, places_of(name)
     return frozenset(parameters.keys() - places) if places <= {"onset", "end"} else frozenset()
+
+
+def places_of(name: str) -> frozenset[str]:
+    """The parameters of an effect that are places on an axis.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    """
+    return frozenset(key for key, one in DESCRIPTIONS[name].parameters.items() if one.position)

@@ -82,7 +82,9 @@ def with_floor(data: Data) -> Data:
         values = np.asarray(scale.back(signal))
         step = digit_step(values)
         digits += (step / scale.unit) ** 2 if step < PRINTED * np.ptp(values) else 0.0
-    _, new, free = innovations(data.at_readings())
+    present, new, free = innovations(data.at_readings())
+    if present.any():  # a jump of the input that acts within the sample is no noise
+        new = new - present * float(present @ new) / float(present @ present)
     if free <= 0 or new @ new > free * NOISY**2 * digits:
         digits = 0.0
     floor = float(np.hypot(SIMULATION_ERROR, DITHER * np.sqrt(digits)))

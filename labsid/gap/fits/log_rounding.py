@@ -9,6 +9,7 @@ from labsid.records.signal_quality import lattice_step, runs
 
 MAX_STEPS = 1000  # of the log in the range of the input, from which its rounding is not looked at
 MIN_LEVELS = 20  # of the input: fewer are those of a staircase, not of a coarse log
+FEWEST_LEVELS = 8  # the same where it jumps by several steps of its lattice, as a staircase does not
 REFUTED = 4.0  # times the mean square error of a fit, above which its small error shows that the log is not rounded
 JUMP = 3.0  # steps of the log in the median change of the input, from which its rounding errors are random
 DRAWS = 8  # of the digits that the log of the input has lost
@@ -31,14 +32,16 @@ def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None) -> float:
     """
     u = data.u
     step = lattice_step(u)
-    if step is None or np.ptp(u) > MAX_STEPS * step or np.unique(u).size <= MIN_LEVELS:
+    if step is None or np.ptp(u) > MAX_STEPS * step:
+        return 0.0
+    jumps = np.abs(np.diff(u))
+    at_random = np.median(jumps[jumps > 0.0]) > JUMP * step  # not the slow motion of a smooth input
+    if np.unique(u).size <= (FEWEST_LEVELS if at_random else MIN_LEVELS):
         return 0.0
     rng = np.random.default_rng(SEED)
     lengths = runs(u)[1]
     powers = [_power(data, fit, np.repeat(rng.uniform(-0.5, 0.5, lengths.size) * step, lengths)) for _ in range(DRAWS)]
     power, left = float(np.mean(powers)), (best or fit).output - data.y
-    jumps = np.abs(np.diff(u))
-    at_random = np.median(jumps[jumps > 0.0]) > JUMP * step  # not the slow motion of a smooth input
     return 0.0 if at_random and power > REFUTED * float(np.var(left[data.rows])) else power
 
 

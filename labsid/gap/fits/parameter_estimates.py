@@ -35,6 +35,29 @@ def is_told_from_nothing(data: Data, fit: Fit, effect: Effect, magnitudes: Colle
     return any(abs(values[name].value) > CLEAR_ERRORS * error for name, error in errors.items())
 
 
+def has_place(data: Data, fit: Fit, effect: Effect, places: Collection[str]) -> bool:
+    """Whether a place of an effect on the axis of a signal is known to the range of that signal.
+
+    Parameters
+    ----------
+    data : Data
+    fit : Fit
+    effect : Effect
+        Of the fit.
+    places : collection of str
+        Those of its values that are places; without one on a signal, it has its place.
+    """
+    cov, slopes = covariance(data, fit), value_slopes(data, fit, effect)
+    values = effect.values(Fitted.of(fit, data))
+    ranges = {"u": np.ptp(data.u) * data.u_scale.unit, "y": np.ptp(data.y) * data.y_scale.unit}
+    errors = [
+        _root(float(slopes[name] @ cov @ slopes[name])) / ranges[values[name].unit]
+        for name in places
+        if name in values and values[name].unit in ranges
+    ]
+    return not errors or bool(min(errors) < 1.0)
+
+
 def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:
     """Return `{name: {value, stderr, unit}}` of one effect of a fit.
 

@@ -13,6 +13,7 @@ from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.controllers import FEEDBACK_F, is_relay
 from labsid.gap.record.data import Data
 from labsid.records.direction import gain_from_past
+from labsid.records.signal_quality import stuck_at_extreme
 
 START_RATES = 0.01, 0.03, 0.1, 0.3  # per sample: of the filters with which the search begins
 ITERATIONS = 12  # of the filter and the dynamics fitted behind it
@@ -20,6 +21,7 @@ SLOWEST = 3.0  # poles of a filter decay by the exponential of at least this alo
 GROWTH = 3.0  # an unstable pole that grows by less than the exponential of this along the record is no matter
 MOST_CORRECTED = 0.3  # of what the input moves the output: beside a larger correction no cause explains everything
 MOST_DIRECT = 0.5  # of the mean square error, left by a direct term: at least 0.9 in loops, at most 0.33 elsewhere
+MOST_STUCK = 0.1  # of the readings, at a limit of the sensor
 SIGNIFICANT = 6.0  # standard errors: the error of the filtered equation is not white
 
 
@@ -76,6 +78,8 @@ def find_stabilising_feedback(data: Data) -> tuple[OutputFeedback, float] | None
     u, y = data.sampled
     if gain_from_past(y, u) < FEEDBACK_F or is_relay(u, y):
         return None  # without a controller an unstable rig would have run away, and a relay hardly holds one
+    if sum(stuck_at_extreme(y, extreme)[0] for extreme in (y.min(), y.max())) > MOST_STUCK * y.size:
+        return None  # a controller does not hold a rig whose reading stays at a limit
     best = _best_equation(data)
     if best is None:
         return None

@@ -15,7 +15,8 @@ PASSES = 4  # of the regression without what the law does not explain
 OUTLIER = 12.0  # times the median error, of what a reference or a limit adds: noise has four times
 EXACT = 0.9999  # share of the changes of the input that the law explains, of a controller without a limit
 MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
-MOST_STILL = 0.5  # of the samples, at which the input keeps its value: one that is held is designed
+MOST_STILL = 0.5  # of the samples, at which the input keeps its value or its slope: one that does is designed
+STILL = 1e-4  # of its largest second difference: rounding
 STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
 SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed
 PAST = 8  # samples
@@ -119,7 +120,7 @@ def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
         law = np.asarray(np.linalg.lstsq(columns[rows], moved[rows])[0], np.float64)
         error = np.abs(moved - columns @ law)
         rows = error <= max(OUTLIER * float(np.median(error)), 1e-9 * float(np.ptp(u)))
-    if np.mean(moved[rows] == 0.0) > MOST_STILL:
+    if np.mean(np.abs(moved) <= STILL * np.abs(moved).max()) > MOST_STILL:
         return None
     left = moved[rows] - columns[rows] @ law
     exact = 1.0 - float(left @ left) / float(moved[rows] @ moved[rows])

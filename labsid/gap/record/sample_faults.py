@@ -117,6 +117,23 @@ def find_bad_start(y: FloatArray) -> np.ndarray:
     return bad
 
 
+def without_slow_ends(
+    stretches: tuple[tuple[int, int], ...], y: FloatArray, least: float
+) -> tuple[tuple[int, int], ...]:
+    """Held stretches, without those from which the output goes on by less than `least`: it comes to rest there.
+
+    Parameters
+    ----------
+    stretches : tuple of (int, int)
+        Half-open.
+    y : ndarray, shape (N,)
+        Readings.
+    least : float
+        In the unit of `y`.
+    """
+    return tuple(one for one in stretches if one[1] >= y.size or abs(y[one[1]] - y[one[0]]) > least)
+
+
 def without_rest(stretches: tuple[tuple[int, int], ...], u: FloatArray) -> tuple[tuple[int, int], ...]:
     """Held stretches, without those that end where the input changes, or a delay later: rest of a rig without noise.
 

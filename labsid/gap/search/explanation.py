@@ -11,7 +11,7 @@ from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.families import names_where
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, refit, rms
-from labsid.gap.fits.floor import digit_steps, is_printed, with_floor
+from labsid.gap.fits.floor import SIMULATION_ERROR, digit_steps, is_printed, with_floor
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.log_rounding import log_rounding_error
@@ -27,6 +27,7 @@ from labsid.gap.record.sample_faults import (
     reading_errors,
     without_responses,
     without_rest,
+    without_slow_ends,
 )
 from labsid.gap.search.beam_search import (
     MIN_CHANGE,
@@ -124,7 +125,8 @@ def explain(
     lattice, off = find_lattice(y)
     off = off | find_bad_start(y)
     digits = digit_steps(y)
-    stretches = without_rest(find_held(y, lattice, shortest_repeat(y, max(lattice or 0.0, digits.max()))), u)
+    stretches = find_held(y, lattice, shortest_repeat(y, max(lattice or 0.0, digits.max())))
+    stretches = without_rest(without_slow_ends(stretches, y, SIMULATION_ERROR * data.y_scale.unit), u)
     if lattice is not None and is_printed(lattice, y):
         lattice = None
     flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)

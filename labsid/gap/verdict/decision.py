@@ -10,11 +10,11 @@ import numpy as np
 from labsid.gap.effects.command_faults import Off
 from labsid.gap.effects.disturbance import PassingLoad
 from labsid.gap.effects.dynamics import MOST_DAMPING, ExtraLag, Resonance
-from labsid.gap.effects.families import magnitudes_of, names_where
+from labsid.gap.effects.families import DESCRIPTIONS, magnitudes_of, names_where, places_of
 from labsid.gap.effects.input import RateLimit
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits.fitting import Fit, fit_from, mean_square
-from labsid.gap.fits.parameter_estimates import is_told_from_nothing
+from labsid.gap.fits.parameter_estimates import has_place, is_told_from_nothing
 from labsid.gap.fits.profile import loss_at
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, is_noise
 from labsid.gap.fits.switching import has_equal_steps, only_switches
@@ -202,7 +202,7 @@ def limit_claims(
         ),
         ("Several lags move alike.", lambda one: without_lags_as_others(one, data, best)),
         (
-            "Each of its sizes is within two standard errors of zero.",
+            "Each of its sizes is within two standard errors of zero, or its place is not known.",
             lambda one: without_sizeless(one, data, best),
         ),
         (
@@ -260,13 +260,24 @@ def without_lags_as_others(decision: Decision, data: Data, fit: Fit) -> Decision
 
 
 def without_sizeless(decision: Decision, data: Data, fit: Fit) -> Decision:
-    """The decision with no effect more likely than not whose every size is within its error of none."""
+    """The decision with no effect more likely than not whose every size is within its error of none.
+
+    Nor one of which no place on the axis of its signal is known to the range of that signal, nor others that act beside
+    it on the same path: it only lends them its parameters.
+    """
     sizeless = {
         effect.name
         for effect in fit.hypothesis.found
         if decision.probability.get(effect.name, 0.0) > SWITCH_PROBABILITY
         and not is_told_from_nothing(data, fit, effect, magnitudes_of(effect.name))
     }
+    nowhere = {
+        DESCRIPTIONS[effect.name].path
+        for effect in fit.hypothesis.found
+        if decision.probability.get(effect.name, 0.0) > SWITCH_PROBABILITY
+        and not has_place(data, fit, effect, places_of(effect.name))
+    }
+    sizeless |= {name for name in decision.names if name in DESCRIPTIONS and DESCRIPTIONS[name].path in nowhere}
     return _less_likely_than_not(decision, sizeless) if sizeless else decision
 
 
