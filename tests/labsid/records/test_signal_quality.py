@@ -9,6 +9,7 @@ from labsid.records.signal_quality import (
     moving_mean_length,
     runs,
     scatter,
+    shortest_repeat,
     stuck_at_extreme,
 )
 
@@ -95,3 +96,13 @@ def test_other_filters_are_no_moving_mean():
     assert moving_mean_length(x, np.convolve(x, [0.5, 0.3, 0.2])[: x.size]) is None
     assert moving_mean_length(x, np.round(np.convolve(x, np.ones(5) / 5)[: x.size], 4)) is None
     assert moving_mean_length(x, np.convolve(x, np.ones(30) / 30)[: x.size]) is None
+
+
+@pytest.mark.parametrize(("digits", "shortest"), [(12, 2), (6, 2), (3, 3), (2, 3)])
+def test_two_equal_readings_are_a_hold_only_where_chance_makes_none_equal(digits, shortest):
+    x = np.round(noisy(3), digits)
+    assert shortest_repeat(x, 10.0**-digits) == shortest
+
+
+def test_a_record_of_few_changes_has_no_short_holds():
+    assert shortest_repeat(np.repeat([0.0, 1.0, 2.0], 100), 0.0) == 3

@@ -97,3 +97,12 @@ def test_a_delay_of_an_exact_record_is_found() -> None:
     assert effect["name"] == "input-delay"
     # A zero of the dynamics can stand for a part of a sample.
     assert effect["parameters"]["delay"]["value"] == pytest.approx(0.5, abs=0.1)
+
+
+@pytest.mark.parametrize("gain", [-5.0, 16.0])
+def test_the_digits_of_a_rig_that_responds_at_once_are_no_gap(gain: float) -> None:
+    """A jump of the input that acts within the sample is no noise beside which digits do not matter."""
+    rng = np.random.default_rng(4)
+    u = printed(np.repeat(rng.uniform(-1.0, 1.0, 120), rng.integers(3, 12, 120)), "%.4g")
+    y = printed(gain * u, "%.4g")
+    assert diagnose(Record(0.5 * np.arange(u.size), u, y, 0.5)).report["verdict"] == "none"

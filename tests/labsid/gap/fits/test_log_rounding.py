@@ -60,3 +60,16 @@ def test_an_error_much_smaller_than_that_of_rounding_shows_set_points_in_whole_n
     for output, acted in ((record.y, False), (y, True)):
         data = scaled(record.u, output, np.ones(y.size, bool), record.Ts)
         assert (log_rounding_error(data, fit_baseline(data)) == 0.0) == acted
+
+
+@pytest.mark.parametrize(
+    ("values", "is_coarse"), [(range(12), False), ([0, 1, 9, 17, 30, 38, 46, 55, 63, 72, 80, 89], True)]
+)
+def test_a_log_of_few_levels_is_coarse_only_if_they_are_far_apart(values, is_coarse):
+    """Twelve levels in steps of one, as of a staircase, tell nothing of the steps of the log."""
+    rng = np.random.default_rng(5)
+    levels = np.repeat(rng.permutation(values), 60)
+    acted = levels + np.repeat(rng.uniform(-0.5, 0.5, 12), 60)
+    y = lfilter([0.0, 0.05, 0.04], [1.0, -1.5, 0.56], acted) + 0.01 * rng.standard_normal(levels.size)
+    data = scaled(levels.astype(float), y, np.ones(y.size, bool), 0.1)
+    assert (log_rounding_error(data, fit_baseline(data)) > 0.0) == is_coarse

@@ -1,6 +1,7 @@
 """Parameters in the record's units and their standard errors, against the scatter over repeated records."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from labsid.gap.effects import disturbance, input, periodic
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.fits.fitting import Fit, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
-from labsid.gap.fits.parameter_estimates import estimate_parameters
+from labsid.gap.fits.parameter_estimates import estimate_parameters, has_place
 from labsid.gap.record.data import Data, Scale
 from labsid.gap.search.refinement import converge
 
@@ -73,6 +74,15 @@ def test_every_parameter_has_a_value_a_standard_error_and_a_unit(levels: FloatAr
     for parameter in parameters.values():
         assert list(parameter) == ["value", "stderr", "unit"]
         assert parameter["unit"] == "u"
+
+
+def test_a_place_that_the_record_does_not_show_is_not_known(levels: FloatArray) -> None:
+    data, fit = maker(input.DeadZone(), [-0.4, 0.3], [], levels[:400])(0)
+    (effect,) = fit.hypothesis.effects
+    assert has_place(data, fit, effect, ("low", "high"))
+    assert has_place(data, fit, effect, ())
+    noisy = replace(fit, noise=replace(fit.noise, sigma2=1e12 * fit.noise.sigma2))
+    assert not has_place(data, noisy, effect, ("low", "high"))
 
 
 def test_more_samples_make_the_numbers_surer(levels: FloatArray) -> None:

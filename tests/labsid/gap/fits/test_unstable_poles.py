@@ -231,3 +231,11 @@ def test_past_its_end_the_feedback_holds_its_last_value() -> None:
     signal = OutputFeedback(gains=(2.0, 5.0), closed=(0.1, 0.01)).on(y).added(y.size + 5)
     assert np.all(signal[30:] == signal[29])
     assert signal[29] == pytest.approx(2.0 * y[-1])
+
+
+def test_a_rig_whose_reading_stays_at_a_limit_is_not_shown_to_be_unstable() -> None:
+    k = np.arange(1000)
+    u = np.sin(2.0 * np.pi * (0.004 + 1e-5 * k) * k)
+    y = np.clip(lfilter([0.0, 0.12], [1.0, -0.94], u) * 1.4, -0.8, 0.75)
+    record = Record(0.05 * k, u, y + 0.0, 0.05)
+    assert find_stabilising_feedback(as_data(record)) is None

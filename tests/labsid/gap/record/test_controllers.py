@@ -81,6 +81,14 @@ def test_an_inverting_amplifier_without_noise_is_no_controller() -> None:
     assert find_control_law(u, -2.0 * u) is None
 
 
+@pytest.mark.parametrize("digits", [6, 15])
+def test_ramps_are_designed(digits: int) -> None:
+    rng = np.random.default_rng(3)
+    ends = np.cumsum(rng.integers(5, 15, 80))
+    u = np.round(np.interp(np.arange(ends[-1]), ends, rng.uniform(-1, 1, ends.size)), digits)
+    assert find_control_law(u, -2.0 * u) is None
+
+
 def test_a_thermostat_is_seen() -> None:
     u, y = thermostat()
     assert switches_with_hysteresis(u, y)

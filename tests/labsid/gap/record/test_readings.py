@@ -135,3 +135,42 @@ def test_more_samples_than_a_search_can_take_are_fewer_between_the_readings():
     assert (stride, slow.Ts) == (2, pytest.approx(0.05))
     np.testing.assert_array_equal(slow.y[::2], run.y[::5][: slow.y[::2].size])
     assert at_readings([run], longest=0).stride == 1
+
+
+def at_full_rate(w, seed):
+    return read_slowly(w, seed, every=1)
+
+
+def test_a_simulated_output_is_cut_like_its_record():
+    run = read_slowly(dead, 12, held=False)
+    simulated = lfilter([0, 0.05, 0.04], np.poly([0.9, 0.8]), run.u)
+    report = diagnose(run, simulated).report
+    assert [cause["name"] for cause in report["effects"]] == ["input-dead-zone"]
+
+
+@pytest.mark.parametrize(("first", "second"), [(read_slowly, at_full_rate), (at_full_rate, read_slowly)])
+def test_one_of_two_records_may_have_a_slow_sensor(first, second):
+    report = diagnose(first(dead, 13), holdout=second(dead, 14)).report
+    assert [cause["name"] for cause in report["effects"]] == ["input-dead-zone"]
+    assert report["gap"]["after"] < 1.5 * report["gap"]["noise_floor"]
+
+
+def test_several_slow_records_begin_where_their_readings_say():
+    report = diagnose([read_slowly(dead, seed) for seed in (15, 16, 17)]).report
+    assert [cause["name"] for cause in report["effects"]] == ["input-dead-zone"]
+    assert all(one["after"] < 1.4 * one["noise_floor"] for one in report["records"])
+
+
+def test_a_sinusoid_is_looked_for_up_to_half_the_rate_of_the_readings():
+    run = read_slowly(np.array, 18)
+    wave = 0.3 * np.std(run.y) * np.sin(2.0 * np.pi * 9.2 * run.t)
+    report = diagnose(Record(run.t, run.u, run.y + wave[np.arange(run.t.size) // 5 * 5], run.Ts)).report
+    (cause,) = report["effects"]
+    assert cause["name"] == "periodic-disturbance"
+    assert cause["parameters"]["frequency"]["value"] == pytest.approx(0.8, abs=0.01)
+
+
+def test_between_readings_the_error_is_drawn_and_not_the_output():
+    report = diagnose(read_slowly(dead, 19)).report
+    traces = {name: np.array(values, float) for name, values in report["traces"].items()}
+    assert np.abs(traces["y"] - traces["after"]).max() < 6.0 * report["gap"]["noise_floor"]

@@ -11,6 +11,7 @@ from labsid.gap.record.sample_faults import (
     flat_samples,
     without_responses,
     without_rest,
+    without_slow_ends,
 )
 from labsid.records.signal_quality import find_held, lattice_step
 
@@ -314,3 +315,9 @@ def test_flat_stretches_and_their_neighbours_are_marked(noise: np.ndarray) -> No
     noise[100:104] = noise[100]
     noise[200:203] = noise[200]
     assert np.flatnonzero(flat_samples(noise)).tolist() == [99, 100, 101, 102, 103, 104]
+
+
+def test_rest_that_goes_on_by_next_to_nothing_is_no_hold() -> None:
+    y = np.repeat([0.0, 1.0, 1.0 + 1e-7, 1.0 + 2e-7, 3.0], [5, 9, 7, 20, 2])
+    stretches = ((1, 5), (6, 14), (15, 21), (22, 41), (42, 43))
+    assert without_slow_ends(stretches, y, 1e-4) == ((1, 5), (22, 41), (42, 43))

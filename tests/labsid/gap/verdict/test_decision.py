@@ -180,6 +180,13 @@ def test_structure_in_the_residual_reduces_confidence(banded: Explanation, worse
     assert confidence_after(converted, replace(left, **worse)) == confidence_after(converted, left)
 
 
+def test_a_residual_that_depends_on_past_inputs_leaves_an_explanation_incomplete(banded: Explanation) -> None:
+    banded, left = rivalled(banded), left_of(banded)
+    assert left.input_p > 1e-3
+    assert confidence_after(banded, replace(left, input_p=1e-3)) == confidence_after(banded, left) > 0.9
+    assert decided(banded, replace(left, input_p=1e-6), None).verdict == "unknown"
+
+
 def test_a_slow_residual_that_repeats_with_the_input_is_not_coloured_noise(banded: Explanation) -> None:
     coloured = replace(rivalled(banded), unsimulated=("coloured-noise",))
     left = left_of(banded)
