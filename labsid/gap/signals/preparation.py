@@ -15,6 +15,7 @@ from labsid.records.record import Record, bridge_gaps
 MAX_SAMPLES = 8000  # every output is searched through every input
 SAMPLES_PER_PARAMETER = 5  # of the linear responses of one output
 OWN_PARAMETERS = 6  # of one response
+SAME_OUTPUT = 1e-8  # the same of two outputs, whose noise differs: but for their digits
 PROPORTIONAL = 1e-6  # of 1, the correlation of two signals from which they are in proportion
 
 
@@ -153,3 +154,10 @@ def _check_outputs(u: FloatArray, y: FloatArray, rows: np.ndarray, record: Recor
         for i, other in enumerate(record.inputs):
             if at.any() and np.array_equal(y[at, j], u[at, i]):
                 raise ValueError(f"the output {name} holds the values of the input {other}. Check the columns.")
+        for other in range(j):
+            both = at & rows[:, other]
+            if _is_used(y[both, j]) and abs(np.corrcoef(y[both, other], y[both, j])[0, 1]) > 1.0 - SAME_OUTPUT:
+                raise ValueError(
+                    f"the outputs {record.outputs[other]} and {name} move in proportion, so that one holds nothing new. "
+                    "Leave one of them out."
+                )

@@ -108,6 +108,11 @@ def _changed(**columns: np.ndarray) -> Record:
         pytest.param(lambda: _changed(u2=np.full(700, 2.0)), "u2 of the record never moves", id="constant input"),
         pytest.param(lambda: _changed(u2=3.0 * two_by_two(1).u[:, 0] + 1.0), "u1 and u2", id="in proportion"),
         pytest.param(lambda: _changed(y1=two_by_two(1).u[:, 1]), "the output y1 holds the values of", id="an input"),
+        pytest.param(
+            lambda: _changed(y2=np.round(5.0 - 2.0 * two_by_two(1).y[:, 0], 5)),
+            "the outputs y1 and y2 move in proportion",
+            id="one output twice",
+        ),
         pytest.param(lambda: two_by_two(1, 90), "90 samples", id="too short"),
     ],
 )
