@@ -158,6 +158,6 @@ def _check_outputs(u: FloatArray, y: FloatArray, rows: np.ndarray, record: Recor
             both = at & rows[:, other]
             if _is_used(y[both, j]) and abs(np.corrcoef(y[both, other], y[both, j])[0, 1]) > 1.0 - SAME_OUTPUT:
                 raise ValueError(
-                    f"the outputs {record.outputs[other]} and {name} move in proportion, so that one holds nothing new. "
+                    f"the outputs {record.outputs[other]} and {name} move in proportion: one holds nothing new. "
                     "Leave one of them out."
                 )
