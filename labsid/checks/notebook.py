@@ -220,10 +220,15 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         if not verdict.passed or self._runs is None:
             return verdict
         from labsid.checks.typed_values import told, wrong_elsewhere  # simulates rigs
+        from labsid.checks.written_numbers import numbers_in_texts, numbers_that_count, told_of_numbers
 
-        typed = [name for name in dict.fromkeys(ask.names) if typed_names(self._runs.sources_of(name), [name])]
-        is_wrong = wrong_elsewhere(question, self._assignment, self._record, typed, self._variables, ask.call)
-        return told(typed) if is_wrong else verdict
+        sources = {name: self._runs.sources_of(name) for name in dict.fromkeys(ask.names)}
+        typed = [name for name, texts in sources.items() if typed_names(texts, [name])]
+        if wrong_elsewhere(question, self._assignment, self._record, typed, self._variables, ask.call):
+            return told(typed)
+        written = {name: numbers_in_texts(texts) for name, texts in sources.items()}
+        counted = numbers_that_count(question, self._assignment, ask, written)
+        return told_of_numbers(counted) if counted else verdict
 
     def skip(self, question_id: str) -> None:
         """Go on without a question: the reference's values, on this notebook's record, become the notebook's variables.

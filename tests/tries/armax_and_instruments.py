@@ -130,7 +130,7 @@ TRIES = (
     Try(LIM, "no 1 - a^2", limit("b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e"), "a\\^2 times itself"),
     Try(LIM, "bias only", limit(end="[-c * var_e / var_y, 0]"), r"distance of the limit from \[a, b\]"),
     Try(LIM, "caret", limit("(b^2 * var_u) / (1 - a^2)"), r"write `\*\*`"),
-    Try(COV, "white", cov("var_e * np.eye(N)"), "Lemma 1"),
+    Try(COV, "white", cov("var_e * np.eye(N)"), "for white noise", never="Lemma"),
     Try(
         COV,
         "1 on the diagonal",

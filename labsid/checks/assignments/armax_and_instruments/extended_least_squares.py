@@ -143,8 +143,8 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
             ),
             Slip(
                 "errors after the update",
-                f"`{call}` puts the error that is left after the update into the next regressor: the notes take "
-                "epsilon(n), computed with theta(n-1).",
+                f"`{call}` puts the error that is left after the update into the next regressor: it is "
+                "epsilon(n) = y(n) - phi'(n) theta(n-1), computed with the estimate before the update.",
                 lambda: _errors_after_the_update(u, y, forgetting, LN),
             ),
             Slip(

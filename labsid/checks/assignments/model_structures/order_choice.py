@@ -49,6 +49,13 @@ def _wrapped(u: FloatArray, y: FloatArray, n: int) -> FloatArray:
     return wrapped([(signal, lag) for signal in (-y, u) for lag in range(1, n + 1)])
 
 
+def _losses_from(u: FloatArray, y: FloatArray, orders: Sequence[int], of_y: int, of_u: int) -> FloatArray:
+    """The losses of rows whose lags begin with these."""
+    start = max(orders) + max(of_y, of_u, 1) - 1
+    made = ([(-y, of_y + i) for i in range(n)] + [(u, of_u + i) for i in range(n)] for n in orders)
+    return np.array([_loss(wrapped(lags)[start:], y[start:]) for lags in made])
+
+
 def _losses_beside(u: FloatArray, y: FloatArray, orders: Sequence[int], lag: int) -> FloatArray:
     """The losses of right rows with an older output beside them."""
     start = max(orders)
@@ -121,6 +128,20 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
                 "`losses` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
                 "begin all rows at max(orders).",
                 lambda: np.array([_loss(_wrapped(u, y, n), y) for n in orders]),
+            ),
+            *(
+                Slip(
+                    "lag off by one",
+                    f"`losses` begins {what}: the lags of both signals are 1 to n.",
+                    partial(_losses_from, u, y, orders, *lags),
+                )
+                for what, *lags in (
+                    ("the inputs with u(k)", 1, 0),
+                    ("the outputs with y(k), which explains itself", 0, 1),
+                    ("both signals at k", 0, 0),
+                    ("the inputs with u(k-2)", 1, 2),
+                    ("the outputs with y(k-2)", 2, 1),
+                )
             ),
             *(
                 Slip(

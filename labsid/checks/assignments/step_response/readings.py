@@ -68,6 +68,12 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             "`np.argmax(y >= level)`; `np.argmin(y - level)` gives the one that is farthest *below* it.",
             "one instant for both",
         )
+    if right_gain and td != 0 and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
+        return Verdict(
+            False,
+            f"{where}K and tau are right, and td is too early by two thirds of tau: it is t_63 - tau, not t_28 - tau.",
+            "t_28 for t_63",
+        )
     right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
     within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
     within[1:] += 0.5 * float(step.t[1] - step.t[0])
