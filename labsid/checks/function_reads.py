@@ -1,7 +1,7 @@
 """What a function of the student's reads: its arguments, and variables of the notebook beside them."""
 
 import dis
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -42,7 +42,13 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
     )
 
 
-def length_beside(name: str, function: object, variables: Mapping[str, Any], arguments: Iterable[object]) -> str:
+def length_beside(
+    name: str,
+    function: object,
+    variables: Mapping[str, Any],
+    arguments: Iterable[object],
+    counts: Container[int | None],
+) -> str:
     """A sentence if a function reads the length of the notebook's data, and was called with data of another length.
 
     Parameters
@@ -54,6 +60,8 @@ def length_beside(name: str, function: object, variables: Mapping[str, Any], arg
         The notebook's variables.
     arguments : iterable of object
         What it was called with.
+    counts : container of int
+        The numbers in the line that stopped; the length must be one of them.
     """
     sizes = [len(one) for one in arguments if isinstance(one, np.ndarray) and one.ndim]
     if not isinstance(function, FunctionType) or not sizes:
@@ -63,7 +71,7 @@ def length_beside(name: str, function: object, variables: Mapping[str, Any], arg
     of_data = {part for size in lengths if size >= _SHORTEST_SIGNAL for part in (size, size // 2, -(-size // 2))}
     for one in dict.fromkeys(_names_in(code, "LOAD_GLOBAL")):
         value = variables.get(one)
-        if type(value) is int and value in of_data and value not in sizes:
+        if type(value) is int and value in of_data and value in counts and value not in sizes:
             data = ", ".join(f"`{argument}`" for argument in code.co_varnames[: code.co_argcount])
             return (
                 f"`{name}` uses `{one}` of the notebook, {value}, and was called with data of another length, "

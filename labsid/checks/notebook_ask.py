@@ -78,8 +78,10 @@ class NotebookAsk:
                 "becomes false."
             ) from None
         except Exception as error:
-            cause = length_beside(name, function, self._variables, arguments)
-            raise NoAnswer(told(stop_of(error, self._variables), f"`{name}`", cause=cause), PYTHON_ERROR) from error
+            stop = stop_of(error, self._variables)
+            counts = {thing.value for thing in stop.things.values()}
+            cause = "" if self.beside else length_beside(name, function, self._variables, arguments, counts)
+            raise NoAnswer(told(stop, f"`{name}`", cause=cause), PYTHON_ERROR) from error
 
     def _near(self, name: str, functions: Iterable[str] = ()) -> str:
         """A variable that is spelt alike but for capitals and underscores, and belongs to no earlier step.
