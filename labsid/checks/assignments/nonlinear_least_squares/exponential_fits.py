@@ -305,7 +305,7 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
         if e @ e < fit.sse * _IN_THE_VALLEY:
             return Verdict(
                 False,
-                f"`fit_exponential` stops before the smallest SSE: {e @ e:.4g}, where {fit.sse:.4g} is possible. Is "
+                f"`fit_exponential` reaches an SSE of {e @ e:.4g}, where {fit.sse:.4g} is possible. Is "
                 "`least_squares` handed the sum of the squared errors? It squares and adds up what it is handed: hand "
                 "it the errors themselves.",
                 "stopped in the valley",

@@ -71,7 +71,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     if right_gain and td != 0 and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
         return Verdict(
             False,
-            f"{where}K and tau are right, and td is too early by two thirds of tau: it is t_63 - tau, not t_28 - tau.",
+            f"{where}K and tau are right, td is not: it is t_63 - tau, and yours is t_28 - tau.",
             "t_28 for t_63",
         )
     right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])

@@ -1,0 +1,258 @@
+"""First tries whose message names one cause, their neighbours, and right answers that look like them."""
+
+from tries import Try
+from tries.rows_of_tries import in_rows
+
+_LISTS = "half = len(y) // 2\nPhi = []\nY = []\nfor k in range(2, half):\n    "
+_STACK = "half = len(y) // 2\nPhi = np.column_stack("
+_LATER = "come later than y"
+_RLS = "P = (P - np.outer(P_phi, P_phi) / (lam + phi @ P_phi)) / lam"
+_INSIDE = "P = P - np.outer(P_phi, P_phi) / (lam + phi @ P_phi) / lam"
+_NO_P, _BRACKET = r"phi'phi in it, without P", "only the correction by lambda"
+_FIT = "th[1] * np.exp(th[0] * x) - y, [0.0, 1.0]"
+
+TRIES: dict[str, tuple[Try, ...]] = {
+    "lab-identification": in_rows(
+        (
+            "lab-2a-phi",
+            "samples to come",
+            rf"has y\(k\+1\) and u\(k\+1\), which {_LATER}",
+            f"{_STACK}[y[3:half+1], y[4:half+2], u[3:half+1], u[4:half+2]])\nY = y[2:half]",
+        ),
+        (
+            "lab-2a-phi",
+            "inputs to come",
+            rf"has u\(k\+1\), which {_LATER}",
+            f"{_STACK}[y[1:half-1], y[:half-2], u[3:half+1], u[4:half+2]])\nY = y[2:half]",
+        ),
+        ("lab-2a-phi", "lists", "", f"{_LISTS}Phi.append([y[k-1], y[k-2], u[k-1], u[k-2]])\n    Y.append(y[k])"),
+        (
+            "lab-3a-all",
+            "predictions behind zeros",
+            r"`Phi @ theta_hat` behind 2 other samples: one-step predictions",
+            "y_sim = np.append([0, 0], Phi @ theta_hat)",
+        ),
+        (
+            "lab-3a-all",
+            "a list",
+            "",
+            "y_sim = [0.0, 0.0]\nfor k in range(2, len(u)):\n    y_sim.append(-a1*y_sim[k-1] - a2*y_sim[k-2] + "
+            "b1*u[k-1] + b2*u[k-2])",
+        ),
+        (
+            "lab-3a-mse",
+            "1 taken off the mean",
+            "is the mean less 1",
+            (("np.mean((y[half:] - y_sim_half) ** 2)", "np.sum((y[half:] - y_sim_half) ** 2) / len(y_sim_half) - 1"),),
+        ),
+        (
+            "lab-3a-mse",
+            "N - 1 for N",
+            "is divided by N - 1",
+            (
+                (
+                    "np.mean((y[half:] - y_sim_half) ** 2)",
+                    "np.sum((y[half:] - y_sim_half) ** 2) / (len(y_sim_half) - 1)",
+                ),
+            ),
+        ),
+        (
+            "lab-2c-transfer-function",
+            "b in the denominator",
+            "denominator holds b where a belongs",
+            (("[1, a1, a2]", "[1, b1, b2]"),),
+        ),
+        (
+            "lab-2c-transfer-function",
+            "a in the numerator",
+            "numerator holds a where b belongs",
+            (("[b1, b2]", "[a1, a2]"),),
+        ),
+    ),
+    "postlab-model-order": in_rows(
+        (
+            "postlab-1-transfer-function",
+            "b1 for a1",
+            "denominator holds b1 where a1 belongs",
+            (("-theta_1[0]", "-theta_1[1]"),),
+        ),
+        (
+            "postlab-1-phi",
+            "lists",
+            "",
+            "Phi_1 = []\nY_1 = []\nfor k in range(1, half):\n    Phi_1.append((y[k-1], u[k-1]))\n    Y_1.append(y[k])",
+        ),
+        (
+            "postlab-2-fit-order",
+            "length from outside",
+            "uses `half` of the notebook, 451, and was called with data of another length, 60",
+            (("N = len(y)", "N = half"), ("y[n:])[0]", "y[n:N])[0]")),
+        ),
+        (
+            "postlab-2-fit-order",
+            "a row too many on the left",
+            "Each row needs its own",
+            (("y[n:])[0]", "y)[0]"),),
+        ),
+    ),
+    "step-response": in_rows(
+        (
+            "step-3-mse",
+            "1 taken off the mean",
+            "is the mean less 1",
+            (("np.mean((y_step - y_approx) ** 2)", "np.sum((y_step - y_approx) ** 2) / len(y_step) - 1"),),
+        ),
+        (
+            "step-5-function",
+            "t_28 for t_63",
+            "it is t_63 - tau, and yours",
+            (("max(t_63 - tau, 0.0)", "t_28 - tau"),),
+        ),
+        (
+            "step-5-function",
+            "half a tau too early",
+            "too early.*When does the response",
+            (("max(t_63 - tau, 0.0)", "t_63 - 1.5 * tau"),),
+        ),
+    ),
+    "least-squares": in_rows(
+        (
+            "ls-10-confidence",
+            "sigma^2 before the root",
+            r"sigma\^2 stands before the root, and belongs under it",
+            (("np.sqrt(sigma2 * np.diag(", "sigma2 * np.sqrt(np.diag("),),
+        ),
+    ),
+    "model-structures": in_rows(
+        (
+            "ms-7-excitation",
+            "largest left out",
+            "stops one order too early",
+            (("range(1, largest + 1)", "range(1, largest)"),),
+        ),
+        ("ms-7-excitation", "one too low", "is one too low", (("return order", "return max(order - 1, 0)"),)),
+        (
+            "ms-8-order",
+            "inputs from u(k)",
+            r"begins the inputs with u\(k\)",
+            (("u[start - i : N - i] for i in range(1, n + 1)", "u[start - i : N - i] for i in range(n)"),),
+        ),
+        (
+            "ms-8-order",
+            "outputs from y(k)",
+            r"rows hold y\(k\) itself",
+            (("-y[start - i : N - i] for i in range(1, n + 1)", "-y[start - i : N - i] for i in range(n)"),),
+        ),
+        ("ms-9-cancel", "Q twice", "what is left of Q twice", (("np.poly(of_P)", "np.poly(of_Q)"),)),
+        (
+            "ms-9-cancel",
+            "P twice",
+            "what is left of P twice",
+            (("np.atleast_1d(np.poly(of_Q))", "np.atleast_1d(np.poly(of_P))"),),
+        ),
+    ),
+    "recursive-identification": in_rows(
+        ("ri-3-step", "phi'phi below", f"{_NO_P}: it is 1", (("1 + phi @ P_phi", "1 + phi @ phi"),)),
+        (
+            "ri-3-step",
+            "sign of the error",
+            "moves away",
+            (("y - phi @ theta", "phi @ theta - y"),),
+        ),
+        (
+            "ri-5-forgetting",
+            "1 below",
+            "1 \\+ phi'P phi",
+            (("lam + phi @ P_phi", "1 + phi @ P_phi"),),
+        ),
+        ("ri-5-forgetting", "lambda in the bracket", _BRACKET, ((_RLS, _INSIDE),)),
+        (
+            "ri-5-forgetting",
+            "sign of the error",
+            "the sign of the error is turned",
+            (("Y[k] - phi @ theta", "phi @ theta - Y[k]"),),
+        ),
+        (
+            "ri-9-windup",
+            "trace over lambda stored",
+            "are divided by lambda: store",
+            (("theta, np.trace(P)", "theta, np.trace(P) / lam"),),
+        ),
+        (
+            "ri-10-careless",
+            "lambda in the bracket",
+            _BRACKET,
+            (("(P - np.outer(K, P_phi)) / lam", "P - np.outer(K, P_phi) / lam"),),
+        ),
+        ("ri-10-careless", "phi'phi below", _NO_P, (("lam + phi @ P_phi", "lam + phi @ phi"),)),
+    ),
+    "nonlinear-least-squares": in_rows(
+        (
+            "nl-3-gauss-newton",
+            "the step for theta",
+            "takes the step for the new theta",
+            (("theta = theta + s", "theta = s"),),
+        ),
+        (
+            "nl-5-exponential",
+            "sum from another start",
+            "reaches .* is possible. Is `least_squares` handed the sum",
+            ((_FIT, "np.sum((th[1] * np.exp(th[0] * x) - y) ** 2), [0.3, 0.7]"),),
+        ),
+        (
+            "nl-5-exponential",
+            "minimize of the sum",
+            "",
+            (
+                (
+                    f"least_squares(lambda th: {_FIT})",
+                    "minimize(lambda th: np.sum((th[1] * np.exp(th[0] * x) - y) ** 2), [0.0, 1.0])",
+                ),
+            ),
+        ),
+        (
+            "nl-5-exponential",
+            "fmin of the sum",
+            "",
+            (
+                (
+                    f"least_squares(lambda th: {_FIT}).x",
+                    "fmin(lambda th: np.sum((th[1] * np.exp(th[0] * x) - y) ** 2), [0.0, 1.0], disp=0)",
+                ),
+            ),
+        ),
+    ),
+    "sim-to-real-gap": in_rows(
+        (
+            "gap-2-linear",
+            "inputs from u(k)",
+            r"input columns are one step later than y\(k\) requires",
+            (("u[1 : half - 1], u[: half - 2]", "u[2:half], u[1 : half - 1]"),),
+        ),
+        (
+            "gap-2-linear",
+            "inputs from u(k-2)",
+            r"input columns are one step earlier than y\(k\) requires",
+            (
+                (
+                    "y[1 : half - 1], y[: half - 2], u[1 : half - 1], u[: half - 2]",
+                    "y[2 : half - 1], y[1 : half - 2], u[1 : half - 2], u[: half - 3]",
+                ),
+                ("y[2:half]", "y[3:half]"),
+            ),
+        ),
+        (
+            "gap-3-time",
+            "max for argmax",
+            r"the largest share itself, .* `np.argmax` the index",
+            (("np.argmax(share_t)", "np.max(share_t)"),),
+        ),
+        (
+            "gap-9-closed",
+            "noise left out of the call",
+            "leaves the noise in both errors",
+            (("gap_before**2, noise_sd)", "gap_before**2, 0.0)"),),
+        ),
+    ),
+}
+"""By assignment."""
