@@ -73,7 +73,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "step-7-two",
             "a row twice",
-            "is it zero\\? A row, or a column, of `U` that is taken twice",
+            r"not zero\. Print the determinant .* taken twice",
             (("U[0, 0] * U[1, 1] - U[0, 1] * U[1, 0]", "U[0, 0] * U[0, 1] - U[0, 1] * U[0, 0]"),),
         ),
         (

@@ -11,8 +11,45 @@ _INSIDE = "P = P - np.outer(P_phi, P_phi) / (lam + phi @ P_phi) / lam"
 _NO_P, _BRACKET = r"phi'phi in it, without P", "only the correction by lambda"
 _FIT = "th[1] * np.exp(th[0] * x) - y, [0.0, 1.0]"
 
+_OTHER, _AGAIN = "The other panel has that", "        phi = np.array([-y[n - 1], u[n - 1], epsilon])\n"
+_EPSILON = "        epsilon = y[n] - phi @ theta\n"
+
 TRIES: dict[str, tuple[Try, ...]] = {
+    "prelab-sinusoids": in_rows(
+        (
+            "prelab-6-cut-off",
+            "title over the upper panel",
+            f"The title of .*{_OTHER}.*`ax_b`",
+            (("ax_b.set_title", "ax_a.set_title"),),
+        ),
+    ),
     "lab-identification": in_rows(
+        (
+            "lab-1b-figure-5",
+            "label of the upper panel",
+            f"no label.*{_OTHER}.*`ax_b`",
+            (('ax_b.set_ylabel("Input', 'ax_a.set_ylabel("Input'),),
+        ),
+        (
+            "lab-1c-figure-6",
+            "label of the lower panel",
+            f"no label.*{_OTHER}.*`ax_a`",
+            (("ax_a.set_ylabel", "ax_b.set_ylabel"),),
+        ),
+        ("lab-1c-figure-6", "the axes as a list", "", (("ax_a.set_ylabel", "fig_6.axes[0].set_ylabel"),)),
+        (
+            "lab-2a-phi",
+            "a row in round brackets",
+            r"a whole row is `A\[k, :\]`",
+            "half = len(y) // 2\nPhi = np.zeros((half, 4))\nfor k in range(2, half):\n    Phi(k,:) = [y[k-1], y[k-2], "
+            "u[k-1], u[k-2]]",
+        ),
+        (
+            "lab-2a-phi",
+            "a column in round brackets",
+            r"a whole column is `A\[:, k\]`",
+            "half = len(y) // 2\nPhi = np.zeros((half, 4))\nPhi(:, j) = y[:half]",
+        ),
         (
             "lab-2a-phi",
             "samples to come",
@@ -97,6 +134,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
     ),
     "step-response": in_rows(
         (
+            "step-7-two",
+            "no return",
+            "Is the `return` with the result missing",
+            (("    return np.array([a1, a2])\n", ""),),
+        ),
+        (
             "step-3-mse",
             "1 taken off the mean",
             "is the mean less 1",
@@ -123,7 +166,41 @@ TRIES: dict[str, tuple[Try, ...]] = {
             (("np.sqrt(sigma2 * np.diag(", "sigma2 * np.sqrt(np.diag("),),
         ),
     ),
+    "armax-and-instruments": in_rows(
+        ("ai-6-rels", "error of the sample", r"has epsilon\(n\) in the regressor", ((_EPSILON, _EPSILON + _AGAIN),)),
+        (
+            "ai-6-rels",
+            "error of the sample, twice",
+            r"has epsilon\(n\) in the regressor",
+            ((_EPSILON, _EPSILON + _AGAIN + _EPSILON),),
+        ),
+        (
+            "ai-2-bias",
+            "mean of the truth",
+            "takes the mean of the truth off",
+            (("estimates, axis=0) - truth", "estimates, axis=0) - np.mean(truth)"),),
+        ),
+        (
+            "ai-2-bias",
+            "one mean of the estimates",
+            "takes one mean of all estimates",
+            (("np.mean(estimates, axis=0) - truth", "np.mean(estimates) - truth"),),
+        ),
+    ),
     "model-structures": in_rows(
+        (
+            "ms-10-autocorrelation",
+            "divided by N, too",
+            "divides once too often",
+            (("/ (e @ e)", "/ (e @ e) / N"),),
+        ),
+        (
+            "ms-10-autocorrelation",
+            "divided by the variance, too",
+            "divides once too often",
+            (("/ (e @ e)", "/ (e @ e) / np.var(e)"),),
+        ),
+        ("ms-10-autocorrelation", "divided by r(0)", "", (("/ (e @ e)", "/ N / np.var(e)"),)),
         (
             "ms-7-excitation",
             "largest left out",

@@ -10,7 +10,8 @@ from labsid.checks.assignments.lab_identification.phi_and_theta import (
     right_equations,
     rounded,
 )
-from labsid.checks.compare import SystemValue, as_number, as_system, close, same_response
+from labsid.checks.compare import as_number, close
+from labsid.checks.compare_systems import SystemValue, as_system, same_response
 from labsid.checks.question import Ask
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge

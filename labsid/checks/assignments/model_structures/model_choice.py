@@ -398,6 +398,14 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 "`autocorrelation` returns covariances: divide by the sum of squares, so that r(0) = 1.",
                 lambda: right * np.mean(centred**2),
             ),
+            *(
+                Slip(
+                    "divided twice",
+                    "`autocorrelation` divides once too often. Divided by the sum of squares alone, r(0) is 1.",
+                    partial(np.divide, right, once_more),
+                )
+                for once_more in (N, np.var(e), centred @ centred)
+            ),
             Slip(
                 "divided by the standard deviation",
                 "`autocorrelation` divides by the standard deviation: r(0) = 1 with the variance, its square.",

@@ -68,7 +68,8 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             "`np.argmax(y >= level)`; `np.argmin(y - level)` gives the one that is farthest *below* it.",
             "one instant for both",
         )
-    if right_gain and td != 0 and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
+    opposite = abs(td + fit.reading.td) <= SAME_VALUE * fit.reading.td + float(step.t[1] - step.t[0])
+    if right_gain and td != 0 and not opposite and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
         return Verdict(
             False,
             f"{where}K and tau are right, td is not: it is t_63 - tau, and yours is t_28 - tau.",
