@@ -23,7 +23,7 @@ from labsid.nonlinear.exponential import evaluate_exponential, fit_exponential, 
 from labsid.nonlinear.solve import NonlinearFit
 from labsid.plots.figure_values import AxesValue, CurveValue
 
-_STARTS = ((0.0, 1.0), (1.0, 1.0), (0.5, 1.0), (0.5, 0.5))
+_STARTS = ((0.0, 1.0), (1.0, 1.0), (0.5, 1.0))
 _IN_THE_VALLEY = 1.5
 """Of the smallest SSE: a larger one has another cause than a search that stopped early."""
 
