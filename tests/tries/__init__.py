@@ -28,7 +28,14 @@ ASSIGNMENTS = (
     "several-signals",
 )
 TAUGHT, VAGUE, MISLEADING, TICK, ACCEPTED = "taught", "vague", "misleading", "false tick", "acceptable"
-_KINDS = ("kinds_of_errors", "answers_in_the_lab", "answers_at_rigs", "answers_on_lectures", "named_causes")
+_KINDS = (
+    "kinds_of_errors",
+    "answers_in_the_lab",
+    "answers_at_rigs",
+    "answers_on_lectures",
+    "causes_in_the_lab",
+    "causes_on_lectures",
+)
 """Modules with tries at several assignments."""
 _SECONDS = 5.0
 
