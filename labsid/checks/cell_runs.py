@@ -8,7 +8,7 @@ from threading import Timer
 from typing import Any
 from weakref import WeakKeyDictionary
 
-from labsid.checks.cell_names import assigned_names
+from labsid.checks.cell_names import assigned_names, read_names
 from labsid.checks.stops import Stop, stop_of
 from labsid.checks.time_limit import CELL_SECONDS
 
@@ -64,6 +64,12 @@ class CellRuns:
     def assigning(self, name: str) -> list[CellRun]:
         """The runs that assigned a variable."""
         return [run for run in self.runs if name in run.assigned]
+
+    def sources_of(self, name: str) -> list[str]:
+        """The sources that made a variable: of the run that assigned it last, and of later ones that use it."""
+        last = next((i for i, run in reversed(list(enumerate(self.runs))) if name in run.assigned), len(self.runs))
+        made, later = self.runs[last : last + 1], self.runs[last + 1 :]
+        return [run.source for run in made] + [run.source for run in later if name in read_names(run.source)]
 
     def before_cell(self, info: Any, variables: Mapping[str, Any]) -> None:
         """Note the variables before the run that IPython describes by its `ExecutionInfo`.

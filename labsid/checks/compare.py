@@ -1,4 +1,4 @@
-"""Read an answer as a number, array, system or figure, and compare answers within a tolerance."""
+"""Read an answer as a number, an array or a figure, and compare answers within a tolerance."""
 
 from collections.abc import Callable
 
@@ -12,10 +12,6 @@ from labsid.plots.figure_values import FigureValue
 FloatArray = NDArray[np.float64]
 _FEW = 3
 _ROUNDING = 1e-9
-SystemValue = TransferFunctionValue | StateSpaceValue
-
-MAX_ORDER = 100
-"""Largest order of a system that is compared; the plants of the course have far lower orders."""
 
 
 def kind_of(value: Value) -> str:
@@ -193,23 +189,6 @@ def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
     return as_matrix(call, value, (rows, p))
 
 
-def as_system(name: str, value: Value) -> SystemValue:
-    """Read a transfer function or a state space with one input and one output."""
-    if not isinstance(value, (TransferFunctionValue, StateSpaceValue)):
-        is_data = isinstance(value, tuple | int | float | np.ndarray | str)
-        made = " Make it with `ct.tf(...)` or `ct.ss(...)`." if is_data else ""
-        raise NoAnswer(f"`{name}` should be a transfer function or a state space; it is {kind_of(value)}.{made}")
-    if isinstance(value, StateSpaceValue):
-        order, inputs, outputs = value.A.shape[0], value.B.shape[1], value.C.shape[0]
-        if (inputs, outputs) != (1, 1):
-            raise NoAnswer(f"`{name}` should have one input and one output; it has {inputs} and {outputs}.")
-    else:
-        order = max(value.num.size, value.den.size) - 1
-    if order > MAX_ORDER:
-        raise NoAnswer(f"`{name}` has order {order}, far above the order of this plant.")
-    return value
-
-
 def as_figure(name: str, value: Value, axes: int | None = None) -> FigureValue:
     """Read a figure, with the given number of axes."""
     if not isinstance(value, FigureValue):
@@ -243,35 +222,6 @@ def close(relative: float, absolute: float = 0.0) -> Callable[[ArrayLike, ArrayL
 SAME = close(1e-6)
 """For results of one computation. The normal equations square the condition number, and a large initial P magnifies
 rounding; the trials are conditioned well enough for this tolerance."""
-
-
-def frequency_response(system: SystemValue, points: int = 64) -> NDArray[np.complex128]:
-    """Response at logarithmically spaced frequencies up to Nyquist (over eight decades in continuous time)."""
-    continuous = 1j * np.logspace(-4, 4, points)
-    z = continuous if system.dt is None else np.exp(1j * np.pi * np.logspace(-3, 0, points))
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        if isinstance(system, TransferFunctionValue):
-            return np.asarray(np.polyval(system.num, z) / np.polyval(system.den, z), complex)
-        eye = np.eye(system.A.shape[0])
-        states = np.linalg.solve(
-            z[:, None, None] * eye - system.A, np.broadcast_to(system.B, (points, *system.B.shape))
-        )
-        return np.asarray((system.C @ states + system.D)[:, 0, 0], complex)
-
-
-def same_response(relative: float = 1e-6) -> Callable[[SystemValue, SystemValue], bool]:
-    """Make a comparison of two systems: equal sampling time and frequency response, in any realization."""
-
-    def same(a: SystemValue, b: SystemValue) -> bool:
-        if (a.dt is None) != (b.dt is None) or (a.dt is not None and not abs(a.dt - (b.dt or 0)) <= 1e-9):
-            return False
-        try:
-            x, y = frequency_response(a), frequency_response(b)
-        except (ValueError, np.linalg.LinAlgError):
-            return False
-        return bool(np.all(np.isfinite(x)) and np.max(np.abs(x - y)) <= relative * np.max(np.abs(y)))
-
-    return same
 
 
 def _real_array(name: str, value: Value, wanted: str) -> FloatArray:

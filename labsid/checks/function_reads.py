@@ -1,7 +1,7 @@
 """What a function of the student's reads: its arguments, and variables of the notebook beside them."""
 
 import dis
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -40,6 +40,44 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
         f"`{name}` {never} {_listed(data)} of the notebook. It is called with other data: use its arguments in their "
         "place."
     )
+
+
+def length_beside(
+    name: str,
+    function: object,
+    variables: Mapping[str, Any],
+    arguments: Iterable[object],
+    counts: Container[int | None],
+) -> str:
+    """A sentence if a function reads the length of the notebook's data, and was called with data of another length.
+
+    Parameters
+    ----------
+    name : str
+        Name of the function.
+    function : object
+    variables : mapping
+        The notebook's variables.
+    arguments : iterable of object
+        What it was called with.
+    counts : container of int
+        The numbers in the line that stopped; the length must be one of them.
+    """
+    sizes = [len(one) for one in arguments if isinstance(one, np.ndarray) and one.ndim]
+    if not isinstance(function, FunctionType) or not sizes:
+        return ""
+    code = function.__code__
+    lengths = {_entries(one) for one in variables.values() if isinstance(one, np.ndarray)}
+    of_data = {part for size in lengths if size >= _SHORTEST_SIGNAL for part in (size, size // 2, -(-size // 2))}
+    for one in dict.fromkeys(_names_in(code, "LOAD_GLOBAL")):
+        value = variables.get(one)
+        if type(value) is int and value in of_data and value in counts and value not in sizes:
+            data = ", ".join(f"`{argument}`" for argument in code.co_varnames[: code.co_argcount])
+            return (
+                f"`{name}` uses `{one}` of the notebook, {value}, and was called with data of another length, "
+                f"{sizes[0]}. Take every length from its arguments ({data}), as `len(...)` gives it."
+            )
+    return ""
 
 
 def _entries(value: object) -> int:

@@ -42,7 +42,20 @@ SPELLINGS: tuple[Spelling, ...] = (
         r"\w+\[[^\[\]]*\bend\b[^\[\]]*\]",
         ("`{0}`: Python has no `end`. An open slice goes to the end, `y[half:]`; the last entry is `y[-1]`."),
     ),
-    Spelling(r"[\w\]]+\(\s*(?:\d*\s*:|[^()]*[,\s]:)[^()]*\)", _BRACKETS),
+    Spelling(
+        r"\w+\(\s*[A-Za-z_]\w*\s*,\s*:\s*\)",
+        "`{0}` has round brackets: entries are taken with square ones, and a whole row is `A[k, :]`, with rows counted "
+        "from 0.",
+    ),
+    Spelling(
+        r"\w+\(\s*:\s*,\s*[A-Za-z_]\w*\s*\)",
+        "`{0}` has round brackets: entries are taken with square ones, and a whole column is `A[:, k]`, with columns "
+        "counted from 0.",
+    ),
+    Spelling(
+        r"[\w\]]+\((?!\s*(?:[A-Za-z_]\w*\s*,\s*:|:\s*,\s*[A-Za-z_]\w*)\s*\))\s*(?:\d*\s*:|[^()]*[,\s]:)[^()]*\)",
+        _BRACKETS,
+    ),
     Spelling(
         r"^\s*for\s+\w+\s*=\s*.*",
         ("`{0}` is MATLAB's loop. Python's is `for k in range(first, stop):`, which leaves out the stop."),

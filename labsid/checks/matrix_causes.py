@@ -78,6 +78,8 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         inverse = re.search(r"inv\((\w+)\.T @ \1\)$", left)
         if inverse is not None and one[0] < other[0]:
             name = inverse[1]
+            if right.endswith(".T"):
+                return f"{said} Is `{left} @ {name}.T @ {right[:-2]}` meant, with `{name}` transposed instead?"
             before = f"`{name}.T` in place of `{name}`" if right == name else f"`{name}.T @` before `{right}`"
             return f"{said} Is {before} meant?"
         if "inv(" in left:

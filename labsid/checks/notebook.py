@@ -33,6 +33,7 @@ from labsid.checks.summary import (
 )
 from labsid.checks.values import Value, as_student_object
 from labsid.checks.verdict import PYTHON_ERROR, NoAnswer, Verdict
+from labsid.checks.written_values import typed_names
 from labsid.records.record import load_record
 
 _LINE = 95  # characters; JupyterLab breaks longer lines in the middle of a word
@@ -218,13 +219,16 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         """The verdict; a right value that was typed in, and is wrong on another record, is not right."""
         if not verdict.passed or self._runs is None:
             return verdict
-        from labsid.checks.typed_values import told, typed_names, wrong_elsewhere  # simulates rigs
+        from labsid.checks.typed_values import told, wrong_elsewhere  # simulates rigs
+        from labsid.checks.written_numbers import numbers_in_texts, numbers_that_count, told_of_numbers
 
-        names = dict.fromkeys(ask.names)
-        made = {name: self._runs.assigning(name)[-1:] for name in names}
-        typed = [name for name, runs in made.items() if any(typed_names(run.source, [name]) for run in runs)]
-        is_wrong = wrong_elsewhere(question, self._assignment, self._record, typed, self._variables, ask.call)
-        return told(typed) if is_wrong else verdict
+        sources = {name: self._runs.sources_of(name) for name in dict.fromkeys(ask.names)}
+        typed = [name for name, texts in sources.items() if typed_names(texts, [name])]
+        if wrong_elsewhere(question, self._assignment, self._record, typed, self._variables, ask.call):
+            return told(typed)
+        written = {name: numbers_in_texts(texts) for name, texts in sources.items()}
+        counted = numbers_that_count(question, self._assignment, ask, written)
+        return told_of_numbers(counted) if counted else verdict
 
     def skip(self, question_id: str) -> None:
         """Go on without a question: the reference's values, on this notebook's record, become the notebook's variables.

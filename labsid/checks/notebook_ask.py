@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.compare import kind_of
-from labsid.checks.function_reads import reads_beside
+from labsid.checks.function_reads import length_beside, reads_beside
 from labsid.checks.python_errors import told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
@@ -78,7 +78,10 @@ class NotebookAsk:
                 "becomes false."
             ) from None
         except Exception as error:
-            raise NoAnswer(told(stop_of(error, self._variables), f"`{name}`"), PYTHON_ERROR) from error
+            stop = stop_of(error, self._variables)
+            counts = {thing.value for thing in stop.things.values()}
+            cause = "" if self.beside else length_beside(name, function, self._variables, arguments, counts)
+            raise NoAnswer(told(stop, f"`{name}`", cause=cause), PYTHON_ERROR) from error
 
     def _near(self, name: str, functions: Iterable[str] = ()) -> str:
         """A variable that is spelt alike but for capitals and underscores, and belongs to no earlier step.

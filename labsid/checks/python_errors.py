@@ -14,7 +14,7 @@ from labsid.checks.stops import Stop
 _MOST_NAMES = 5
 
 
-def told(stop: Stop, where: str, made_by: Callable[[str], str] | None = None) -> str:
+def told(stop: Stop, where: str, made_by: Callable[[str], str] | None = None, cause: str = "") -> str:
     """The whole message: Python's own line, where it stopped, what stands there, and the cause.
 
     Parameters
@@ -24,17 +24,19 @@ def told(stop: Stop, where: str, made_by: Callable[[str], str] | None = None) ->
         What stopped, such as "the answer cell" or "`fit`".
     made_by : callable, optional
         For a name that is not defined, ``made_by(name)`` says which cells define it.
+    cause : str, optional
+        The cause, where it is known from elsewhere than the line.
     """
     line = f", in line {stop.number}" if stop.number else ""
     quoted = f": `{stop.line}`" if stop.line else ""
     first = f"{where} stopped with {f'{stop.kind}: {stop.text}'.rstrip('.: ')}{line}{quoted}."
-    return f"{first} {details(stop, made_by)}".rstrip()
+    return f"{first} {details(stop, made_by, cause)}".rstrip()
 
 
-def details(stop: Stop, made_by: Callable[[str], str] | None = None) -> str:
+def details(stop: Stop, made_by: Callable[[str], str] | None = None, cause: str = "") -> str:
     """What stands in the line, and the cause; empty if nothing is known."""
     present = ", ".join(f"`{name}` {thing}" for name, thing in _present(stop))
-    return " ".join(filter(None, (f"There {present}." if present else "", explain(stop, made_by))))
+    return " ".join(filter(None, (f"There {present}." if present else "", cause or explain(stop, made_by))))
 
 
 def explain(stop: Stop, made_by: Callable[[str], str] | None = None) -> str:

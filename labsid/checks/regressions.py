@@ -59,9 +59,30 @@ def slips_of_fit(
         left = target[longest - shift : last - shift]
         said = f"{name} has {held} on the left-hand side, Y, of the row that holds the samples before y(k): it is y(k)."
         yield Slip(LEFT_SIDE, said, partial(_fit, rows[longest:last], left))
+    for who, chosen in _of_one_signal(regressors, u):
+        for shift, said in ((-1, "later"), (1, "earlier")):
+            moved = [(signal, lag + shift if i in chosen else lag) for i, (signal, lag) in enumerate(regressors)]
+            begin = " and ".join(f"{one}(k-1)" for one in who.split())
+            columns = {"y": "output columns", "u": "input columns"}.get(who, "columns")
+            text = f"{name} comes from rows whose {columns} are one step {said} than y(k) requires: begin with {begin}."
+            for first in {longest, max(lag for _, lag in moved)}:
+                yield Slip("lag off by one", text, partial(_fit_from, moved, target, first))
     if u is not None:
         said = f"{name} has the input on the left-hand side, Y: it is the output y(k) that the rows explain."
         yield Slip(LEFT_SIDE, said, partial(_fit, rows[longest:], u[longest:]))
+
+
+def _of_one_signal(regressors: Sequence[Regressor], u: FloatArray | None) -> Iterator[tuple[str, set[int]]]:
+    """The numbers of the regressors that are outputs, inputs, or any; without a `u` they cannot be told apart."""
+    inputs = {i for i, (signal, _) in enumerate(regressors) if signal is u}
+    if inputs:
+        yield "u", inputs
+        yield "y", set(range(len(regressors))) - inputs
+        yield "y u", set(range(len(regressors)))
+
+
+def _fit_from(regressors: Sequence[Regressor], target: FloatArray, first: int) -> FloatArray:
+    return _fit(wrapped(regressors)[first:], target[first:])
 
 
 def _fit(Phi: FloatArray, Y: FloatArray) -> FloatArray:

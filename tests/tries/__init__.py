@@ -28,6 +28,15 @@ ASSIGNMENTS = (
     "several-signals",
 )
 TAUGHT, VAGUE, MISLEADING, TICK, ACCEPTED = "taught", "vague", "misleading", "false tick", "acceptable"
+_KINDS = (
+    "kinds_of_errors",
+    "answers_in_the_lab",
+    "answers_at_rigs",
+    "answers_on_lectures",
+    "causes_in_the_lab",
+    "causes_on_lectures",
+)
+"""Modules with tries at several assignments."""
 _SECONDS = 5.0
 
 
@@ -62,7 +71,7 @@ class Try:
 def tries_of(assignment: str) -> tuple[Try, ...]:
     """The tries at an assignment."""
     tries: tuple[Try, ...] = import_module(f"tries.{assignment.replace('-', '_')}").TRIES
-    of_kinds = [import_module(f"tries.{kinds}").TRIES for kinds in ("kinds_of_errors", "kinds_of_answers")]
+    of_kinds = [import_module(f"tries.{kinds}").TRIES for kinds in _KINDS]
     return (*tries, *(one for kinds in of_kinds for one in kinds.get(assignment, ())))
 
 

@@ -120,7 +120,7 @@ TRIES = (
     Try(TAB, "sign of c", tables(c="0.8"), "other sign of c"),
     Try(TAB, "same time", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "takes u\\(t\\)"),
     Try(TAB, "whole lstsq", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])"), "`\\[0\\]`"),
-    Try(BIAS, "no axis", bias("np.mean(estimates) - truth", "np.std(estimates)"), "throws all parameters|axis"),
+    Try(BIAS, "no axis", bias("np.mean(estimates) - truth", "np.std(estimates)"), "throws all parameters"),
     Try(BIAS, "ddof", bias(s="np.std(estimates, axis=0)"), "divide by M - 1"),
     Try(BIAS, "sign", bias("truth - np.mean(estimates, axis=0)"), "other sign"),
     Try(BIAS, "M", bias(se="s / len(estimates)"), "divided by M"),
@@ -130,7 +130,7 @@ TRIES = (
     Try(LIM, "no 1 - a^2", limit("b**2 * var_u + (1 + c**2 - 2 * a * c) * var_e"), "a\\^2 times itself"),
     Try(LIM, "bias only", limit(end="[-c * var_e / var_y, 0]"), r"distance of the limit from \[a, b\]"),
     Try(LIM, "caret", limit("(b^2 * var_u) / (1 - a^2)"), r"write `\*\*`"),
-    Try(COV, "white", cov("var_e * np.eye(N)"), "Lemma 1"),
+    Try(COV, "white", cov("var_e * np.eye(N)"), "for white noise", never="Lemma"),
     Try(
         COV,
         "1 on the diagonal",

@@ -78,7 +78,7 @@ TRIES = (
         "a.plot(t, y_act, label='reduced')\na.legend()\na.set_ylabel('Output')\nb.plot(t, u_act)",
         "no unit",
     ),
-    Try(F5, "xlabel attribute", "fig_5, (a, b) = plt.subplots(2, 1)\na.xlabel('Time (s)')", "set_"),
+    Try(F5, "xlabel attribute", "fig_5, (a, b) = plt.subplots(2, 1)\na.xlabel('Time (s)')", "begin with `set_`"),
     Try(LOOP, "n = 0", loop("n = 0\n    while u[n + 1] == u[0]:\n        n += 1\n    return n"), "One too few"),
     Try(LOOP, "if on an array", loop("n = 1\n    while u == u[0]:\n        n += 1\n    return n"), "True or False"),
     Try(LOOP, "single =", loop("n = 1\n    while u[n] = u[0]:\n        n += 1\n    return n"), "`==` compares"),

@@ -281,8 +281,8 @@ TRIES = (
         EXP,
         "squares handed over",
         exp(FIT.replace("th[1] * np.exp(th[0] * x) - y", "np.sum((th[1] * np.exp(th[0] * x) - y)**2)") + ".x"),
-        "",
-        ACCEPTED,
+        r"the \*sum\* of the squared errors",
+        never=r"the \*squared\* errors",
     ),
     Try(
         FREQ,

@@ -304,7 +304,13 @@ VARIANTS: list[Right | Wrong] = [
         "through the filter matrix",
         covariance("np.eye(N, N + 1, k=1) + c * np.eye(N, N + 1)", "np.round(var_e * (L @ R) @ (L @ R).T, 12)"),
     ),
-    wrong(COVARIANCE, "Lemma 1", covariance(result="var_e * np.linalg.inv(Phi.T @ Phi)"), "as if white", "Lemma 1"),
+    wrong(
+        COVARIANCE,
+        "as for white noise",
+        covariance(result="var_e * np.linalg.inv(Phi.T @ Phi)"),
+        "as if white",
+        "for white noise",
+    ),
     wrong(
         COVARIANCE,
         "Lemma 1 with the variance of v",

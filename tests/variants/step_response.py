@@ -622,7 +622,7 @@ VARIANTS: list[Right | Wrong] = [
         "a1 and a2 swapped",
         "a2 before a1",
     ),
-    wrong(TWO, "always None", define("solve_two(U, Y)", "return None"), "determinant is zero", "returns nothing"),
+    wrong(TWO, "always None", define("solve_two(U, Y)", "return None"), "no return", "returns nothing"),
     wrong(
         TWO,
         "always ones",

@@ -9,21 +9,18 @@ import pytest
 import scipy.signal
 
 from labsid.checks.compare import (
-    MAX_ORDER,
     as_array,
     as_column,
     as_figure,
     as_history,
     as_matrix,
     as_number,
-    as_system,
     as_theta,
     as_vector,
     close,
-    frequency_response,
     kind_of,
-    same_response,
 )
+from labsid.checks.compare_systems import MAX_ORDER, as_system, frequency_response, same_response
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, plain
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import FigureValue

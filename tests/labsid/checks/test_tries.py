@@ -19,7 +19,6 @@ ELSEWHERE = {
     ("lab-identification", "start-up averaged in"): "test_lab_identification, on a record that is not settled",
     ("step-response", "mean before the rig has settled"): "test_step_response, on a record that is not settled",
     ("nonlinear-least-squares", "every step accepted"): "below: a given cell stops before the check",
-    ("sim-to-real-gap", "lag off by one"): "test_sim_to_real_gap, on the rigs whose run it shows",
     ("sim-to-real-gap", "the other offset"): "test_sim_to_real_gap: grading alone knows",
     ("sim-to-real-gap", "does not hold on fresh data"): "test_sim_to_real_gap: grading alone knows",
     (SHARED, "typed in"): "test_typed_values: told from the runs of cells",

@@ -1,44 +1,18 @@
-"""Typed-in values: which they are, and what a check says of them."""
+"""Whether typed-in values are right elsewhere, and what a check says of them."""
 
 import re
 
 import pytest
 from one_answer import solve
 from record_draws import NOT_OF_THE_RIG, with_record
+from tries import ACCEPTED, Try, fault_of, said_to
 
 from labsid.checks import CheckFailed, notebook_checks
 from labsid.checks.notebook import NotebookAsk
 from labsid.checks.question import FollowsFrom
 from labsid.checks.reference_values import find_reference_values
-from labsid.checks.typed_values import told, typed_names, wrong_elsewhere
-
-
-@pytest.mark.parametrize(
-    ("source", "typed"),
-    [
-        ("a = 2.3", "a"),
-        ("a, b = 2.3, -0.4", "ab"),
-        ("a, b = np.array([2.3, 1])", "ab"),
-        ("a = np.array([[1, 2], [3, 4.5]], dtype=float)", "a"),
-        ("a = b = 3", "ab"),
-        ("a: float = -(2 / 3)", "a"),
-        ("a = np.r_[1.5, 2]", "a"),
-        ("a = np.array([1, 2]).reshape(-1, 1)", "a"),
-        ("%matplotlib inline\na = 'input'", "a"),
-        ("a = u[0]", ""),
-        ("a = 2 * b", ""),
-        ("a = np.mean([1, 2])", ""),
-        ("a = 0\nfor k in range(9):\n    a = a + k", ""),
-        ("a = np.zeros(3)", ""),
-        ("a = 1\na = f(2)", ""),
-        ("a = [0]\na[0] = u[3]", ""),
-        ("a = 3\na += 1", ""),
-        ("def a():\n    return 3", ""),
-        ("a = 3\na =", ""),
-    ],
-)
-def test_typed_names(source: str, typed: str) -> None:
-    assert typed_names(source, ["a", "b"]) == set(typed)
+from labsid.checks.typed_values import told, wrong_elsewhere
+from labsid.checks.written_values import typed_names
 
 
 @pytest.mark.parametrize("name", with_record())
@@ -75,6 +49,28 @@ def test_what_is_told() -> None:
     assert not told(["u"]).passed
 
 
+_RUN = "for k in range(2, len(u)):\n    "
+_APPENDED = {
+    "lab-2a-phi": "half = len(y) // 2\nPhi = []\nY = []\nfor k in range(2, half):\n    Phi.append([y[k-1], y[k-2], "
+    "u[k-1], u[k-2]])\n    Y.append(y[k])",
+    "lab-3a-all": f"y_sim = [0.0, 0.0]\n{_RUN}y_sim.append(-a1*y_sim[k-1] - a2*y_sim[k-2] + b1*u[k-1] + b2*u[k-2])",
+    "postlab-1-phi": "Phi_1 = []\nY_1 = []\nfor k in range(1, half):\n    Phi_1.append((y[k-1], u[k-1]))\n    "
+    "Y_1.append(y[k])",
+    "step-6-cut": "changes = np.flatnonzero(np.diff(u_act)) + 1\nfirst, second = changes[0], changes[1]\n"
+    "t_held = []\ny_held = []\nfor k in range(first, second):\n    t_held.append(t_act[k] - t_act[first])\n"
+    "    y_held.append(y_act[k] - np.mean(y_act[first-20:first]))\na_held = u_act[first] - u_act[first - 1]",
+}
+
+
+@pytest.mark.parametrize("question", _APPENDED)
+def test_lists_that_a_loop_fills_are_right_and_not_typed_in(question: str) -> None:
+    code = _APPENDED[question]
+    one = Try(question, "lists", code, "", ACCEPTED)
+    solved = solve(next(name for name in with_record() if question in solve(name).known))
+    assert fault_of(one, said_to(one, solved)) == ""
+    assert typed_names([code], ["Phi", "Y", "y_sim", "Phi_1", "Y_1", "t_held", "y_held"]) == set()
+
+
 def test_in_a_notebook_the_check_says_what_grading_will_find(tmp_path, monkeypatch, shipped_record_path) -> None:
     from IPython.core.interactiveshell import InteractiveShell
 
@@ -94,5 +90,6 @@ def test_in_a_notebook_the_check_says_what_grading_will_find(tmp_path, monkeypat
     failed = shell.run_cell("check('lab-1c-offsets')").error_in_exec
     assert isinstance(failed, CheckFailed)
     assert re.search("`u_offset` is right on your record, but typed in", str(failed))
-    shell.run_cell("u_offset = u_act[0]\ny, u = y_act - y_offset, u_act - u_offset")
+    shell.run_cell("u_offset = u_act[0]\ny, u = [], u_act - u_offset")
+    shell.run_cell("for one in y_act:\n    y.append(one - y_offset)")
     shell.run_cell("check('lab-1c-offsets')").raise_error()

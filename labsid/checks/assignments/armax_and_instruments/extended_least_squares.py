@@ -65,6 +65,21 @@ def _errors_after_the_update(u: FloatArray, y: FloatArray, forgetting: float, LN
     return history
 
 
+@np.errstate(all="ignore")
+def _errors_of_the_sample(u: FloatArray, y: FloatArray, forgetting: float, LN: float, again: bool) -> FloatArray:
+    """History of a loop whose regressor holds the error of its own sample; with it, the error is taken `again`."""
+    theta, P, e, history = np.zeros(3), LN * np.eye(3), 0.0, np.zeros((y.size, 3))
+    for n in range(1, y.size):
+        e = float(y[n] - np.array([-y[n - 1], u[n - 1], e]) @ theta)
+        phi = np.array([-y[n - 1], u[n - 1], e])
+        P_phi = P @ phi
+        P = (P - np.outer(P_phi, P_phi) / (forgetting + phi @ P_phi)) / forgetting
+        e = float(y[n] - phi @ theta) if again else e
+        theta = theta + P @ phi * e
+        history[n] = theta
+    return history
+
+
 _FAULTS = {
     "1 in the denominator": ("has 1 + phi'P phi in the denominator of P.", "With forgetting the 1 becomes lambda."),
     "not divided by lambda": ("does not divide P by lambda: without that, nothing is forgotten.", ""),
@@ -143,9 +158,18 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
             ),
             Slip(
                 "errors after the update",
-                f"`{call}` puts the error that is left after the update into the next regressor: the notes take "
-                "epsilon(n), computed with theta(n-1).",
+                f"`{call}` puts the error that is left after the update into the next regressor: it is "
+                "epsilon(n) = y(n) - phi'(n) theta(n-1), computed with the estimate before the update.",
                 lambda: _errors_after_the_update(u, y, forgetting, LN),
+            ),
+            *(
+                Slip(
+                    "error of the same sample",
+                    f"`{call}` has epsilon(n) in the regressor of y(n), which is the error of that very sample: it is "
+                    "epsilon(n-1), the one before.",
+                    partial(_errors_of_the_sample, u, y, forgetting, LN, again),
+                )
+                for again in (False, True)
             ),
             Slip(
                 "index wraps around",

@@ -181,6 +181,16 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[
                 "`bias_of` averages absolute errors: errors of both signs must cancel, or scatter looks like bias.",
                 lambda: np.abs(estimates - truth).mean(axis=0),
             ),
+            Slip(
+                "one mean for all parameters",
+                "`bias_of` takes the mean of the truth off: each parameter has a true value of its own.",
+                lambda: estimates.mean(axis=0) - np.mean(truth),
+            ),
+            Slip(
+                "one mean for all parameters",
+                "`bias_of` takes one mean of all estimates: each parameter has its own, along `axis=0`.",
+                lambda: np.mean(estimates) - truth,
+            ),
             Slip("spread before bias", "`bias_of` returns the spread first.", lambda: estimates.std(axis=0, ddof=1)),
         ],
     )

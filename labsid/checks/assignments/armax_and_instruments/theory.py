@@ -161,7 +161,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
     start = diagonal * (1 + c**2)
     start[0, 0] = 1.0
     white = parameter_covariance(Phi, var_e)
-    as_if_white = "`covariance` is the one of Lemma 1, for white noise: neighbouring noise is correlated here."
+    as_if_white = "`covariance` is the one for white noise, var_e (Phi'Phi)^-1: here neighbouring noise is correlated."
     got = as_array(call, value).reshape(1, 1) if p == 1 and as_array(call, value).size == 1 else None
     return judge(
         as_matrix(call, value, (p, p)) if got is None else got,

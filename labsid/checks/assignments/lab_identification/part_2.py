@@ -10,7 +10,8 @@ from labsid.checks.assignments.lab_identification.phi_and_theta import (
     right_equations,
     rounded,
 )
-from labsid.checks.compare import SystemValue, as_number, as_system, close, same_response
+from labsid.checks.compare import as_number, close
+from labsid.checks.compare_systems import SystemValue, as_system, same_response
 from labsid.checks.question import Ask
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
@@ -131,7 +132,7 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
     def slip(short: str, hint: str, num: FloatArray, den: FloatArray) -> Slip[SystemValue]:
         return Slip(short, hint, lambda: TransferFunctionValue(num, den, Ts))
 
-    zero = np.zeros(1)
+    zero, one = np.zeros(1), "1" if b.size == 1 else ""
     slips = [
         slip(
             "sign of a",
@@ -167,6 +168,24 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
             "Numerator and denominator are in reverse order: the highest power of z comes first.",
             b[::-1],
             a[::-1],
+        ),
+        *(
+            slip(
+                "b in the denominator",
+                f"The denominator holds b{one} where a{one} belongs: theta begins with -a, and b comes after it.",
+                b,
+                np.concatenate([[1.0], sign * b]),
+            )
+            for sign in (1, -1)
+        ),
+        *(
+            slip(
+                "a in the numerator",
+                f"The numerator holds a{one} where b{one} belongs: theta begins with -a, and b comes after it.",
+                sign * a[1:],
+                a,
+            )
+            for sign in (1, -1)
         ),
         slip("a and b swapped", "a and b are swapped.", a[1:], np.concatenate([[1.0], b])),
         slip("a and b swapped", "a and b are swapped: theta begins with -a.", -a[1:], np.concatenate([[1.0], b])),

@@ -344,6 +344,18 @@ def _wrong_equations(
         yield "lag off by one", hint, np.hstack([moved_y, past_u]), right.Y
         hint = f"`{target}` does not match the rows of `{phi}`: the row that begins with y(k-1) belongs to y(k)."
         yield "lag off by one", hint, right.Phi, moved.Y
+    if stop + order <= y.size:
+        ahead_y, ahead_u = (np.column_stack([x[start + i : stop + i] for i in range(1, order + 1)]) for x in (y, u))
+        for signals, parts in (
+            ("y(k+1) and u(k+1)", [ahead_y, ahead_u]),
+            ("y(k+1)", [ahead_y, past_u]),
+            ("u(k+1)", [past_y, ahead_u]),
+        ):
+            hint = (
+                f"The row for y(k) in `{phi}` has {signals}, which come later than y(k): it holds earlier samples, "
+                "from y(k-1) and u(k-1) on."
+            )
+            yield "samples to come", hint, np.hstack(parts), right.Y
     for slip, hint, wrong_u, wrong_y in data.wrong_signals():
         made = build_phi(wrong_u, wrong_y, order, start, stop)
         yield slip, hint, made.Phi, made.Y

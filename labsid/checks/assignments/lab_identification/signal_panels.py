@@ -2,12 +2,14 @@
 
 import re
 from dataclasses import dataclass
+from functools import partial
+from string import ascii_lowercase
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_figure
-from labsid.checks.figures import find_curve, legend_text, require_curve, require_label, require_legend
+from labsid.checks.figures import find_curve, legend_text, require_curve, require_here, require_label, require_legend
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import AxesValue, CurveValue
@@ -42,13 +44,16 @@ def require_panels(name: str, value: Value, panels: tuple[Panel, ...]) -> tuple[
         raise NoAnswer(f"`{name}` is empty: draw in its axes.", "empty axes")
     if len(panels) == 2 and _shows(figure.axes[0], panels[1]) and _shows(figure.axes[1], panels[0]):
         raise NoAnswer(f"The two panels of `{name}` are swapped.", "panels swapped")
-    for axes, panel in zip(figure.axes, panels, strict=True):
+    others = figure.axes[::-1] if len(panels) == 2 else (None,) * len(panels)
+    names = [f"ax_{letter}" for letter in ascii_lowercase[: len(panels)]]
+    for axes, panel, other, ax in zip(figure.axes, panels, others, names, strict=True):
         curves = [_require_curve(axes, panel, signal) for signal in panel.signals]
-        require_label(axes, panel.where, "y", "V")
+        require_here(partial(require_label, where=panel.where, axis="y", unit="V"), axes, other, ax)
         if len(curves) > 1:
             _require_names(axes, panel, curves)
     # panels with a common time axis need its label only once, at the bottom
-    require_label(figure.axes[-1], panels[-1].where, "x", "s")
+    require_time = partial(require_label, where=panels[-1].where, axis="x", unit="s")
+    require_here(require_time, figure.axes[-1], others[-1], names[-1])
     return figure.axes
 
 

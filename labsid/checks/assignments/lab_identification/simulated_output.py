@@ -163,6 +163,9 @@ def _predictions_elsewhere(name: str, data: LabData, model: ArxModel, asked: str
     for stop in (data.half, data.half + 1):
         for first in range(model.order + 2):
             yield Slip("one-step prediction", hint, partial(np.copy, whole[first:stop]))
+            for begun in (np.zeros(first), data.y[:first]):
+                text = hint.replace("theta_hat`:", f"theta_hat` behind {first} other samples:")
+                yield Slip("one-step prediction", text, partial(np.concatenate, [begun, whole[first:stop]]))
 
 
 def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Sequence[Slip[float]] = ()) -> Verdict:
@@ -225,8 +228,19 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             np.mean(y**2) - 2 * np.mean(y) * np.mean(y_sim) + np.mean(y_sim**2),
         ),
     ]
+    slips += wrong_divisors(name, squared)
     otherwise = f"`{name}` is not the mean of the squared differences between measured and simulated output."
     return judge(got, mse(y, y_sim), close(1e-6), "Both mean squared errors are right.", otherwise, [*slips, *more])
+
+
+def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
+    """Means of squared errors that are made with N - 1, in brackets or not."""
+    N = squared.size
+    outside = f"`{name}` is the mean less 1: the 1 in `/ N - 1` is taken off after the division. The mean is over N."
+    return [
+        Slip("1 taken off the mean", outside, lambda: float(np.mean(squared)) - 1),
+        Slip("N - 1 for N", f"`{name}` is divided by N - 1: divide by N.", lambda: float(np.sum(squared)) / (N - 1)),
+    ]
 
 
 def _zero_at_first(model: ArxModel, u: FloatArray) -> FloatArray:

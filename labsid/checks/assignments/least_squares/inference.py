@@ -82,6 +82,7 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         ("`np.var` takes the mean off the residuals and divides by n", float(np.var(fit.residual))),
         ("`np.var` takes the mean off the residuals and divides by n - 1", float(np.var(fit.residual, ddof=1))),
         ("sigma^2 is missing", 1.0),
+        ("sigma^2 stands before the root, and belongs under it", (sse / (n - p)) ** 2),
         ("sigma stands where sigma^2 belongs", float(np.sqrt(sse / (n - p)))),
     )
     diagonals = (

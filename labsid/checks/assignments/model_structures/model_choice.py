@@ -38,6 +38,13 @@ def check_excitation(ask: Ask) -> Verdict:
         return Verdict(True, "it counts what an input can teach.")
     if [min(answer, _LARGEST) for answer in answers] == truth:
         return Verdict(False, "`excitation` goes on beyond `largest`: stop there.", "largest not used")
+    if answers == [min(right, _LARGEST - 1) for right in truth]:
+        return Verdict(
+            False,
+            "`excitation` stops one order too early: it never tries n = largest. (`range(1, largest)` leaves out its "
+            "end.)",
+            "largest left out",
+        )
     for slip, hint, rule in _WRONG_ORDERS:
         if answers == [rule(u) for _, u in trials]:
             return Verdict(False, f"`excitation` {hint}", slip)
@@ -233,6 +240,16 @@ def _judge_cancel(
     for slip, hint, matches in (
         ("P and Q swapped", "returns what is left of Q first.", are(right[1], right[0])),
         (
+            "one polynomial twice",
+            "returns what is left of Q twice: the first is what is left of P.",
+            are(right[1], right[1]),
+        ),
+        (
+            "one polynomial twice",
+            "returns what is left of P twice: the second is what is left of Q.",
+            are(right[0], right[0]),
+        ),
+        (
             "all of a multiple root cancelled",
             "cancels both of a double root against a single one: a pair is one root of either.",
             are(*greedy),
@@ -380,6 +397,14 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 "not divided by the sum of squares",
                 "`autocorrelation` returns covariances: divide by the sum of squares, so that r(0) = 1.",
                 lambda: right * np.mean(centred**2),
+            ),
+            *(
+                Slip(
+                    "divided twice",
+                    "`autocorrelation` divides once too often. Divided by the sum of squares alone, r(0) is 1.",
+                    partial(np.divide, right, once_more),
+                )
+                for once_more in (N, np.var(e), centred @ centred)
             ),
             Slip(
                 "divided by the standard deviation",

@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.compare import as_array, as_matrix, as_vector, close, same_response
+from labsid.checks.compare import as_array, as_matrix, as_vector, close
+from labsid.checks.compare_systems import same_response
 from labsid.checks.question import Ask, parts_of, returned, returned_parts
 from labsid.checks.regressions import LEFT_SIDE, WRAPS, beside_right_rows, wrapped
 from labsid.checks.values import StateSpaceValue, Value

@@ -14,6 +14,9 @@ from labsid.least_squares.solve import solve_least_squares
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel, Structure, build_equations, fit_structure
 
+_NOTHING = 1e-15
+"""Of the mean square of y: what rounding leaves of errors that are zero."""
+
 
 @first_failure
 def check_order(ask: Ask) -> Iterator[Verdict]:
@@ -49,6 +52,13 @@ def _wrapped(u: FloatArray, y: FloatArray, n: int) -> FloatArray:
     return wrapped([(signal, lag) for signal in (-y, u) for lag in range(1, n + 1)])
 
 
+def _losses_from(u: FloatArray, y: FloatArray, orders: Sequence[int], of_y: int, of_u: int) -> FloatArray:
+    """The losses of rows whose lags begin with these."""
+    start = max(orders) + max(of_y, of_u, 1) - 1
+    made = ([(-y, of_y + i) for i in range(n)] + [(u, of_u + i) for i in range(n)] for n in orders)
+    return np.array([_loss(wrapped(lags)[start:], y[start:]) for lags in made])
+
+
 def _losses_beside(u: FloatArray, y: FloatArray, orders: Sequence[int], lag: int) -> FloatArray:
     """The losses of right rows with an older output beside them."""
     start = max(orders)
@@ -66,6 +76,13 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
     right, rows = common(start), u.size - start
     if any(SAME(got, common(first)) for first in (0, start + 1, start + 2)):
         return Verdict(True, "")
+    if np.max(np.abs(got)) < _NOTHING * np.mean(y**2):
+        return Verdict(
+            False,
+            "`losses` leaves no error at all: its rows hold y(k) itself, which explains all of it. The lags of both "
+            "signals are 1 to n.",
+            "y(k) in its own row",
+        )
     parameters = 2 * np.array(orders)
     unequal = (
         "`losses` gives each order rows of its own. Then the models explain different outputs: let all of them start "
@@ -121,6 +138,18 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
                 "`losses` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
                 "begin all rows at max(orders).",
                 lambda: np.array([_loss(_wrapped(u, y, n), y) for n in orders]),
+            ),
+            *(
+                Slip(
+                    "lag off by one",
+                    f"`losses` begins {what}: the lags of both signals are 1 to n.",
+                    partial(_losses_from, u, y, orders, *lags),
+                )
+                for what, *lags in (
+                    ("the inputs with u(k)", 1, 0),
+                    ("the inputs with u(k-2)", 1, 2),
+                    ("the outputs with y(k-2)", 2, 1),
+                )
             ),
             *(
                 Slip(

@@ -76,7 +76,7 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         [
             Slip(
                 "sign of a",
-                "`example_3_1` returns -a first, as the program of the notes does. Table 1 lists a itself: put -y(t-1) "
+                "`example_3_1` returns -a first, as the lab's theta does. Table 1 lists a itself: put -y(t-1) "
                 "into Phi.",
                 lambda: right * [-1, 1],
             ),

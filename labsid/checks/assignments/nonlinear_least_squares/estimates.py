@@ -1,9 +1,10 @@
 """Reading what the functions of the nonlinear lecture return, and tolerances measured in standard errors."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_vector
@@ -27,9 +28,25 @@ def within(stderr: FloatArray, share: float = 0.05) -> Callable[[ArrayLike, Arra
 
 
 SQUARED = (
-    "hands `least_squares` the *squared* errors. It squares and adds up what it is handed: hand it the errors "
-    "themselves."
+    "hands `least_squares` the *squared* errors. It squares and adds up what it is handed: hand it the "
+    "errors themselves."
 )
+
+SUMMED = (
+    "hands `least_squares` the *sum* of the squared errors. It squares and adds up what it is handed: hand it the "
+    "errors themselves, one for each point."
+)
+
+
+def fits_of_sum(
+    g: Callable[[FloatArray], FloatArray], y: FloatArray, starts: Iterable[ArrayLike]
+) -> Iterator[Callable[[], FloatArray]]:
+    """The estimates, one for each start, from the sum of squared errors in the place of the errors.
+
+    With one number to fit and several parameters, the search stops in the valley of the sum, before its lowest point.
+    """
+    for start in starts:
+        yield lambda start=start: np.asarray(least_squares(lambda theta: np.sum((g(theta) - y) ** 2), start).x)  # type: ignore[misc]
 
 
 def fit_of_squares(

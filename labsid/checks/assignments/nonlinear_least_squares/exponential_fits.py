@@ -6,7 +6,14 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.nonlinear_least_squares.estimates import SQUARED, as_estimate, fit_of_squares, within
+from labsid.checks.assignments.nonlinear_least_squares.estimates import (
+    SQUARED,
+    SUMMED,
+    as_estimate,
+    fit_of_squares,
+    fits_of_sum,
+    within,
+)
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
 from labsid.checks.figures import legend_text, one_figure, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
@@ -15,6 +22,10 @@ from labsid.least_squares.curve_fit import LINE, SUSTECH_POINTS, fit_powers
 from labsid.nonlinear.exponential import evaluate_exponential, fit_exponential, fit_exponential_by_logarithm
 from labsid.nonlinear.solve import NonlinearFit
 from labsid.plots.figure_values import AxesValue, CurveValue
+
+_STARTS = ((0.0, 1.0), (1.0, 1.0), (0.5, 1.0))
+_IN_THE_VALLEY = 1.5
+"""Of the smallest SSE: a larger one has another cause than a search that stopped early."""
 
 
 @first_failure
@@ -221,6 +232,9 @@ def check_exponential_fit(ask: Ask) -> Iterator[Verdict]:
         y = evaluate_exponential(x, a, b) + 0.5 * ask.rng.standard_normal(9)
         y[np.argmin(evaluate_exponential(x, a, b))] = -ask.rng.uniform(0.5, 1.0)
         yield _judge_exponential(as_estimate("fit_exponential(x, y)", _fitted(ask, x, y), 2), x, y)
+    x = np.linspace(1, 4, 9) + ask.rng.uniform(-0.1, 0.1, 9)  # a long valley: a search that ends early ends far away
+    y = evaluate_exponential(x, 0.6, 0.6) + 0.3 * ask.rng.standard_normal(9)
+    yield _judge_exponential(as_estimate("fit_exponential(x, y)", _fitted(ask, x, y), 2), x, y)
     points = SUSTECH_POINTS
     got = as_estimate("theta_exp", ask.value("theta_exp"), 2)
     printed = _judge_exponential(got, points.x, points.y)
@@ -273,6 +287,10 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
                     fit.theta,
                 ),
             ),
+            *(
+                Slip("sum of squares handed over", f"`fit_exponential` {SUMMED}", wrong)
+                for wrong in fits_of_sum(lambda th: evaluate_exponential(x, th[0], th[1]), y, _STARTS)
+            ),
             Slip(
                 "absolute values",
                 "`fit_exponential` takes the absolute value of y: that changes the data.",
@@ -284,8 +302,14 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
         return verdict
     with np.errstate(over="ignore"):
         e = y - evaluate_exponential(x, got[0], got[1])
-        if e @ e < 1.5 * fit.sse:
-            return verdict
+        if e @ e < fit.sse * _IN_THE_VALLEY:
+            return Verdict(
+                False,
+                f"`fit_exponential` reaches an SSE of {e @ e:.4g}, where {fit.sse:.4g} is possible. Is "
+                "`least_squares` handed the sum of the squared errors? It squares and adds up what it is handed: hand "
+                "it the errors themselves.",
+                "stopped in the valley",
+            )
     return Verdict(
         False,
         "`fit_exponential` ends where the SSE is far larger than it could be: from some starts the curve passes by all "

@@ -129,6 +129,11 @@ def _judge_path(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray, ste
                 "`gauss_newton` fits the step to y: it should explain what is left, e = y - g(theta).",
                 lambda: _walk_on_y(start, steps, y, jacobian),
             ),
+            Slip(
+                "step in place of theta",
+                "`gauss_newton` takes the step for the new theta: it is added to the old one, theta + step.",
+                lambda: _steps_alone(start, steps, y, g, jacobian),
+            ),
             Slip("no step taken", "`gauss_newton` stays at theta0.", lambda: np.repeat(path[:1], steps + 1, axis=0)),
         ],
     )
@@ -149,6 +154,13 @@ def _walk_on_y(start: FloatArray, steps: int, y: FloatArray, jacobian: Map) -> F
     rows = [start]
     for _ in range(steps):
         rows.append(rows[-1] + _newton(jacobian(rows[-1]), y))
+    return np.array(rows)
+
+
+def _steps_alone(start: FloatArray, steps: int, y: FloatArray, g: Map, jacobian: Map) -> FloatArray:
+    rows = [start]
+    for _ in range(steps):
+        rows.append(_newton(jacobian(rows[-1]), y - g(rows[-1])))
     return np.array(rows)
 
 

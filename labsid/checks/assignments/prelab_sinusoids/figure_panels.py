@@ -71,12 +71,16 @@ def require_panel(
             "step before the sample",
         )
     require_here(lambda panel: require_limits(panel, where, (0, 140), (-1.5, 1.5)), axes, beside, ax)
-    if not re.search(title, axes.title, re.IGNORECASE):
-        raise NoAnswer(f"The title of {where} is {axes.title!r}; see the step for the title it should have.", "title")
+    require_here(lambda panel: _require_title(panel, where, title), axes, beside, ax)
     require_here(lambda panel: require_grid(panel, where), axes, beside, ax)
     require_here(lambda panel: require_labels(panel, where, ("s", "")), axes, beside, ax)
     require_here(lambda panel: require_legend(panel, where, 2), axes, beside, ax)
     _require_names(axes, where, sine, cosine)
+
+
+def _require_title(axes: AxesValue, where: str, title: str) -> None:
+    if not re.search(title, axes.title, re.IGNORECASE):
+        raise NoAnswer(f"The title of {where} is {axes.title!r}; see the step for the title it should have.", "title")
 
 
 def shows(axes: AxesValue, y: FloatArray, t: FloatArray | None = None) -> bool:

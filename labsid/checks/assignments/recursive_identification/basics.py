@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.recursive_identification.reference_runs import reference_step
+from labsid.checks.assignments.recursive_identification.reference_runs import reference_step, slips_of_update
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
@@ -230,6 +230,7 @@ def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
                 "`rls_step` multiplies vectors entry by entry (`*`) where the matrix P phi phi'P belongs.",
                 lambda: P - P_phi * P_phi / (1 + q),
             ),
+            *slips_of_update("`rls_step`", lambda update: update(P, phi, 1.0)[1], "1"),
             Slip(
                 "P only once",
                 "the numerator in `rls_step` is phi phi'.",
@@ -274,9 +275,10 @@ def _judge_theta(got: Value, theta: FloatArray, P: FloatArray, phi: FloatArray, 
             ),
             Slip(
                 "sign of the error",
-                "`rls_step` moves away from the sample.",
+                "`rls_step` moves away from the sample: the sign of the error is turned round, or the correction is "
+                "taken off.",
                 lambda: theta - new_P @ phi * error,
-                mend="The error is y - phi'theta.",
+                mend="The error is y - phi'theta, and K times it is added.",
             ),
             Slip(
                 "y in place of the error",

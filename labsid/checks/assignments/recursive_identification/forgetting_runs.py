@@ -11,6 +11,8 @@ from labsid.checks.assignments.recursive_identification.reference_runs import (
     is_one_array,
     reference_run,
     reference_step,
+    run_with,
+    slips_of_update,
 )
 from labsid.checks.compare import SAME, as_figure, as_history, as_matrix, as_vector, close
 from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text, require_label, require_legend
@@ -204,9 +206,8 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
             ),
             Slip(
                 "1 in the denominator",
-                "the denominator of `rls` is 1 + phi'P phi.",
+                "the denominator of `rls` is 1 + phi'P phi: with forgetting the 1 becomes lambda, lam + phi'P phi.",
                 lambda: wrong(denominator=1.0),
-                mend="With forgetting the 1 becomes lambda.",
             ),
             Slip(
                 "not divided by lambda",
@@ -240,7 +241,19 @@ def _one_run(ask: Ask, n: int, p: int, lam: float, large: float) -> Verdict:
                 "`rls` begins with LN in every entry of P: LN I has it on the diagonal only.",
                 lambda: wrong(full=True),
             ),
-            Slip("sign of the error", "`rls` moves away from the samples.", lambda: wrong(sign=-1.0)),
+            Slip(
+                "sign of the error",
+                "`rls` moves away from the samples: the sign of the error is turned round, or the correction is taken "
+                "off. The error is y - phi'theta, and K times it is added.",
+                lambda: wrong(sign=-1.0),
+            ),
+            *(
+                slip
+                for first in (False, True)
+                for slip in slips_of_update(
+                    "`rls`", partial(run_with, Phi=Phi, Y=Y, lam=lam, LN=large, gain_first=first)
+                )
+            ),
             Slip(
                 "start not used",
                 "`rls` does not begin with P = LN I for the LN that it is given.",

@@ -6,7 +6,12 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.recursive_identification.reference_runs import is_one_array, reference_run
+from labsid.checks.assignments.recursive_identification.reference_runs import (
+    is_one_array,
+    reference_run,
+    run_with,
+    slips_of_update,
+)
 from labsid.checks.compare import SAME, as_history, as_vector
 from labsid.checks.question import Ask, returned_parts
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
@@ -70,6 +75,12 @@ def _one_bounded(ask: Ask, lam: float, LN: float, bound: float) -> Verdict:
                 "trace of the old P",
                 "the traces of `rls_bounded` are one sample late: store the trace of the P after the update.",
                 lambda: (right[0], np.concatenate([[p * LN], right[1][:-1]])),
+            ),
+            Slip(
+                "trace over lambda stored",
+                "the traces of `rls_bounded` are divided by lambda: store trace(P) itself. Only the comparison with "
+                "the bound divides it.",
+                lambda: (right[0], right[1] / lam),
             ),
             *slips,
         ],
@@ -222,6 +233,9 @@ def _one_careless(ask: Ask, p: int) -> Verdict:
                 "lambda not used",
                 "`rls_careless` runs with lambda = 1.",
                 lambda: reference_run(Phi, Y, 1.0, LN).theta[:60],
+            ),
+            *slips_of_update(
+                "`rls_careless`", lambda update: run_with(update, Phi[:60], Y[:60], lam, LN, gain_first=True)
             ),
         ],
     )

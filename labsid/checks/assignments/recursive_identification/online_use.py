@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.recursive_identification.reference_runs import reference_step
+from labsid.checks.assignments.recursive_identification.reference_runs import Update, reference_step, slips_of_update
 from labsid.checks.compare import SAME, as_matrix, as_number, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
@@ -121,6 +121,7 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
                 "the denominator of `arx_step` is 1 + phi'P phi; with forgetting the 1 becomes lambda.",
                 lambda: both(*_with_one_below(theta, P, past, y, lam)),
             ),
+            *slips_of_update("`arx_step`", lambda update: both(*_updated(update, theta, P, past, y, lam))),
             Slip(
                 "entry by entry",
                 "the error of `arx_step` is a vector: `*` multiplies past and theta entry by entry; phi'theta is one "
@@ -136,6 +137,14 @@ def _with_one_below(
 ) -> tuple[FloatArray, FloatArray]:
     """One sample with 1 in place of lambda in the denominator."""
     after = (P - np.outer(P @ past, P @ past) / (1 + past @ P @ past)) / lam
+    return theta + after @ past * (y - past @ theta), after
+
+
+def _updated(
+    update: Update, theta: FloatArray, P: FloatArray, past: FloatArray, y: float, lam: float
+) -> tuple[FloatArray, FloatArray]:
+    """One sample with a wrong update of P."""
+    after = update(P, past, lam)[1]
     return theta + after @ past * (y - past @ theta), after
 
 

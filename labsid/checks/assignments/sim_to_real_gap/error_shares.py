@@ -96,6 +96,8 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
     got = as_vector("worst", ask.value("worst"), 2)
     most, Ts = int(np.argmax(energy)), ask.record.Ts
     stretch = np.array([most, most + 1.0])
+    share, e_size = float(energy[most] / energy.sum()), ask.record.y.size
+    samples = np.array([share, share + 1])
     return judge(
         got,
         length * stretch,
@@ -126,6 +128,15 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
                 )
                 for shares in (energy[most : most + 2] / energy.sum(), energy[[most, most]] / energy.sum())
                 if shares.size == 2
+            ),
+            *(
+                Slip(
+                    "the largest share for its index",
+                    f"`worst` is made of the largest share itself, {share:.3g}, in place of its index: `np.max` gives "
+                    "the value, `np.argmax` the index.",
+                    partial(np.multiply, Ts, begins),
+                )
+                for begins in (samples * length / Ts, samples * length // Ts, samples * e_size // PARTS)
             ),
             Slip(
                 "an index of the error",

@@ -167,6 +167,12 @@ def _is_near(y_sim: FloatArray, other: FloatArray, run: _Run) -> bool:
     return bool(np.sqrt(np.mean((y_sim - other) ** 2)) < 0.1 * np.sqrt(np.mean((run.linear - run.y) ** 2)))
 
 
+_WITHIN_NOISE = (
+    " (What is left is no larger than the noise. Then `closed` is 1 whatever was handed over for the error before: it "
+    "is the mean square, `gap_before**2`.)"
+)
+
+
 def check_closed(ask: Ask) -> Verdict:
     """Step 9: the function, and the share closed on the held-out half, which must also hold on the judge's run."""
     for sigma, before, after in ((0.01, 0.05, 0.02), (0.02, 0.09, 0.06), (0.01, 0.05, 0.009), (0.015, 0.04, 0.06)):
@@ -185,7 +191,7 @@ def check_closed(ask: Ask) -> Verdict:
         got,
         right,
         close(0.01, 0.005),
-        f"{100 * right:.0f} % of the gap on your held-out half is closed.",
+        f"{100 * right:.0f} % of the gap on your held-out half is closed.{'' if after > noise**2 else _WITHIN_NOISE}",
         "`closed` is not the share of the gap that `simulate_better` closes on the held-out half: go through the "
         "formula term by term.",
         [

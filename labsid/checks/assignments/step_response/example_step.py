@@ -8,6 +8,7 @@ import numpy as np
 from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
+from labsid.checks.assignments.lab_identification.simulated_output import wrong_divisors
 from labsid.checks.assignments.step_response.least_squares_appendix import (
     returned,
 )
@@ -127,6 +128,7 @@ def check_approximation(ask: Ask) -> Verdict:
                 "`mse_approx` is the sum of the squares over the root of N: divide by N.",
                 lambda: float(np.sum(error**2) / np.sqrt(error.size)),
             ),
+            *wrong_divisors("mse_approx", error**2),
             # the same where the model is above or below the data throughout
             Slip("not squared", not_squared, lambda: float(np.mean(error))),
             Slip("not squared", not_squared, lambda: float(np.mean(abs(error)))),

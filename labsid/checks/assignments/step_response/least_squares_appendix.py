@@ -92,11 +92,19 @@ def _require_a_solution(ask: Ask, value: Value, is_reversed: bool) -> None:
     if is_turned:
         text = f"`solve_two` returns None {made}, and not for dependent ones: its condition is the wrong way round."
         raise NoAnswer(text, "condition the wrong way round")
-    text = (
-        f"`solve_two` returns nothing (None) {made}. Print the determinant that it computes: is it zero? {twice} If it "
-        "is not, the `return` with the result is missing."
-    )
-    raise NoAnswer(text, "determinant is zero")
+    said = f"`solve_two` returns nothing (None) {made}."
+    look = f"the determinant that it computes: is it zero? {twice}"
+    if _goes_on_with_nan(ask):
+        raise NoAnswer(f"{said} Print {look}", "determinant is zero")
+    raise NoAnswer(f"{said} Is the `return` with the result missing? If it is there, print {look}", "no return")
+
+
+def _goes_on_with_nan(ask: Ask) -> bool:
+    """Whether a function has a result for equations whose determinant is no number, and so not zero."""
+    try:
+        return ask.call("solve_two", np.full((2, 2), np.nan), np.ones(2)) is not None
+    except NoAnswer:
+        return True
 
 
 def check_error_vector(ask: Ask) -> Verdict:

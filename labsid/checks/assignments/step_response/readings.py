@@ -68,6 +68,13 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             "`np.argmax(y >= level)`; `np.argmin(y - level)` gives the one that is farthest *below* it.",
             "one instant for both",
         )
+    opposite = abs(td + fit.reading.td) <= SAME_VALUE * fit.reading.td + float(step.t[1] - step.t[0])
+    if right_gain and td != 0 and not opposite and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
+        return Verdict(
+            False,
+            f"{where}K and tau are right, td is not: it is t_63 - tau, and yours is t_28 - tau.",
+            "t_28 for t_63",
+        )
     right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
     within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
     within[1:] += 0.5 * float(step.t[1] - step.t[0])
