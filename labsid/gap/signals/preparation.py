@@ -154,10 +154,10 @@ def _check_outputs(u: FloatArray, y: FloatArray, rows: np.ndarray, record: Recor
         for i, other in enumerate(record.inputs):
             if at.any() and np.array_equal(y[at, j], u[at, i]):
                 raise ValueError(f"the output {name} holds the values of the input {other}. Check the columns.")
-        for other in range(j):
-            both = at & rows[:, other]
-            if _is_used(y[both, j]) and abs(np.corrcoef(y[both, other], y[both, j])[0, 1]) > 1.0 - SAME_OUTPUT:
+        for k in range(j):
+            both = at & rows[:, k]
+            if _is_used(y[both, j]) and abs(np.corrcoef(y[both, k], y[both, j])[0, 1]) > 1.0 - SAME_OUTPUT:
                 raise ValueError(
-                    f"the outputs {record.outputs[other]} and {name} move in proportion: one holds nothing new. "
+                    f"the outputs {record.outputs[k]} and {name} move in proportion: one holds nothing new. "
                     "Leave one of them out."
                 )
