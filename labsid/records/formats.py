@@ -21,7 +21,7 @@ from labsid.records.mat_file import is_mat5, open_mat
 from labsid.records.numpy_file import NUMPY_MAGIC, open_numpy
 from labsid.records.reading import Reading
 from labsid.records.several_signals import SeveralSignals, joined, units_of
-from labsid.records.signals import Signals
+from labsid.records.signals import Signals, without_placeholders
 from labsid.records.steps import even_signals, signal_keys, signals_of
 from labsid.records.text_file import open_text
 
@@ -114,7 +114,7 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
     try:
         with _file_of(path) as file:
             chosen = _chosen(file, how)
-            signals = even_signals(signals_of(chosen, how), how)
+            signals = even_signals(without_placeholders(signals_of(chosen, how)), how)
         values = dict(signals.values)
         inputs, outputs = ({key: values.pop(key) for key in keys} for keys in signal_keys(chosen))
         u, y = _of_equal_length(inputs, signals), _of_equal_length(outputs, signals)

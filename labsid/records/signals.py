@@ -7,6 +7,9 @@ import numpy as np
 
 from labsid._arrays import FloatArray, stretches_of
 
+PLACEHOLDERS = -99, -999, -9999, -99999, 999, 9999, 99999, -32768, 32767, 65535  # of loggers, for missing samples
+FAR = 3.0  # ranges of the other samples
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Signals:
@@ -48,6 +51,29 @@ class Signals:
 def is_input(key: str) -> bool:
     """Whether a signal is a command: an input, or the reference."""
     return key.startswith("u") or key == "reference"
+
+
+def without_placeholders(signals: Signals) -> Signals:
+    """The signals, with outputs missing where the log holds a number for that, such as -999 far from all others.
+
+    Parameters
+    ----------
+    signals : Signals
+    """
+    for key, x in signals.values.items():
+        codes = [] if is_input(key) else [code for code in PLACEHOLDERS if (x == code).any()]
+        rest = x[np.isfinite(x) & ~np.isin(x, codes)]
+        far = [c for c in codes if rest.size > 1 and _distance(c, rest) > FAR * np.ptp(rest) > 0.0]
+        for code in far:
+            there = x == code
+            x = np.where(there, np.nan, x)
+            said = f"{signals.called(key)} holds {code} in {there.sum()} samples, far from all others: read as missing"
+            signals = replace(signals, values={**signals.values, key: x}).said(said)
+    return signals
+
+
+def _distance(value: float, x: FloatArray) -> float:
+    return float(max(x.min() - value, value - x.max()))
 
 
 def name_places(stretches: Sequence[Sequence[int]]) -> str:

@@ -74,9 +74,10 @@ def fit_noise(e: FloatArray, complete: np.ndarray, lags: int = MAX_LAGS, stride:
     """
     at = np.flatnonzero(complete)
     if at.size < MIN_COMPLETE:
+        which = f"follow {lags} used samples" if lags else "count"
         raise ValueError(
-            f"only {at.size} samples follow {lags} used samples; at least {MIN_COMPLETE} must. The output "
-            "has too few readings of its own, or too many are excluded: record for longer, or exclude fewer."
+            f"only {at.size} samples {which}; at least {MIN_COMPLETE} must. The output has too few readings of its "
+            "own, or too many are excluded: record for longer, or exclude fewer."
         )
     target = e[at]
     lagged = lagged_columns(e, at, lags, stride)

@@ -69,7 +69,7 @@ def at_readings(
     slow = [at for at in found if at is not None]
     if not slow:
         return ComparedRecords(list(records), False, 1, ())
-    which = "The output" if found[0] is not None else "The output of the holdout"
+    which = "The output" if found[0] is not None else "The output of another record"
     new = f"{which} has a new value at one sample in {slow[0].every:.3g} only: "
     every, samples = slow[0].every, sum(map(len, records))
     if not is_given and found[0] is not None and _have_one_clock(found, max(map(len, records))):

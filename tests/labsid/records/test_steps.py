@@ -272,3 +272,25 @@ def test_outputs_with_different_clocks_are_resampled_or_refused():
         signals_with_clocks(times)
     found = signals_with_clocks(times, Reading(resample=0.5))
     np.testing.assert_allclose(found.values["y2"][3:-3], np.sin(found.t)[3:-3], atol=0.03)
+
+
+@pytest.mark.parametrize("code", [-999.0, 9999.0, 32767.0])
+def test_a_number_for_missing_samples_is_read_as_missing(write, code):
+    gone = K % 7 == 3
+    record = load_record(write(T, y=np.where(gone, code, Y)))
+    np.testing.assert_array_equal(record.missing, gone)
+    np.testing.assert_array_equal(record.y[~gone], Y[~gone])
+    assert f"y holds {code:.0f} in {gone.sum()} samples, far from all others: read as missing" in record.notes
+
+
+def test_a_value_within_reach_of_the_others_is_one_of_them(write):
+    spread = 400.0 * Y  # up to 1,200
+    spread[7] = 999.0
+    assert not load_record(write(T, y=spread)).missing.any()
+    near = np.where(K == 9, -99.0, 30.0 * Y)
+    assert not load_record(write(T, y=near)).missing.any()
+
+
+def test_an_input_may_have_any_value(write):
+    u = np.where(U > 2.5, 9999.0, U)
+    np.testing.assert_array_equal(load_record(write(T, u=u)).u, u)
