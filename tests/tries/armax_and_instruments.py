@@ -259,7 +259,7 @@ TRIES = (
         ),
         "is the 1 in the denominator",
     ),
-    Try(LIK, "no N/2", lik("-np.log(2 * np.pi * var_e) - E @ E / (2 * var_e)"), "without the N/2"),
+    Try(LIK, "no N/2", lik("-np.log(2 * np.pi * var_e) - E @ E / (2 * var_e)"), "stands there N/2 times"),
     Try(LIK, "no brackets", lik("-N / 2 * np.log(2 * np.pi * var_e) - E @ E / 2 * var_e"), "multiplies by var_e"),
     Try(
         LIK, "plus the errors", lik("-N / 2 * np.log(2 * np.pi * var_e) + E @ E / (2 * var_e)"), "grows with the errors"

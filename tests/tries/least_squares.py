@@ -312,6 +312,12 @@ TRIES = (
         f("constrained_fit(Phi, Y, A, b)", "return np.linalg.lstsq(np.vstack([Phi, A]), np.r_[Y, b])[0]"),
         "further rows",
     ),
+    Try(
+        CON,
+        "as heavy rows",
+        f("constrained_fit(Phi, Y, A, b)", "return np.linalg.lstsq(np.vstack([Phi, 1e4 * A]), np.r_[Y, 1e4 * b])[0]"),
+        "meets the constraint only nearly",
+    ),
     Try(CON, "corner", kkt(corner="0"), "same number of dimensions|dimensions|shape|stopped"),
     Try(CON, "minus b", kkt("np.concatenate([Phi.T @ Y, -b])"), "-b"),
     Try(CON, "identity corner", kkt(corner="np.eye(r)"), "does not satisfy it"),

@@ -133,6 +133,12 @@ TRIES = (
         "right but for the sign",
     ),
     Try(EX, "plus y", ex("return np.linalg.lstsq(np.column_stack([y[:-1], u[:-1]]), y[1:])[0]"), "returns -a first"),
+    Try(
+        EX,
+        "sign turned twice",
+        ex("a, b = np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])[0]\n    return np.array([-a, b])"),
+        "the first number of theta is a as it stands",
+    ),
     Try(EX, "same time", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "lag wrong"),
     Try(EX, "lengths", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y)[0]"), "same number of rows"),
     Try(

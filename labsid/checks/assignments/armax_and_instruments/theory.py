@@ -355,7 +355,8 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
             ),
             Slip(
                 "N/2 left out",
-                "`log_likelihood` has log(2 pi sigma^2) without the N/2 before it: every sample brings half of one.",
+                "`log_likelihood` counts log(2 pi sigma^2) once: it stands there N/2 times, with N the number of "
+                "samples, the rows of Phi.",
                 lambda: 2 * constant / n - sse / (2 * var_e),
             ),
             Slip(

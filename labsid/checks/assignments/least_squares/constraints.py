@@ -21,6 +21,7 @@ from labsid.least_squares.weighted import weighted_least_squares
 from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel
 
+EXACT = 1e-9  # by which rounding may miss a constraint of size one to ten
 _WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3))
 """Wrong lags of y, of the known u and of the other u in example 1; the right ones are 2, 1 and 3."""
 
@@ -263,10 +264,18 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
             "multipliers returned too",
             mend="Return only the first p entries.",
         )
-    free = solve_least_squares(Phi, Y).theta
+    free, right = solve_least_squares(Phi, Y).theta, least_squares_with_equations(Phi, Y, A, b).theta
+    got = as_theta("constrained_fit(Phi, Y, A, b)", value, p)
+    if SAME(got, right) and (off := float(np.max(np.abs(A @ np.ravel(got) - b)))) > EXACT:
+        return Verdict(
+            False,
+            f"`constrained_fit` meets the constraint only nearly, to {off:.1g}. It must be met exactly.",
+            "constraint as additional data",
+            mend="Rows of a large weight are never met exactly: write the equations with multipliers.",
+        )
     return judge(
-        as_theta("constrained_fit(Phi, Y, A, b)", value, p),
-        least_squares_with_equations(Phi, Y, A, b).theta,
+        got,
+        right,
         SAME,
         "the best theta among those that satisfy A theta = b.",
         f"`constrained_fit` does not return the best theta with A theta = b. {_constraint_met(value, A, b)}",

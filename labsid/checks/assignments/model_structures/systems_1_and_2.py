@@ -76,8 +76,8 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         [
             Slip(
                 "sign of a",
-                "`example_3_1` returns -a first, as the lab's theta does. Table 1 lists a itself: put -y(t-1) "
-                "into Phi.",
+                "`example_3_1` returns -a first, as the lab's theta does. Table 1 lists a itself: with -y(t-1) in Phi, "
+                "the first number of theta is a as it stands.",
                 lambda: right * [-1, 1],
             ),
             Slip("order of theta", "`example_3_1` returns b before a.", lambda: right[::-1]),

@@ -84,9 +84,9 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
         yield Verdict(False, f"`regressors` makes {Phi.shape[0]} rows of {n} samples: begin at the third sample.")
     right = build_equations(_STRUCTURE, u, y, start=start).Phi
     early = [build_equations(_STRUCTURE, u, y, start=s).Phi[: n - start] for s in range(start)]
-    lag = (
-        "a lag of `regressors` is off by one: the row of y(t) holds y(t-1), y(t-2) and u(t-1), nothing newer or older."
-    )
+    lag = "a lag of `regressors` is off by one: in the row of y(t), "
+    past_u = f"{lag}the third column holds {{}}, and should hold u(t-1)."
+    past_y = f"{lag}the first two columns hold -y(t) and -y(t-1), and should hold -y(t-1) and -y(t-2)."
     future = np.append(u, 0.0)
     yield judge(
         Phi,
@@ -111,11 +111,23 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
                 "`regressors` has y(t-2) before y(t-1): a1 belongs to y(t-1).",
                 lambda: right[:, [1, 0, 2]],
             ),
-            Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], u[start:]])),
-            Slip("lag off by one", lag, lambda: np.column_stack([-y[start:], right[:, 0], right[:, 2]])),
-            Slip("lag off by one", lag, lambda: np.column_stack([-y[start:], right[:, 0], u[start:]])),
-            Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], u[start - 2 : n - 2]])),
-            Slip("lag off by one", lag, lambda: np.column_stack([right[:, :2], future[start + 1 :]])),
+            Slip("lag off by one", past_u.format("u(t)"), lambda: np.column_stack([right[:, :2], u[start:]])),
+            Slip("lag off by one", past_y, lambda: np.column_stack([-y[start:], right[:, 0], right[:, 2]])),
+            Slip(
+                "lag off by one",
+                f"{lag}every column holds a sample that is one newer than -y(t-1), -y(t-2) and u(t-1).",
+                lambda: np.column_stack([-y[start:], right[:, 0], u[start:]]),
+            ),
+            Slip(
+                "lag off by one",
+                past_u.format("u(t-2)"),
+                lambda: np.column_stack([right[:, :2], u[start - 2 : n - 2]]),
+            ),
+            Slip(
+                "lag off by one",
+                past_u.format("u(t+1)"),
+                lambda: np.column_stack([right[:, :2], future[start + 1 :]]),
+            ),
             Slip(
                 "index wraps around",
                 "`np.roll`, or an index below zero, brings the end of the record round to its start: a sample from the "
