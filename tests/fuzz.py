@@ -33,7 +33,8 @@ from autograder.judge.redaction import redact, redact_reason
 from autograder.results.prose import prose_for_notebook
 from autograder.results.similar import code_fingerprints
 from autograder.sandbox.channel import ChannelError, decode
-from labsid.checks.compare import as_array, as_matrix, as_number, as_system, as_vector, kind_of
+from labsid.checks.compare import as_array, as_matrix, as_number, as_vector, kind_of
+from labsid.checks.compare_systems import as_system
 from labsid.checks.verdict import NoAnswer
 from labsid.gap.simulations.simulation_files import replay
 from labsid.records.formats import describe_columns

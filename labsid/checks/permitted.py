@@ -11,13 +11,14 @@ ALLOWED_PACKAGES = ("records", "rig.lab")
 """The packages of labsid that graded code may import with all their modules."""
 
 ALLOWED_MODULES = (
-    "_arrays", "_files", "checks", "checks.asked_texts", "checks.call_causes", "checks.causes", "checks.cell_names",
-    "checks.cell_runs", "checks.cells", "checks.compare", "checks.error_table", "checks.function_reads",
-    "checks.given_lines", "checks.grading_rules", "checks.hints", "checks.kept_tries", "checks.line_values",
-    "checks.matlab_syntax", "checks.matrix_causes", "checks.notebook", "checks.notebook_ask", "checks.notebook_file",
-    "checks.notebook_tries", "checks.origin_of_values", "checks.permitted", "checks.python_errors", "checks.question",
-    "checks.relations", "checks.stops", "checks.summary", "checks.syntax_trees", "checks.time_limit", "checks.values",
-    "checks.verdict",
+    "_arrays", "_files", "checks", "checks.array_errors", "checks.asked_texts", "checks.call_causes", "checks.causes",
+    "checks.cell_names", "checks.cell_runs", "checks.cells", "checks.compare", "checks.error_table",
+    "checks.function_reads", "checks.given_lines", "checks.grading_rules", "checks.handed_over", "checks.hints",
+    "checks.kept_tries", "checks.key_causes", "checks.line_values", "checks.matlab_syntax", "checks.matrix_causes",
+    "checks.notebook", "checks.notebook_ask", "checks.notebook_file", "checks.notebook_tries",
+    "checks.origin_of_values", "checks.permitted", "checks.python_errors", "checks.question", "checks.relations",
+    "checks.stops", "checks.summary", "checks.syntax_trees", "checks.tables", "checks.time_limit",
+    "checks.tuple_causes", "checks.values", "checks.verdict", "checks.written_values",
     "plots", "plots.block_diagrams", "plots.captions", "plots.describe", "plots.diagrams", "plots.figure",
     "plots.figure_values", "plots.lecture_diagrams", "plots.rig_sketch", "plots.style", "plots.visible",
     "rig", "rig.seeds",
