@@ -137,7 +137,7 @@ TRIES = (
         EX,
         "sign turned twice",
         ex("a, b = np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])[0]\n    return np.array([-a, b])"),
-        "the first number of theta is a as it stands",
+        "returns -a first",
     ),
     Try(EX, "same time", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "lag wrong"),
     Try(EX, "lengths", ex("return np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y)[0]"), "same number of rows"),
