@@ -10,6 +10,7 @@ FINE_STEP = 1e-4  # of the range: below this converter step, equal samples are r
 LARGE_MOVE = 4.0  # median changes between samples: a jump away from the sensor's limit
 SEVERAL_HOLDS = 3
 NEAR, NEAR_SHARE = 10, 0.02  # of the smallest changes from one reading to the next, whose density is taken
+MOSTLY_NEW = 0.99  # of the readings, that occur once where no lattice makes them equal
 MOST_BY_CHANCE = 0.1  # repeats of a record
 
 
@@ -193,6 +194,11 @@ def shortest_repeat(x: FloatArray, step: float) -> int:
     near = max(NEAR, int(NEAR_SHARE * x.size))
     if near >= moves.size:
         return MIN_HOLD
+    readings = x[runs(x)[0]]
+    if (
+        np.unique(readings).size < MOSTLY_NEW * readings.size
+    ):  # on the lattice of a converter, printed with other digits
+        step = max(step, float(moves[0]))
     by_chance = 0.5 * step * near / moves[near]  # changes are as dense at zero as next to it
     return 2 if by_chance < MOST_BY_CHANCE else MIN_HOLD
 

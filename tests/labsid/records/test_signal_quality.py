@@ -104,5 +104,12 @@ def test_two_equal_readings_are_a_hold_only_where_chance_makes_none_equal(digits
     assert shortest_repeat(x, 10.0**-digits) == shortest
 
 
+def test_readings_of_a_converter_that_are_printed_with_other_digits_are_equal_by_chance():
+    assert shortest_repeat(np.round(np.round(noisy(4) / 0.002061) * 0.002061, 5), 1e-5) == 3
+    stale = noisy(5)
+    stale[100:500:50] = stale[99:499:50]
+    assert shortest_repeat(stale, 0.0) == 2
+
+
 def test_a_record_of_few_changes_has_no_short_holds():
     assert shortest_repeat(np.repeat([0.0, 1.0, 2.0], 100), 0.0) == 3
