@@ -412,9 +412,9 @@ def _prepare(
     order: int,
     exclude: Sequence[tuple[float, float]],
 ) -> _Prepared:
-    whole = record
+    as_given = record
     record, holdout = between_outputs(record), None if holdout is None else between_outputs(holdout)
-    simulation = cut_alike(simulation, whole, record)
+    simulation = cut_alike(simulation, as_given, record)
     record, holdout = _common_sampling_time(record, holdout, simulation)
     findings = clock_findings(record, holdout)
     both = [record] if holdout is None else [record, holdout]

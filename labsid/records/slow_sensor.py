@@ -75,7 +75,7 @@ def find_readings(u: FloatArray, y: FloatArray) -> SlowReadings | None:
     clock, values = _clock(seen), y[there[starts]]
     is_fine = (lattice_step(values) or 0.0) <= SMALL_STEP * float(np.median(np.abs(np.diff(values))))
     if clock is not None:
-        at = _samples_of(np.arange(clock[1], y.size - 1 + ON_TIME, clock[0]))
+        at = _samples_of(_ticks(*clock, y.size))
         at = at[at < y.size]
         return SlowReadings(at[~np.isnan(y[at])], *clock)
     return SlowReadings(seen, float(np.diff(seen).mean()), None) if is_fine else None
@@ -108,6 +108,10 @@ def _clock(at: np.ndarray) -> tuple[float, float] | None:
     return period, first - period * np.floor(first / period + ON_TIME)
 
 
+def _ticks(every: float, first: float, samples: int) -> FloatArray:
+    return np.arange(first, samples - 1 + ON_TIME, every)
+
+
 def _samples_of(ticks: FloatArray) -> np.ndarray:
     """Samples at which held readings of a clock are surely seen: the next one, also where a tick rounds to a sample."""
     whole = np.floor(ticks + ON_TIME).astype(int)
@@ -117,7 +121,7 @@ def _samples_of(ticks: FloatArray) -> np.ndarray:
 def read_at_ticks(readings: SlowReadings, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The ticks of a clock, in samples, and the reading of each; NaN where it is missing."""
     assert readings.first is not None
-    ticks = np.arange(readings.first, y.size - 1 + ON_TIME, readings.every)
+    ticks = _ticks(readings.every, readings.first, y.size)
     late, early = (np.minimum(at, y.size - 1) for at in (_samples_of(ticks), np.ceil(ticks - ON_TIME).astype(int)))
     return ticks, np.where(np.isnan(y[late]), y[early], y[late])
 

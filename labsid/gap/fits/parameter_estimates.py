@@ -27,9 +27,7 @@ def is_told_from_nothing(data: Data, fit: Fit, effect: Effect, magnitudes: Colle
     magnitudes : collection of str
         Those of its values that are zero where it does nothing; without one, or without errors, it is told.
     """
-    cov, slopes = covariance(data, fit), value_slopes(data, fit, effect)
-    values = effect.values(Fitted.of(fit, data))
-    errors = {name: _root(float(slopes[name] @ cov @ slopes[name])) for name in magnitudes if name in values}
+    values, errors = effect.values(Fitted.of(fit, data)), _errors(data, fit, effect, magnitudes)
     if not errors or not all(np.isfinite(error) and error > 0.0 for error in errors.values()):
         return True
     return any(abs(values[name].value) > CLEAR_ERRORS * error for name, error in errors.items())
@@ -47,15 +45,16 @@ def has_place(data: Data, fit: Fit, effect: Effect, places: Collection[str]) -> 
     places : collection of str
         Those of its values that are places; without one on a signal, it has its place.
     """
-    cov, slopes = covariance(data, fit), value_slopes(data, fit, effect)
-    values = effect.values(Fitted.of(fit, data))
+    values, errors = effect.values(Fitted.of(fit, data)), _errors(data, fit, effect, places)
     ranges = {"u": np.ptp(data.u) * data.u_scale.unit, "y": np.ptp(data.y) * data.y_scale.unit}
-    errors = [
-        _root(float(slopes[name] @ cov @ slopes[name])) / ranges[values[name].unit]
-        for name in places
-        if name in values and values[name].unit in ranges
-    ]
-    return not errors or bool(min(errors) < 1.0)
+    shares = [error / ranges[values[name].unit] for name, error in errors.items() if values[name].unit in ranges]
+    return not shares or bool(min(shares) < 1.0)
+
+
+def _errors(data: Data, fit: Fit, effect: Effect, names: Collection[str]) -> dict[str, float]:
+    """Standard errors of some values of an effect, of those that it has, by linear propagation."""
+    cov, slopes = covariance(data, fit), value_slopes(data, fit, effect)
+    return {name: _root(float(slopes[name] @ cov @ slopes[name])) for name in names if name in slopes}
 
 
 def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[str, object]]:

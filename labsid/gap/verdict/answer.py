@@ -243,10 +243,8 @@ def answer_from(
     further : dict, optional
         Further inputs of the holdout by name, scaled.
     """
-    given, start = (
-        None,
-        RecordStart(explanation.path[0].slowest_rates, explanation.data.every),
-    )  # the same for every fit
+    start = RecordStart(explanation.path[0].slowest_rates, explanation.data.every)  # the same for every fit
+    given = None
     if holdout is not None and base.simulate_record is not None:
         given = explanation.data.y_scale.of(check_bounded(base.simulate_record(holdout, start), holdout.y))
     other = None if holdout is None else (holdout.u, holdout.y)

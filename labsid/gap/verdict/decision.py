@@ -265,18 +265,9 @@ def without_sizeless(decision: Decision, data: Data, fit: Fit) -> Decision:
     Nor one of which no place on the axis of its signal is known to the range of that signal, nor others that act beside
     it on the same path: it only lends them its parameters.
     """
-    sizeless = {
-        effect.name
-        for effect in fit.hypothesis.found
-        if decision.probability.get(effect.name, 0.0) > SWITCH_PROBABILITY
-        and not is_told_from_nothing(data, fit, effect, magnitudes_of(effect.name))
-    }
-    nowhere = {
-        DESCRIPTIONS[effect.name].path
-        for effect in fit.hypothesis.found
-        if decision.probability.get(effect.name, 0.0) > SWITCH_PROBABILITY
-        and not has_place(data, fit, effect, places_of(effect.name))
-    }
+    likely = [one for one in fit.hypothesis.found if decision.probability.get(one.name, 0.0) > SWITCH_PROBABILITY]
+    sizeless = {one.name for one in likely if not is_told_from_nothing(data, fit, one, magnitudes_of(one.name))}
+    nowhere = {DESCRIPTIONS[one.name].path for one in likely if not has_place(data, fit, one, places_of(one.name))}
     sizeless |= {name for name in decision.names if name in DESCRIPTIONS and DESCRIPTIONS[name].path in nowhere}
     return _less_likely_than_not(decision, sizeless) if sizeless else decision
 
