@@ -23,7 +23,7 @@ from labsid.gap.model_file import ExportedModel, export_model
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
-from labsid.gap.record.readings import along, at_readings, readings_alone
+from labsid.gap.record.readings import along, at_readings, brought_to_samples, readings_alone
 from labsid.gap.record.record_findings import (
     about_correction,
     filtered_input,
@@ -446,6 +446,11 @@ def _prepare(
     if is_slow:
         data = replace(data, at=np.flatnonzero(measured), stride=compared.stride)
     base = make_baseline(data, record.t, simulation, order)
+    if base.before is not None and compared.before is not None and len(record) == len(compared.records[0]):
+        simulated = data.y_scale.back(base.before(data).output)
+        record = brought_to_samples(record, np.flatnonzero(measured), compared.before, np.asarray(simulated))
+        data = replace(data, y=data.y_scale.of(record.y))
+        base = make_baseline(data, record.t, simulation, order)
     if base.output_only and holdout is not None:
         raise ValueError(
             "a simulated output is known on its own record only. Give a model or a function, or omit the holdout."

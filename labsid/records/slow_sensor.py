@@ -72,13 +72,17 @@ def find_readings(u: FloatArray, y: FloatArray) -> SlowReadings | None:
     seen = changes[1:][there[starts[1:] - 1] == changes[1:] - 1]
     if seen.size < MIN_READINGS or np.mean(np.diff(seen) == 1) > MOST_SINGLE:
         return None
-    clock, values = _clock(seen), y[there[starts]]
-    is_fine = (lattice_step(values) or 0.0) <= SMALL_STEP * float(np.median(np.abs(np.diff(values))))
+    clock = _clock(seen)
     if clock is not None:
         at = _samples_of(_ticks(*clock, y.size))
         at = at[at < y.size]
         return SlowReadings(at[~np.isnan(y[at])], *clock)
-    return SlowReadings(seen, float(np.diff(seen).mean()), None) if is_fine else None
+    return SlowReadings(seen, float(np.diff(seen).mean()), None) if differ_by_size(y[there[starts]]) else None
+
+
+def differ_by_size(readings: FloatArray) -> bool:
+    """Whether readings that differ would hardly be equal by chance: their lattice, if any, is fine beside the steps."""
+    return (lattice_step(readings) or 0.0) <= SMALL_STEP * float(np.median(np.abs(np.diff(readings))))
 
 
 def _clock(at: np.ndarray) -> tuple[float, float] | None:

@@ -8,9 +8,10 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.records.record import Record, between_outputs
 from labsid.records.signal_quality import runs
-from labsid.records.slow_sensor import ON_TIME, SlowReadings, find_readings, read_at_ticks
+from labsid.records.slow_sensor import ON_TIME, SlowReadings, differ_by_size, find_readings, read_at_ticks
 
 ROUNDING = 1e-9  # of the range of the input
+MEAN_UNKNOWN = 0.5  # samples by which a reading is before the sample that shows it first
 ONE_CLOCK = 1.0  # samples over the longest record, by which the periods of one sensor may differ
 
 
@@ -28,12 +29,16 @@ class ComparedRecords:
         Samples from one reading to the next, where most are at one distance; else 1.
     notes : tuple of str
         A sentence on what is compared.
+    before : ndarray, shape (M,), optional
+        By how many samples each reading of the first is before its sample, negative after it, if it lies between two;
+        NaN where the log does not tell.
     """
 
     records: list[Record]
     is_slow: bool
     stride: int
     notes: tuple[str, ...]
+    before: FloatArray | None = None
 
 
 def at_readings(
@@ -81,7 +86,58 @@ def at_readings(
             return ComparedRecords(at_ticks, stride > 1, stride, (new + _compared(stride),))
     only = [_without_repeats(*one) for one in zip(records, outputs, found, strict=True)]
     stride = 1 if found[0] is None else _usual_distance(found[0].at)
-    return ComparedRecords(only, found[0] is not None, stride, (f"{new}the simulation is compared at these.",))
+    before = None if found[0] is None else _before_samples(found[0], outputs[0])
+    return ComparedRecords(only, found[0] is not None, stride, (f"{new}the simulation is compared at these.",), before)
+
+
+def _before_samples(readings: SlowReadings, y: FloatArray) -> FloatArray | None:
+    """By how many samples each reading is before its sample, NaN if unknown; None if none is between two samples."""
+    if readings.is_even:
+        return None
+    if readings.first is None:
+        return np.full(readings.at.size, np.nan)
+    ticks, held = _new_at_ticks(readings, y)
+    return np.asarray(np.round(ticks) - ticks)[~np.isnan(held)]
+
+
+def _new_at_ticks(readings: SlowReadings, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The ticks of a clock, and the reading of each; NaN where it is missing, and between samples where it is lost.
+
+    A lost reading shows as one that is equal to the one before. At even distances these stay, for a logger that holds.
+    """
+    ticks, held = read_at_ticks(readings, y)
+    there = np.flatnonzero(~np.isnan(held))
+    lost = there[1:][np.diff(held[there]) == 0.0]
+    if not readings.is_even and differ_by_size(held[np.setdiff1d(there, lost)]):
+        held[lost] = np.nan
+    return ticks, held
+
+
+def brought_to_samples(record: Record, at: np.ndarray, before: FloatArray, simulated: FloatArray) -> Record:
+    """A record whose readings between samples are brought to these, along the slope of a given simulation.
+
+    Where the log does not tell when they were read, at the sample or at any time from the one before: the mean, half a
+    sample before, if the simulation is nearer to the readings there.
+
+    Parameters
+    ----------
+    record : Record
+    at : ndarray of int, shape (M,)
+        Samples with a reading.
+    before : ndarray, shape (M,)
+        By how many samples each reading is before its sample; NaN where the log does not tell.
+    simulated : ndarray, shape (N,)
+        Output of the simulation.
+    """
+    samples = np.arange(len(record))
+
+    def moved(early: FloatArray) -> FloatArray:
+        return np.asarray(record.y[at] + simulated[at] - np.interp(at - early, samples, simulated))
+
+    brought = [moved(np.where(np.isnan(before), unknown, before)) for unknown in (0.0, MEAN_UNKNOWN)]
+    y = record.y.copy()
+    y[at] = min(brought, key=lambda one: float(np.var(one - simulated[at])))
+    return replace(record, y=y)
 
 
 def _usual_distance(at: np.ndarray) -> int:
@@ -117,7 +173,7 @@ def _without_repeats(record: Record, y: FloatArray, readings: SlowReadings | Non
         return record
     at, held = readings.at, y[readings.at]
     if readings.first is not None:
-        ticks, held = read_at_ticks(readings, y)
+        ticks, held = _new_at_ticks(readings, y)
         at = np.round(ticks).astype(int)
     only = np.full(len(record), np.nan)
     only[at] = held

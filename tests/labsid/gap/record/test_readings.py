@@ -174,3 +174,36 @@ def test_between_readings_the_error_is_drawn_and_not_the_output():
     report = diagnose(read_slowly(dead, 19)).report
     traces = {name: np.array(values, float) for name, values in report["traces"].items()}
     assert np.abs(traces["y"] - traces["after"]).max() < 6.0 * report["gap"]["noise_floor"]
+
+
+POLES = (0.95, 0.85)
+
+
+def simulate(t, u):
+    return lfilter([0, 0.005, 0.0045], np.poly(POLES), u)
+
+
+def read_between_samples(w, every, jitter=0.0, lost=0.0):
+    """A logger that holds the readings of a sensor with a clock of its own, between the samples of the input."""
+    rng, fine, N = np.random.default_rng(13), 20, 2400
+    u = np.repeat(rng.uniform(-1, 1, N // 20), 20)
+    exact = np.interp(np.arange(N * fine) / fine, np.arange(N), simulate(None, w(u)))
+    ticks = 0.3 + every * np.arange(int(N / every))
+    ticks = np.sort(ticks + jitter * every * rng.uniform(-1, 1, ticks.size))
+    ticks = ticks[(ticks > 0.0) & (rng.random(ticks.size) >= lost)]
+    readings = exact[(ticks * fine).astype(int)] + 0.002 * rng.standard_normal(ticks.size)
+    seen = np.searchsorted(ticks, np.arange(N), side="right") - 1
+    return Record(0.1 * np.arange(N), u, readings[np.maximum(seen, 0)], 0.1)
+
+
+@pytest.mark.parametrize(("every", "jitter", "lost"), [(4.6, 0.0, 0.0), (4.6, 0.0, 0.2), (6.0, 0.4, 0.0)])
+def test_a_given_simulation_is_compared_at_the_times_of_the_readings(every, jitter, lost):
+    run = read_between_samples(np.array, every, jitter, lost)
+    report = diagnose(run, simulate, exclude=[(50.0, 60.0)]).report
+    assert (report["verdict"], report["effects"]) == ("none", [])
+    assert report["gap"]["before"] < (0.008 if jitter else 0.003)  # the noise is .002, a sample up to .02
+    limited = read_between_samples(lambda u: np.clip(u, -0.5, 0.6), every, jitter, lost)
+    found = diagnose(limited, simulate).report["effects"]
+    (cause,) = [one for one in found if one["probability"] > 0.5]
+    assert cause["name"] == "input-saturation"
+    assert cause["parameters"]["high"]["value"] == pytest.approx(0.6, abs=0.03)
