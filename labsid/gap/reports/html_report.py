@@ -1,5 +1,7 @@
 """The HTML report: one self-contained file, made from the JSON report alone."""
 
+import base64
+import gzip
 from pathlib import Path
 from typing import Any
 
@@ -226,10 +228,11 @@ def scripts(report: dict[str, Any]) -> dict[str, Any]:
     from labsid.gap.reports.replay_page import page_data, page_script
     from labsid.plots.gap_panels import panel_script
 
-    texts = [panel_script(), page_script(report, (TEMPLATES / "replay.js").read_text(encoding="utf-8"))]
+    library, own = panel_script(), page_script(report, (TEMPLATES / "replay.js").read_text(encoding="utf-8"))
     return {
-        "texts": texts,
-        "digests": [digest(text) for text in texts],
+        "own": own,
+        "library": base64.b64encode(gzip.compress(library.encode(), mtime=0)).decode("ascii"),
+        "digests": [digest(text) for text in (library, own)],
         "data": page_data(report),
         "switches": bool(report.get("replay")),
     }

@@ -22,9 +22,9 @@ _IDENTITY = {"centre": 0.0, "unit": 1.0}
 
 
 def page_script(report: dict[str, Any], own: str) -> str:
-    """The script of the page: the simulations of the report in JavaScript, then its `own` part."""
+    """The script of the page: the simulations of the report in JavaScript, then its `own` part, which may await."""
     simulations = script(_hypothesis(one) for one in _replay(report)["combinations"])
-    return f'"use strict";\n(() => {{\n{simulations}\n{own}}})();'
+    return f'"use strict";\n(async () => {{\n{simulations}\n{own}}})();'
 
 
 def page_data(report: dict[str, Any]) -> str:
