@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:  # slow imports, and a command needs only one of them
+    from labsid._arrays import FloatArray
     from labsid.lab.identification import Identification
     from labsid.lab.record_check import RecordCheck
     from labsid.records.contents import ColumnSummary
@@ -82,7 +83,7 @@ def identification_text(identification: "Identification") -> str:
     record, model, fit = identification.record, identification.model, identification.fit
     offsets, rows, runs = identification.offsets, identification.regression, identification.verification
     symbols = [f"-a{i + 1}" for i in range(model.order)] + [f"b{i + 1}" for i in range(model.order)]
-    estimates = zip(symbols, fit.theta, fit.stderr, strict=True)
+    theta = estimates(fit.theta, fit.stderr)
     lines = [
         f"{record.name}: {len(record)} samples, Ts = {record.Ts:.9g} s",
         *(textwrap.fill(f"Read: {note}.", 90) for note in reading_notes(record)),
@@ -92,8 +93,8 @@ def identification_text(identification: "Identification") -> str:
         f"Phi: rows k = {rows.start} to {rows.stop - 1} of the first half, condition number {fit.condition_number:.2f}",
         *_left_out(identification),
         "",
-        "theta        estimate    standard error",
-        *(f"  {symbol:<6}{value:13.8f}{error:18.8f}" for symbol, value, error in estimates),
+        "theta, ± one standard error",
+        *(f"  {symbol:<4}{text}" for symbol, text in zip(symbols, theta, strict=True)),
         "",
         str(to_tf(model)).strip(),
         "",
@@ -109,6 +110,26 @@ def identification_text(identification: "Identification") -> str:
         *(textwrap.fill(f"Warning: {warning}.", 90) for warning in identification.warnings),
     ]
     return "\n".join(lines)
+
+
+def estimates(values: "FloatArray", errors: "FloatArray") -> list[str]:
+    """Estimates with their standard errors, the signs ± in one column; those within two errors of zero are marked.
+
+    Parameters
+    ----------
+    values, errors : ndarray, shape (p,)
+    """
+    from labsid.gap.reports.quantities import with_error
+
+    texts = [
+        with_error(float(value), float(error)).partition(" ± ") for value, error in zip(values, errors, strict=True)
+    ]
+    widest = [max(len(text[part].lstrip("-")) for text in texts) for part in (0, 2)]
+    lines = []
+    for value, error, (number, sign, spread) in zip(values, errors, texts, strict=True):
+        text = f"{'-' if number.startswith('-') else ' '}{number.lstrip('-'):<{widest[0]}}{sign}{spread:<{widest[1]}}"
+        lines.append(f"{text}  not told from zero" if abs(value) < 2.0 * error else text.rstrip())
+    return lines
 
 
 def _left_out(identification: "Identification") -> list[str]:

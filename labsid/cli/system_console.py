@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labsid.cli.console import estimates
+
 if TYPE_CHECKING:  # a slow import
     from labsid.lab.system_identification import SystemIdentification
 
@@ -55,24 +57,19 @@ def _thetas(identification: "SystemIdentification") -> list[str]:
     model, lines = identification.model, []
     for i, (name, equation) in enumerate(zip(model.outputs, identification.equations, strict=True)):
         rows, fit = equation.regression, equation.fit
+        theta = estimates(fit.theta, fit.stderr)
         others = [m for m in range(len(model.outputs)) if m != i]
         of_outputs = [i, *others] if fit.theta.size > model.order * (1 + len(model.inputs)) else [i]
         blocks = [("-a", model.outputs[m]) for m in of_outputs] + [("b", name) for name in model.inputs]
         symbols = [(f"{symbol}{lag + 1}", signal) for symbol, signal in blocks for lag in range(model.order)]
+        named = [f"{symbol} of {signal}" for symbol, signal in symbols]
+        widest = max(named, key=len) + "   "
         left_out = rows.stop - rows.start - rows.Y.size
         lines += [
             "",
-            f"theta of {name}; Phi: rows k = {rows.start} to {rows.stop - 1}, condition number "
+            f"theta of {name}, ± one standard error; Phi: rows k = {rows.start} to {rows.stop - 1}, condition number "
             f"{fit.condition_number:.2f}{f', {left_out} rows without an output left out' if left_out else ''}",
-            *_table(
-                [
-                    ("", "of", "estimate", "standard error"),
-                    *(
-                        (*symbol, f"{value:.8f}", f"{error:.8f}")
-                        for symbol, value, error in zip(symbols, fit.theta, fit.stderr, strict=True)
-                    ),
-                ]
-            ),
+            *(f"  {symbol:<{len(widest)}}{text}" for symbol, text in zip(named, theta, strict=True)),
         ]
     return lines
 

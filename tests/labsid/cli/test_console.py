@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labsid._files import write_file, write_json
-from labsid.cli.console import identification_text, print_check
+from labsid.cli.console import estimates, identification_text, print_check
 from labsid.lab.identification import identify
 from labsid.lab.record_check import check_record
 from labsid.records.formats import RawRecord
@@ -29,9 +29,12 @@ def test_identification_text_says_what_was_found(tank):
     assert f"y_offset = {result.offsets.y_offset:.8f}, the mean of samples 0 to 99" in lines
     assert any(line.startswith("Phi: rows k = 2 to 299 of the first half") for line in lines)
     printed = [line.split() for line in lines]
-    for symbol, value in zip(["-a1", "-a2", "b1", "b2"], result.fit.theta, strict=True):
+    for symbol, value, error in zip(["-a1", "-a2", "b1", "b2"], result.fit.theta, result.fit.stderr, strict=True):
         row = next(words for words in printed if words[:1] == [symbol])
-        assert float(row[1]) == pytest.approx(value, abs=5e-9)
+        assert float(row[1]) == pytest.approx(value, abs=0.05 * error)
+        assert row[2] == "±"
+        assert float(row[3]) == pytest.approx(error, rel=0.05)
+        assert ("zero" in row) == (abs(value) < 2 * error)
     for number in (result.verification.mse_all, result.verification.mse_second_half_carried):
         assert f"{number:.5e}" in text
     assert "<TransferFunction>: G" in text
@@ -106,3 +109,13 @@ def test_nan_is_no_json(tmp_path):
     with pytest.raises(ValueError, match="not JSON compliant"):
         write_json(tmp_path / "out.json", {"a": float("nan")})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_signs_stand_in_one_column():
+    values, errors = np.array([1.36612, -0.40211, 0.00012, -12.0]), np.array([0.0381, 0.0362, 0.0011, 0.0])
+    assert estimates(values, errors) == [
+        " 1.366  ± 0.038",
+        "-0.402  ± 0.036",
+        " 0.0001 ± 0.0011  not told from zero",
+        "-12.00",
+    ]

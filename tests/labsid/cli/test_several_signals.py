@@ -40,17 +40,17 @@ def test_identify(labsid, log, tmp_path, options):
     assert (status, err) == (0, "")
     content = json.loads((tmp_path / "a.json").read_text())
     assert content["coupled"] == bool(options)
-    assert f"{content['theta']['T2'][0]:.8f}" in out
-    assert f"{content['stderr']['T2'][0]:.8f}" in out
+    assert f"{content['theta']['T2'][0]:.3f}" in out
+    assert f"± {content['stderr']['T2'][0]:.2g}" in out
     for said in (
-        "theta of T1; Phi: rows k = 1 to 199",
+        "theta of T1, ± one standard error; Phi: rows k = 1 to 199",
         "Input 2 to output 1",
         "by output",
         "without Q2",
         "It is stable",
     ):
         assert said in out, said
-    assert ("-a1   T2" in out.partition("theta of T1")[2].partition("theta of T2")[0]) == bool(options)
+    assert ("-a1 of T2" in out.partition("theta of T1")[2].partition("theta of T2")[0]) == bool(options)
 
 
 def test_check_without_columns_says_what_to_type_for_all_signals(labsid, log):
