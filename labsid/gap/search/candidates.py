@@ -1,7 +1,7 @@
 """Fit a parent hypothesis with one more effect, jointly with its linear part."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
@@ -13,12 +13,13 @@ from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
 from labsid.gap.effects.inside import INSIDE_NAMES, Inside
-from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, finish, fit_from
+from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, finish, fit_from, mean_square
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.undriven_poles import has_undriven_pole
 from labsid.gap.record.data import Data
 from labsid.gap.search.forms import alternative_forms, extended_hypotheses, forms_at, shared_keys, transfer_theta
 from labsid.gap.search.growing_window import grown_starts, loses_phase
+from labsid.gap.search.part import LONG, beginning, on_part
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
 MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
@@ -37,11 +38,16 @@ class Trial:
     Attributes
     ----------
     problem : Problem
+        On the record, or on the beginning of a long one.
     point : Point
+    scale : (float, float)
+        Of the score: a number of samples, and the logarithm of a mean square error. Those of the whole record, and of
+        the parent on the same samples, where scores on a long record are compared with scores on its beginning.
     """
 
     problem: Problem
     point: Point
+    scale: tuple[int, float] | None = None
 
     @property
     def hypothesis(self) -> Hypothesis:
@@ -51,13 +57,21 @@ class Trial:
     @property
     def score(self) -> float:
         """BIC under white noise; lower is better."""
-        count = self.problem.count
+        count, error = self.scale or (self.problem.count, 0.0)
         free = self.point.theta.size + np.count_nonzero(self.point.gains)
-        return float(count * np.log(self.point.cost) + free * np.log(count))
+        return float(count * (np.log(self.point.cost) - error) + free * np.log(count))
 
     def continued(self, iterations: int) -> "Trial":
         """The trial after some more iterations."""
-        return Trial(self.problem, descend(self.problem, self.point, iterations, tolerance=1e-2))
+        return replace(self, point=descend(self.problem, self.point, iterations, tolerance=1e-2))
+
+    def on(self, data: Data) -> "Trial | None":
+        """The trial on the whole record; None if it cannot be simulated there."""
+        if self.problem.data is data:
+            return self
+        problem = Problem(data, self.hypothesis)
+        point = problem.start(self.point.theta, self.point.gains)
+        return None if point is None else Trial(problem, point)
 
 
 def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit, brief: bool = False) -> list[Trial]:
@@ -65,6 +79,9 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
 
     The list is empty if the record cannot identify the effect. `brief` uses fewer starts and iterations.
     """
+    whole, data = data, beginning(data, parent, (group[0].name,))
+    parent, highpass = (on_part(whole, data, fit) for fit in (parent, highpass))
+    scale = (whole.samples, float(np.log(mean_square(data, parent)))) if whole.samples >= LONG else None
     context = Context(data, parent, highpass)
     selected: list[Trial] = []
     lost = not brief and loses_phase(data, parent)
@@ -76,7 +93,7 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
                 if lost and isinstance(effect, Inside) and not hypothesis.plant.changes_in_time:
                     thetas += list(grown_starts(data, hypothesis, thetas))
                 points = evaluate(problem, thetas)
-                starts = [Trial(problem, point) for point in sorted(points, key=attrgetter("cost"))]
+                starts = [Trial(problem, point, scale) for point in sorted(points, key=attrgetter("cost"))]
                 selected += _in_turn(starts)[:STARTS_PER_VARIANT]
     if brief:
         selected = _quick_selection(selected)
@@ -115,8 +132,9 @@ def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     found: list[Fit] = []
     for trial in _two_variants(reranked(trials, 2 * kept), kept):
-        fit = finish(data, trial.hypothesis, descend(trial.problem, trial.point, iterations=25))
-        found += [one for one in (fit, *_grown(data, fit)) if is_plausible(data, one)]
+        if (begun := trial if trial.problem.data is data else trial.continued(25).on(data)) is not None:
+            fit = finish(data, trial.hypothesis, descend(begun.problem, begun.point, iterations=25))
+            found += [one for one in (fit, *_grown(data, fit)) if is_plausible(data, one)]
     return best_form(found) if found else None
 
 

@@ -22,6 +22,7 @@ from labsid.gap.search.candidates import (
 )
 from labsid.gap.search.forms import extended_hypotheses
 from labsid.gap.search.inverse_dynamics import joint_trials
+from labsid.gap.search.part import beginning, on_part
 
 KEPT_STARTS = 8  # start points to which the next effect of a set is added
 SKETCHED, FITTED = 4, 2  # of them that are minimized for a few iterations, and to convergence
@@ -117,7 +118,7 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
     forms = {group[0].name: group for group in groups}
     sets = [one for one in SETS if set(one.names) <= forms.keys() - set(base.hypothesis.names)]
     kept = data, base, base.hypothesis.plant.simulation
-    joints = mapped(lambda one: joint_trials(data, base, highpass, one.names)[:JOINT_TRIALS], sets, kept)
+    joints = mapped(lambda one: _of_joint(data, base, highpass, one.names), sets, kept)
     starts: dict[tuple[str, ...], list[Trial]] = {(): [_unchanged(data, base)]}
     found: dict[frozenset[str], Fit] = {}
     for one, of_joint in zip(sets, joints, strict=True):
@@ -134,6 +135,14 @@ def set_fits(data: Data, base: Fit, highpass: Fit, groups: Sequence[tuple[Effect
         if best is not None and (one.holds is None or one.holds(data, best)):
             found[frozenset(one.names)] = best
     return list(found.values())
+
+
+def _of_joint(data: Data, base: Fit, highpass: Fit, names: tuple[str, ...]) -> list[Trial]:
+    """The best fits of a joint from its inverse dynamics."""
+    part = beginning(data, base, names)
+    base, highpass = (on_part(data, part, fit) for fit in (base, highpass))
+    found = (one.on(data) for one in joint_trials(part, base, highpass, names)[:JOINT_TRIALS])
+    return [one for one in found if one is not None]
 
 
 def _unchanged(data: Data, fit: Fit) -> Trial:
