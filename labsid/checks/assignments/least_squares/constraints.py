@@ -22,7 +22,10 @@ from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel
 
 EXACT = 1e-9  # by which rounding may miss a constraint of size one to ten
-_WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3))
+_WRONG_LAGS = (
+    (2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3), (2, 1, 1), (2, 1, 4),
+    (2, 2, 4), (1, 2, 3),
+)  # fmt: skip
 """Wrong lags of y, of the known u and of the other u in example 1; the right ones are 2, 1 and 3."""
 
 
@@ -57,7 +60,6 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     right = fit_with_known(Phi, Y, {1: 1.0}).fit.theta
     rest = np.concatenate([np.zeros(3), u]), np.concatenate([np.zeros(3), y])
     rows = "`example_1` uses rows before k0 = 4, with zeros for missing samples: begin where all lags exist."
-    lag = "`example_1` has a wrong lag: compare your row for k = 4 with y(4) + a y(2) = u(3) + b u(1)."
     early = [
         fit(
             np.column_stack([-rest[1][first + 1 : -2], rest[0][first : u.size]]),
@@ -102,7 +104,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 lambda: fit(Phi, Y)[[0, 2]],
             ),
             *(
-                Slip("lag off by one", lag, partial(_lagged_fit, u, y, lags, first))
+                Slip("lag off by one", _wrong_lags(lags), partial(_lagged_fit, u, y, lags, first))
                 for first, lags in product((0, 3), _WRONG_LAGS)
             ),
             *(
@@ -125,6 +127,24 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 if fixed < u.size
             ),
         ],
+    )
+
+
+def _wrong_lags(lags: tuple[int, int, int]) -> str:
+    """Which terms are taken at another step than the equation has."""
+    of_y, of_known, of_u = lags
+    wrong = [
+        text
+        for text, is_wrong in (
+            (f"the column of a holds {_lagged('y', of_y)} in place of y(k-2)", of_y != 2),
+            (f"{_lagged('u', of_known)} is taken off y(k) in place of the known term u(k-1)", of_known != 1),
+            (f"the column of b holds {_lagged('u', of_u)} in place of u(k-3)", of_u != 3),
+        )
+        if is_wrong
+    ]
+    return (
+        f"`example_1` has a wrong lag: {', and '.join(wrong)}. Compare your row for k = 4 with y(4) + a y(2) = "
+        "u(3) + b u(1)."
     )
 
 

@@ -139,6 +139,20 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
             "`gradient` is half the right value: the 1/2 of V cancels the 2 of (A6).",
             lambda: right / 2,
         ),
+        *(
+            Slip(
+                "divided by the number of equations",
+                f"`gradient` is {what} divided by {Y.size}, as many as there are equations: V is half the *sum* of the "
+                "squared errors and no mean, so nothing is divided.",
+                partial(np.multiply, right, factor / Y.size),
+            )
+            for what, factor in (("the right one", 1), ("twice the right one", 2), ("half the right one", 0.5))
+        ),
+        Slip(
+            "gradient of the norm",
+            "`gradient` is divided by the norm of the errors: it is the derivative of the norm, and V is half its square.",
+            lambda: right / float(np.linalg.norm(Y - Phi @ theta)),
+        ),
         Slip(
             "sign of the gradient",
             "`gradient` adds its two terms: expand V and check their signs.",
