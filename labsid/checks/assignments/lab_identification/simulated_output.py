@@ -204,6 +204,19 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             "is averaged over the first half only: the average goes over all samples.",
             np.mean(squared[: e.size // 2]),
         ),
+        *(
+            slip(
+                "divided by the size of the output",
+                f"is divided by {what}, which makes a share of it. Asked for is the mean itself, in V^2.",
+                np.mean(squared) / size,
+            )
+            for what, size in (("the variance of y", np.var(y)), ("the mean of y^2", np.mean(y**2)))
+        ),
+        slip(
+            "fit for the error",
+            "is a measure of fit, 1 less a share of the output. Asked for is the mean of the squared errors.",
+            1 - np.mean(squared) / np.var(y),
+        ),
         slip("mean absolute error", "is the mean of the absolute errors: square them.", np.mean(np.abs(e))),
         slip(
             "variance of the error",

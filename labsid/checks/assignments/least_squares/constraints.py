@@ -107,6 +107,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 Slip("lag off by one", _wrong_lags(lags), partial(_lagged_fit, u, y, lags, first))
                 for first, lags in product((0, 3), _WRONG_LAGS)
             ),
+            *_other_factor(np.ravel(value), fit(two, Y), fit(two, Phi[:, 1])),
             *(
                 Slip(
                     WRAPS,
@@ -146,6 +147,14 @@ def _wrong_lags(lags: tuple[int, int, int]) -> str:
         f"`example_1` has a wrong lag: {', and '.join(wrong)}. Compare your row for k = 4 with y(4) + a y(2) = "
         "u(3) + b u(1)."
     )
+
+
+def _other_factor(got: FloatArray, without: FloatArray, of_known: FloatArray) -> Iterator[Slip[FloatArray]]:
+    """The known term, taken off with another factor than 1: the theta of the rest less that factor times its own."""
+    if got.shape == without.shape:
+        factor = float((without - got) @ of_known / (of_known @ of_known))
+        text = f"`example_1` takes {factor:.3g} u(k-1) off y(k): the known coefficient is 1."
+        yield Slip("known term with another factor", text, lambda: without - factor * of_known)
 
 
 def _lagged(signal: str, lag: int) -> str:

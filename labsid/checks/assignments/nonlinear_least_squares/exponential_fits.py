@@ -278,6 +278,12 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
                 lambda: _by_logarithm(x[k], y[k]),
             ),
             Slip(
+                "the logarithm once more",
+                "`fit_exponential` is the line through the logarithms of |y|: the absolute value turns the negative "
+                "points round, and a logarithm weights errors by 1/y. Fit the curve itself, which needs no logarithm.",
+                lambda: _by_logarithm(x, np.abs(y)),
+            ),
+            Slip(
                 "squares handed over",
                 f"`fit_exponential` {SQUARED}",
                 lambda: fit_of_squares(

@@ -81,8 +81,10 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     for order in list(permutations(range(3)))[1:]:
         if np.all(np.abs(got[list(order)] - right) <= within):
             return Verdict(False, f"{where}K, tau and td are right, but in another order.", "order of K, tau and td")
-    for slip, shares, of_what in _other_levels(step, fit) if right_gain else ():
-        if _close_to(got[1:], _read_at(step, *shares)):
+    for slip, levels, of_what in _other_levels(step, fit) if right_gain else ():
+        ways = [(level - fit.y_initial) / (fit.y_final - fit.y_initial) for level in levels]
+        is_reached = all(0 < way < 1 for way in ways)
+        if is_reached and _close_to(got[1:], _read_at(step, *levels)):
             return Verdict(
                 False, f"{where}K is right. tau and td come of the times at which the output {of_what}", slip
             )
