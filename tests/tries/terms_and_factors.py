@@ -17,6 +17,7 @@ _SS = "ct.ss([[0, 1], [-a2, -a1]], [[0], [1]], [[b2, b1]], [[0]], Ts)"
 _EXPONENTIAL = "scipy.optimize.least_squares(lambda th: th[1] * np.exp(th[0] * x) - y, [0.0, 1.0]).x"
 _DISTANCE = "np.linalg.norm(beacons - theta, axis=1) - ranges"
 _SQUARES = "np.sum((beacons - theta) ** 2, axis=1) - ranges**2"
+_RIDGE = "np.linalg.solve(Phi.T @ Phi + {} * np.eye(4), Phi.T @ Y)"
 
 _WORSE = (
     "one = simulate_better\n\ndef simulate_better(u_act):\n    return y_offset + 0.95 * (one(u_act) - y_offset)\n\n"
@@ -63,11 +64,37 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "",
             ((_SS, "ct.ss([[-a1, 1], [-a2, 0]], [[b1], [b2]], [[1, 0]], [[0]], Ts)"),),
         ),
+        ("lab-2b-theta", "ridge", r"solution with Phi'Phi \+ 0.001 I", "theta_hat = " + _RIDGE.format("1e-3")),
+        ("lab-2b-theta", "hardly a ridge", "", "theta_hat = " + _RIDGE.format("1e-12")),
+        (
+            "lab-3a-mse",
+            "without the first samples",
+            "averaged over the last",
+            (("mse_all = np.mean((y - y_sim) ** 2)", "mse_all = np.mean((y - y_sim)[5:] ** 2)"),),
+        ),
         ("lab-3a-mse", "over the variance", "divided by the variance of y", ((_MSE, f"{_MSE} / np.var(y[half:])"),)),
         ("lab-3a-mse", "over the power", r"divided by the mean of y\^2", ((_MSE, f"{_MSE} / np.mean(y[half:] ** 2)"),)),
         ("lab-3a-mse", "a fit", "a measure of fit", ((_MSE, f"1 - {_MSE} / np.var(y[half:])"),)),
     ),
     "step-response": in_rows(
+        (
+            "step-3-mse",
+            "after the delay",
+            "averaged over the last .* samples of 801",
+            (("(y_step - y_approx)", "(y_step - y_approx)[t_step >= td]"),),
+        ),
+        (
+            "step-3-mse",
+            "without the last",
+            "averaged over the first 800 samples of 801",
+            (("(y_step - y_approx)", "(y_step - y_approx)[:-1]"),),
+        ),
+        (
+            "step-9-minimum",
+            "ridge",
+            r"solution with Phi'Phi \+ 0.1 I",
+            (("np.linalg.inv(Phi.T @ Phi)", "np.linalg.inv(Phi.T @ Phi + 0.1 * np.eye(Phi.shape[1]))"),),
+        ),
         (
             "step-1-read",
             "shares of the amplitude",
@@ -160,6 +187,14 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ),
     ),
     "armax-and-instruments": in_rows(
+        ("ai-3-limit", "the other variance above", "needs var_e", (("c * var_e / var_y", "c * var_u / var_y"),)),
+        (
+            "ai-3-limit",
+            "variances exchanged",
+            "exchanged in the variance",
+            (("b**2 * var_u", "b**2 * var_e"), ("a * c) * var_e", "a * c) * var_u")),
+        ),
+        ("ai-3-limit", "variance of u", "divides by var_u", (("c * var_e / var_y", "c * var_e / var_u"),)),
         (
             "ai-2-bias",
             "spread along the rows",
@@ -174,6 +209,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ),
     ),
     "nonlinear-least-squares": in_rows(
+        (
+            "nl-1-logarithm",
+            "constant for the slope",
+            "takes the constant of the line for its slope",
+            (("a, c = ", "c, a = "),),
+        ),
         (
             "nl-5-exponential",
             "logarithms of absolute values",

@@ -74,6 +74,22 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 lambda: pulled(c / var_y),
             ),
             Slip(
+                "var_u for var_e",
+                "`limit_of_least_squares` has var_u where the correlation of y(t-1) with v(t) needs var_e: both hold "
+                "the noise e(t-1).",
+                lambda: pulled(c * var_u / var_y),
+            ),
+            Slip(
+                "var_u for var_e",
+                "`limit_of_least_squares` has var_u and var_e exchanged in the variance of y: b^2 goes with var_u.",
+                lambda: pulled(c * var_e / (signal * var_e / var_u + noise * var_u / var_e)),
+            ),
+            Slip(
+                "variance of another signal",
+                "`limit_of_least_squares` divides by var_u: the regressor is -y(t-1), so it is the variance of y.",
+                lambda: pulled(c * var_e / var_u),
+            ),
+            Slip(
                 "1 - a^2 forgotten",
                 "`limit_of_least_squares` has a wrong variance of y: it contains a^2 times itself.",
                 lambda: pulled(c * var_e / (var_y * short)),
