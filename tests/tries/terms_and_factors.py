@@ -159,6 +159,17 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ("ls-7-known", "b one step early", r"column of b holds u\(k-2\) in place", ((_ROWS_OF_B, "u[1:-2]"),)),
         ("ls-7-known", "known term twice", r"takes 2 u\(k-1\) off", ((_KNOWN, "y[3:] - 2 * u[2:-1]"),)),
         ("ls-7-known", "half of the known term", r"takes 0.5 u\(k-1\) off", ((_KNOWN, "y[3:] - u[2:-1] / 2"),)),
+        (
+            "ls-10-confidence",
+            "error of a mean",
+            "divided by the root of n",
+            (
+                (
+                    "np.sqrt(sigma2 * np.diag(np.linalg.inv(Phi.T @ Phi)))",
+                    "np.sqrt(sigma2 * np.diag(np.linalg.inv(Phi.T @ Phi)) / N)",
+                ),
+            ),
+        ),
     ),
     "recursive-identification": in_rows(
         (
@@ -194,6 +205,18 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "exchanged in the variance",
             (("b**2 * var_u", "b**2 * var_e"), ("a * c) * var_e", "a * c) * var_u")),
         ),
+        (
+            "ai-4-covariance",
+            "over the rows",
+            "the number of rows: the sums",
+            (("return inverse @ Phi.T @ R @ Phi @ inverse", "return inverse @ Phi.T @ R @ Phi @ inverse / N"),),
+        ),
+        (
+            "ai-9-likelihood",
+            "mean of the squares",
+            r"has the \*mean\* of the squared errors",
+            (("E @ E / (2", "np.mean(E**2) / (2"),),
+        ),
         ("ai-3-limit", "variance of u", "divides by var_u", (("c * var_e / var_y", "c * var_e / var_u"),)),
         (
             "ai-2-bias",
@@ -221,9 +244,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "line through the logarithms of .y.",
             ((_EXPONENTIAL, "(lambda c: np.array([c[0], np.exp(c[1])]))(np.polyfit(x, np.log(np.abs(y)), 1))"),),
         ),
+        ("nl-8-step", "n - 1", "SSE by n - 1 for", (("(len(y) - 3)", "(len(y) - 1)"),)),
+        ("nl-8-step", "n - 2", "SSE by n - 2 for", (("(len(y) - 3)", "(len(y) - 2)"),)),
         ("nl-7-locate", "errors of squares", "hands over errors of the .squared. ranges", ((_DISTANCE, _SQUARES),)),
     ),
     "sim-to-real-gap": in_rows(
+        ("gap-3-time", "the other axis", "adds up over the 4 stretches", (("axis=1", "axis=0"),)),
         *(
             (
                 "gap-9-closed",

@@ -186,6 +186,14 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
         "the middle stays when the noise is coloured.",
         "`covariance` is not that of the estimate: write E(vv') down for three samples, and try the mean of step 4.",
         [
+            *(
+                Slip(
+                    "divided by a number of rows",
+                    f"`covariance` is divided by {count}, {what}: the sums in Phi'Phi count the rows already.",
+                    partial(np.divide, sandwich((1 + c**2) * diagonal + c * beside), count),
+                )
+                for count, what in ((n, "the number of rows"), (n - 1, "the number of rows less 1"))
+            ),
             Slip(
                 "weighted estimate",
                 "`covariance` is that of a *weighted* estimate. Least squares without weights has R in the middle.",
@@ -363,6 +371,12 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 "mean in place of the sum",
                 "`log_likelihood` divides by N: the samples' log densities are added up.",
                 lambda: right / n,
+            ),
+            Slip(
+                "mean in place of the sum",
+                "`log_likelihood` has the *mean* of the squared errors over 2 sigma^2: every sample brings its own "
+                "square, so it is their sum.",
+                lambda: constant - sse / n / (2 * var_e),
             ),
             Slip(
                 "brackets forgotten",

@@ -58,6 +58,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
 
     two = Phi[:, [0, 2]]
     right = fit_with_known(Phi, Y, {1: 1.0}).fit.theta
+    got = as_theta("example_1(u, y)", value, 2)
     rest = np.concatenate([np.zeros(3), u]), np.concatenate([np.zeros(3), y])
     rows = "`example_1` uses rows before k0 = 4, with zeros for missing samples: begin where all lags exist."
     early = [
@@ -68,7 +69,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         for first in (0, 1, 2)
     ]
     return judge(
-        as_theta("example_1(u, y)", value, 2),
+        got,
         right,
         SAME,
         "the known coefficient is not estimated.",
@@ -107,7 +108,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 Slip("lag off by one", _wrong_lags(lags), partial(_lagged_fit, u, y, lags, first))
                 for first, lags in product((0, 3), _WRONG_LAGS)
             ),
-            *_other_factor(np.ravel(value), fit(two, Y), fit(two, Phi[:, 1])),
+            *_other_factor(got, fit(two, Y), fit(two, Phi[:, 1])),
             *(
                 Slip(
                     WRAPS,

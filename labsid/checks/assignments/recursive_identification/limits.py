@@ -1,7 +1,8 @@
 """Checks of the lecture's end: covariance wind-up and how to stop it, and a form of RLS that loses its symmetry."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -152,7 +153,7 @@ _WRONG_RULES = (
         "trace(P)/lambda.",
     ),
 )
-_MEASURES = {"norm": np.linalg.norm, "max": np.max, "det": np.linalg.det}
+_MEASURES: dict[str, Callable[[FloatArray], Any]] = {"norm": np.linalg.norm, "max": np.max, "det": np.linalg.det}
 
 
 def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: float, rule: str) -> Run:
