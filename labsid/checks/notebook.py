@@ -123,7 +123,9 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             self._fail(question, f"it starts from {self._step(waiting[0])}, which is not right yet.", cells, waiting[0])
         ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
         verdict, remark = _judged(question, ask, cells)
-        verdict = self._unless_typed_in(question, ask, verdict)
+        verdict = (
+            self._unless_typed_in(question, ask, verdict) if verdict.passed else self._typed(question, ask, verdict)
+        )
         self._note_try(question_id, cells, verdict.slip, verdict.passed, ask.names)
         if not verdict.passed:
             # several calls before a verdict: the last need not be the one that is wrong
@@ -217,18 +219,33 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
 
     def _unless_typed_in(self, question: Question, ask: "NotebookAsk", verdict: Verdict) -> Verdict:
         """The verdict; a right value that was typed in, and is wrong on another record, is not right."""
-        if not verdict.passed or self._runs is None:
+        if self._runs is None:
             return verdict
         from labsid.checks.typed_values import told, wrong_elsewhere  # simulates rigs
         from labsid.checks.written_numbers import numbers_in_texts, numbers_that_count, told_of_numbers
 
-        sources = {name: self._runs.sources_of(name) for name in dict.fromkeys(ask.names)}
-        typed = [name for name, texts in sources.items() if typed_names(texts, [name])]
+        sources, typed = self._sources_and_typed(ask.names)
         if wrong_elsewhere(question, self._assignment, self._record, typed, self._variables, ask.call):
             return told(typed)
         written = {name: numbers_in_texts(texts) for name, texts in sources.items()}
         counted = numbers_that_count(question, self._assignment, ask, written)
         return told_of_numbers(counted) if counted else verdict
+
+    def _typed(self, question: Question, ask: "NotebookAsk", verdict: Verdict) -> Verdict:
+        """The verdict on a wrong answer; if it names a value that was typed in, and no cause, with that cause."""
+        if verdict.slip is not None or question.follows_from.may_be_typed or self._runs is None:
+            return verdict
+        from labsid.checks.typed_values import told_of_wrong
+
+        _, typed = self._sources_and_typed(name for name in ask.names if f"`{name}`" in verdict.reason)
+        return told_of_wrong(typed, verdict.reason) if typed else verdict
+
+    def _sources_and_typed(self, names: Iterable[str]) -> tuple[dict[str, list[str]], list[str]]:
+        """The cells that made each of these values, and the names of those that were typed in."""
+        if self._runs is None:
+            return {}, []
+        sources = {name: self._runs.sources_of(name) for name in dict.fromkeys(names)}
+        return sources, [name for name, texts in sources.items() if typed_names(texts, [name])]
 
     def skip(self, question_id: str) -> None:
         """Go on without a question: the reference's values, on this notebook's record, become the notebook's variables.

@@ -1,4 +1,4 @@
-"""Answers that are a part of the solution of M x = v, or combine its parts entry by entry."""
+"""Answers that are a part of the solution of M x = v, combine its parts entry by entry, or solve with another M."""
 
 import numpy as np
 
@@ -8,12 +8,14 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 
 _same = close(1e-6)
+_PARALLEL = 1e-5
+"""Relative: a residual along the answer, to rounding."""
 
 
 def require_whole_solution(
     name: str, value: Value, M: FloatArray, v: FloatArray, terms: tuple[str, str] = ("Phi'Phi", "Phi'Y")
 ) -> None:
-    """Refuse a matrix in the place of the solution, and say which part of it this is.
+    """Refuse a matrix in the place of the solution, and say which part of it this is; or a solution with M + mu I.
 
     Parameters
     ----------
@@ -25,7 +27,11 @@ def require_whole_solution(
     terms : tuple of str
         What M and v are called in the question.
     """
-    if not isinstance(value, np.ndarray) or value.shape != M.shape or value.size == 1 or value.dtype.kind not in "iuf":
+    if not isinstance(value, np.ndarray) or value.size == 1 or value.dtype.kind not in "iuf":
+        return
+    if value.size == v.size:
+        _require_no_ridge(name, np.ravel(value).astype(float), M, v, terms)
+    if value.shape != M.shape:
         return
     try:
         inverse = np.linalg.inv(M)
@@ -43,4 +49,25 @@ def require_whole_solution(
             f"`{name}` multiplies the inverse of {left} and {right} entry by entry (`*`): the product of a matrix and "
             "a vector is `@`.",
             "inverse times the right side entry by entry",
+        )
+
+
+def _require_no_ridge(name: str, x: FloatArray, M: FloatArray, v: FloatArray, terms: tuple[str, str]) -> None:
+    """Refuse a solution of (M + mu I) x = v, unless it is right to six digits."""
+    rest, size = v - M @ x, float(x @ x)
+    if not np.isfinite(rest).all() or size == 0:
+        return
+    mu = float(rest @ x) / size
+    if np.linalg.norm(rest - mu * x) > _PARALLEL * np.linalg.norm(rest):
+        return
+    try:
+        is_right = _same(x, np.linalg.solve(M, v))
+    except np.linalg.LinAlgError:
+        return
+    if not is_right:
+        left, right = terms
+        raise NoAnswer(
+            f"`{name}` is the solution with {left} {'+' if mu > 0 else '-'} {abs(mu):.3g} I in the place of {left}: "
+            f"what is added to the diagonal moves it away from that of {left} x = {right}.",
+            "diagonal changed",
         )

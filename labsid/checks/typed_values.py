@@ -101,3 +101,15 @@ def told(typed: Iterable[str]) -> Verdict:
         "on another record, so this would earn nothing: compute it from the record.",
         "typed in",
     )
+
+
+def told_of_wrong(typed: Iterable[str], reason: str) -> Verdict:
+    """What a check says of typed-in values that are wrong, after the reason that is known."""
+    names = " and ".join(f"`{name}`" for name in sorted(typed))
+    are, it = ("are", "they") if names.count("`") > 2 else ("is", "it")
+    return Verdict(
+        False,
+        f"{reason} {names} {are} typed in, and computed by no code of yours: a number from a text or of somebody else "
+        f"belongs to another record. Here {it} must be computed from the variables of the steps before.",
+        "typed in",
+    )

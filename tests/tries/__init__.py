@@ -35,6 +35,7 @@ _KINDS = (
     "answers_on_lectures",
     "causes_in_the_lab",
     "causes_on_lectures",
+    "terms_and_factors",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0

@@ -120,7 +120,12 @@ TRIES = (
     Try(TAB, "sign of c", tables(c="0.8"), "other sign of c"),
     Try(TAB, "same time", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[1:]]), y[1:])[0]"), "takes u\\(t\\)"),
     Try(TAB, "whole lstsq", tables("np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])"), "`\\[0\\]`"),
-    Try(BIAS, "no axis", bias("np.mean(estimates) - truth", "np.std(estimates)"), "throws all parameters"),
+    Try(
+        BIAS,
+        "no axis",
+        bias("np.mean(estimates) - truth", "np.std(estimates)"),
+        "the spread and the standard error of `bias_of` have one number for all 3",
+    ),
     Try(BIAS, "ddof", bias(s="np.std(estimates, axis=0)"), "divide by M - 1"),
     Try(BIAS, "sign", bias("truth - np.mean(estimates, axis=0)"), "other sign"),
     Try(BIAS, "M", bias(se="s / len(estimates)"), "divided by M"),

@@ -497,7 +497,7 @@ TRIES = (
         "fewer than the 4 unknowns",
     ),
     Try(TF, "denominator backwards", "G = ct.tf([b1, b2], [a2, a1, 1], Ts)", "denominator is in reverse order"),
-    Try(TF, "a zero too many", "G = ct.tf([b1, b2], [1, a1, a2, 0], Ts)", "one power of z too low"),
+    Try(TF, "a zero too many", "G = ct.tf([b1, b2], [1, a1, a2, 0], Ts)", "ends with a zero, which makes it one power"),
     Try(
         PHI,
         "minus Y",

@@ -257,7 +257,7 @@ TRIES = (
         KNOWN, "SUSTech slide: rows off", known("-y[:-3], u[:-3]", "y[2:-1] - u[1:-2]"), r"rows \[-y\(k-2\), u\(k-2\)\]"
     ),
     Try(KNOWN, "same time", known("-y[3:], u[3:]", "y[3:] - u[2:-1]"), r"\[-y\(k\), u\(k\)\]"),
-    Try(KNOWN, "lag 1 for y", known("-y[2:-1], u[:-3]"), "lag"),
+    Try(KNOWN, "lag 1 for y", known("-y[2:-1], u[:-3]"), r"column of a holds y\(k-1\) in place of y\(k-2\)"),
     Try(KNOWN, "sign", known("y[1:-2], u[:-3]"), "wrong sign of a"),
     Try(KNOWN, "known estimated", known("-y[1:-2], u[2:-1], u[:-3]", "y[3:]"), "estimates three"),
     Try(KNOWN, "known forgotten", known(target="y[3:]"), "omits u\\(k-1\\)"),

@@ -173,7 +173,7 @@ TRIES = (
             "    P = (P - np.outer(q, q) / (l + phi @ q)) / l\n        th = th + P @ phi * (y - phi @ "
             "th)\n        h.append(th); t.append(np.trace(P))\n    return np.array(h), np.array(t)",
         ),
-        "Compare trace",
+        "after the division by lambda it may be above",
     ),
     Try(
         WIN,

@@ -227,7 +227,7 @@ TRIES = (
         LOOP,
         "r now",
         loop(PHI_Y.replace("r[1:-1], r[:-2]", "r[2:], r[1:-1]") + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])"),
-        "slices begin",
+        r"hold r\(k\) and r\(k-1\) beside",
     ),
     Try(LOOP, "Y forgotten", loop(PHI_Y + "return np.linalg.inv(Z.T @ Phi)"), "product with Z'Y is missing"),
     Try(

@@ -13,6 +13,7 @@ from labsid.checks.question import FollowsFrom
 from labsid.checks.reference_values import find_reference_values
 from labsid.checks.typed_values import told, wrong_elsewhere
 from labsid.checks.written_values import typed_names
+from labsid.records.record import load_record
 
 
 @pytest.mark.parametrize("name", with_record())
@@ -93,3 +94,30 @@ def test_in_a_notebook_the_check_says_what_grading_will_find(tmp_path, monkeypat
     shell.run_cell("u_offset = u_act[0]\ny, u = [], u_act - u_offset")
     shell.run_cell("for one in y_act:\n    y.append(one - y_offset)")
     shell.run_cell("check('lab-1c-offsets')").raise_error()
+
+
+def test_a_wrong_number_that_is_typed_in_is_told_as_such(tmp_path, monkeypatch, shipped_record_path) -> None:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / shipped_record_path.name).write_bytes(shipped_record_path.read_bytes())
+    shell = InteractiveShell()
+    shell.run_cell("import numpy as np\nfrom labsid.checks import notebook_checks\nfrom labsid import load_record")
+    shell.run_cell("check = notebook_checks('lab-identification', globals())")
+    shell.run_cell(
+        f"r = load_record('{shipped_record_path.name}')\n"
+        "t, y_act, y_actm, u_act = r.t, r.y_noise_reduced, r.y_measured, r.u\nTs = 0.75"
+    )
+    shell.run_cell("check('lab-1a-extract'); check('lab-1a-sampling-time')").raise_error()
+    shell.run_cell("u_offset = u_act[0]\nu = u_act - u_offset")
+
+    def said(code: str) -> str:
+        shell.run_cell(code + "\ny = y_act - y_offset")
+        return str(shell.run_cell("check('lab-1c-offsets')").error_in_exec)
+
+    typed = "`y_offset` is typed in, and computed by no code"
+    assert typed in said("y_offset = 1.234")
+    assert typed not in said("y_offset = np.median(y_act) + 0.01")  # wrong, too, and computed
+    known = said(f"y_offset = {load_record(shipped_record_path).y_noise_reduced.mean()!r}")
+    assert typed not in known  # typed in, but of a cause that is known
+    assert "y_offset" in known

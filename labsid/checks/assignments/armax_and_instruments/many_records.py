@@ -1,6 +1,6 @@
 """Checks of the lecture's start: Tables 2 and 3 by many records, and bias with its standard error."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 
 import numpy as np
@@ -141,6 +141,18 @@ def check_bias(ask: Ask) -> Iterator[Verdict]:
         yield _judge_bias(ask, estimates, truth)
 
 
+def _those(names: Sequence[str], sizes: Sequence[int], size: int) -> str:
+    """The parts of `bias_of` that have so many numbers, and a verb."""
+    found = [name for name, its in zip(names, sizes, strict=True) if its == size]
+    return f"{' and '.join(found)} of `bias_of` {'have' if len(found) > 1 else 'has'}"
+
+
+def _others(names: Sequence[str], sizes: Sequence[int], p: int) -> str:
+    """The parts of `bias_of` that have one number for each parameter."""
+    found = [name for name, its in zip(names, sizes, strict=True) if its == p]
+    return f" Of {' and '.join(found)} the size is right." if found else ""
+
+
 @first_failure
 def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[Verdict]:
     runs, p = estimates.shape
@@ -150,14 +162,15 @@ def _judge_bias(ask: Ask, estimates: FloatArray, truth: FloatArray) -> Iterator[
     if runs in sizes:
         yield Verdict(
             False,
-            "`bias_of` works along the rows.",
+            f"{_those(names, sizes, runs)} one number for each of the {runs} records, where one for each of the {p} "
+            f"parameters is asked for: taken along the rows.{_others(names, sizes, p)}",
             "mean over the wrong axis",
-            mend="Means go over the records, `axis=0`.",
+            mend="Means and spreads go over the records, `axis=0`.",
         )
     if 1 in sizes:
         yield Verdict(
             False,
-            "`bias_of` throws all parameters together into one number.",
+            f"{_those(names, sizes, 1)} one number for all {p} parameters together.{_others(names, sizes, p)}",
             "mean over everything",
             mend="Give `np.mean` and `np.std` the `axis=0`.",
         )

@@ -74,6 +74,22 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 lambda: pulled(c / var_y),
             ),
             Slip(
+                "var_u for var_e",
+                "`limit_of_least_squares` has var_u where the correlation of y(t-1) with v(t) needs var_e: both hold "
+                "the noise e(t-1).",
+                lambda: pulled(c * var_u / var_y),
+            ),
+            Slip(
+                "var_u for var_e",
+                "`limit_of_least_squares` has var_u and var_e exchanged in the variance of y: b^2 goes with var_u.",
+                lambda: pulled(c * var_e / (signal * var_e / var_u + noise * var_u / var_e)),
+            ),
+            Slip(
+                "variance of another signal",
+                "`limit_of_least_squares` divides by var_u: the regressor is -y(t-1), so it is the variance of y.",
+                lambda: pulled(c * var_e / var_u),
+            ),
+            Slip(
                 "1 - a^2 forgotten",
                 "`limit_of_least_squares` has a wrong variance of y: it contains a^2 times itself.",
                 lambda: pulled(c * var_e / (var_y * short)),
@@ -170,6 +186,14 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
         "the middle stays when the noise is coloured.",
         "`covariance` is not that of the estimate: write E(vv') down for three samples, and try the mean of step 4.",
         [
+            *(
+                Slip(
+                    "divided by a number of rows",
+                    f"`covariance` is divided by {count}, {what}: the sums in Phi'Phi count the rows already.",
+                    partial(np.divide, sandwich((1 + c**2) * diagonal + c * beside), count),
+                )
+                for count, what in ((n, "the number of rows"), (n - 1, "the number of rows less 1"))
+            ),
             Slip(
                 "weighted estimate",
                 "`covariance` is that of a *weighted* estimate. Least squares without weights has R in the middle.",
@@ -347,6 +371,12 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 "mean in place of the sum",
                 "`log_likelihood` divides by N: the samples' log densities are added up.",
                 lambda: right / n,
+            ),
+            Slip(
+                "mean in place of the sum",
+                "`log_likelihood` has the *mean* of the squared errors over 2 sigma^2: every sample brings its own "
+                "square, so it is their sum.",
+                lambda: constant - sse / n / (2 * var_e),
             ),
             Slip(
                 "brackets forgotten",

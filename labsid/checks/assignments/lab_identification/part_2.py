@@ -159,7 +159,9 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
         ),
         slip(
             "numerator one step late",
-            "The numerator is one power of z too low: b1 multiplies the power below the highest.",
+            "The denominator ends with a zero, which makes it one power of z too high: leave that zero out."
+            if isinstance(got, TransferFunctionValue) and got.den.size > a.size and got.den[-1] == 0
+            else "The numerator is one power of z too low: b1 multiplies the power below the highest.",
             b,
             np.concatenate([a, zero]),
         ),
@@ -215,9 +217,18 @@ def check_state_space(ask: Ask) -> Verdict:
         raise NoAnswer(f"`G_ss` has {got.A.shape[0]} states; a second-order model has 2.", "number of states")
     G, H, C, D = canonical_form(model)
 
-    def slip(short: str, hint: str, A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> Slip[SystemValue]:
-        return Slip(short, hint, lambda: StateSpaceValue(A, B, C, D, model.Ts))
+    def are(*matrices: FloatArray) -> bool:
+        own = (got.A, got.B, got.C, got.D)
+        return all(np.allclose(m, w, atol=1e-9) for m, w in zip(own, matrices, strict=True))
 
+    def slip(
+        short: str, hint: str, A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, elsewhere: str = ""
+    ) -> Slip[SystemValue]:
+        """A slip; `elsewhere` is what is said where the response is the same, and the matrices are others."""
+        said = hint if are(A, B, C, D) or not elsewhere else f"In the state coordinates of your matrices, {elsewhere}"
+        return Slip(short, said, lambda: StateSpaceValue(A, B, C, D, model.Ts))
+
+    other = "the response is that of a model with"
     sign = np.array([[1.0], [-1.0]])
     slips = [
         slip(
@@ -227,6 +238,7 @@ def check_state_space(ask: Ask) -> Verdict:
             H,
             C,
             D,
+            f"{other} the other signs of a1 and a2.",
         ),
         slip(
             "a1 and a2 swapped",
@@ -235,8 +247,27 @@ def check_state_space(ask: Ask) -> Verdict:
             H,
             C,
             D,
+            f"{other} a1 and a2 swapped.",
         ),
-        slip("b1 and b2 swapped", "b1 and b2 are swapped in C: compare it with eq. (2).", G, H, C[:, ::-1], D),
+        slip("B and C exchanged", "The matrices B and C are exchanged: B is H, a column of 0 and 1.", G, C.T, H.T, D)
+        if np.allclose(got.A, G, atol=1e-9)
+        else slip(
+            "transposed matrix",
+            "The matrix G is transposed: its last *row* contains the parameters.",
+            G.T,
+            H,
+            C,
+            D,
+        ),
+        slip(
+            "b1 and b2 swapped",
+            "b1 and b2 are swapped in C: compare it with eq. (2).",
+            G,
+            H,
+            C[:, ::-1],
+            D,
+            f"{other} b1 and b2 swapped.",
+        ),
         slip("H reversed", "H is reversed: the input drives the second state.", G, H[::-1], C, D),
         slip(
             "rows of another form",
@@ -246,14 +277,14 @@ def check_state_space(ask: Ask) -> Verdict:
             C,
             D,
         ),
-        slip("transposed matrix", "The matrix G is transposed: its last *row* contains the parameters.", G.T, H, C, D),
         slip("feed-through", "D should be 0: u(k) does not act on y(k) in the same sample.", G, H, C, D + 1),
-        slip("sign of b", "C has the wrong sign.", G, H, -C, D),
+        slip("sign of b", "C has the wrong sign.", G, H, -C, D, f"{other} the other signs of b1 and b2."),
     ]
     otherwise = "`G_ss` does not have the response of eq. (2) with your parameters. Compare its matrices with eq. (2)."
-    canonical = all(np.allclose(m, w, atol=1e-9) for m, w in ((got.A, G), (got.B, H), (got.C, C), (got.D, D)))
     praise = (
-        "It has the form of eq. (2)." if canonical else "It has the response of eq. (2), in other state coordinates."
+        "It has the form of eq. (2)."
+        if are(G, H, C, D)
+        else "It has the response of eq. (2), in other state coordinates."
     )
     right = StateSpaceValue(G, H, C, D, model.Ts)
     return judge(got, right, same_response(1e-6), praise, otherwise, slips)

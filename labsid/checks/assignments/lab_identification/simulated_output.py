@@ -23,6 +23,9 @@ _FEW = 5
 
 _RESPONSES = ("TimeResponseData", "TimeResponseList")
 
+_SAME_MEAN = 1e-9
+"""Relative: a mean is that of a part of the samples to rounding, or by no means."""
+
 
 def read_output(name: str, value: Value) -> FloatArray:
     """Read a simulated output; the other results of simulating functions have their own messages."""
@@ -204,6 +207,19 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
             "is averaged over the first half only: the average goes over all samples.",
             np.mean(squared[: e.size // 2]),
         ),
+        *(
+            slip(
+                "divided by the size of the output",
+                f"is divided by {what}, which makes a share of it. Asked for is the mean itself, in V^2.",
+                np.mean(squared) / size,
+            )
+            for what, size in (("the variance of y", np.var(y)), ("the mean of y^2", np.mean(y**2)))
+        ),
+        slip(
+            "fit for the error",
+            "is a measure of fit, 1 less a share of the output. Asked for is the mean of the squared errors.",
+            1 - np.mean(squared) / np.var(y),
+        ),
         slip("mean absolute error", "is the mean of the absolute errors: square them.", np.mean(np.abs(e))),
         slip(
             "variance of the error",
@@ -230,7 +246,14 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
     ]
     slips += wrong_divisors(name, squared)
     otherwise = f"`{name}` is not the mean of the squared differences between measured and simulated output."
-    return judge(got, mse(y, y_sim), close(1e-6), "Both mean squared errors are right.", otherwise, [*slips, *more])
+    return judge(
+        got,
+        mse(y, y_sim),
+        close(1e-6),
+        "Both mean squared errors are right.",
+        otherwise,
+        [*slips, *more, *means_of_a_part(name, got, squared)],
+    )
 
 
 def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
@@ -241,6 +264,22 @@ def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
         Slip("1 taken off the mean", outside, lambda: float(np.mean(squared)) - 1),
         Slip("N - 1 for N", f"`{name}` is divided by N - 1: divide by N.", lambda: float(np.sum(squared)) / (N - 1)),
     ]
+
+
+def means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
+    """The mean over the samples from one on, or up to one, if that is what was got."""
+    N = squared.size
+    sums, counts = np.cumsum(squared)[:-1], np.arange(1, N)
+    for means, what in (
+        (sums / counts, "the first {first} samples"),
+        ((sums[-1] + squared[-1] - sums) / (N - counts), "the last {last} samples"),
+    ):
+        found = np.flatnonzero(np.isclose(means, got, rtol=_SAME_MEAN, atol=0))
+        if found.size == 1:
+            first = int(counts[found[0]])
+            text = f"`{name}` is averaged over {what.format(first=first, last=N - first)} of {N}: all of them count."
+            return [Slip("mean of a part", text, partial(float, got))]
+    return []
 
 
 def _zero_at_first(model: ArxModel, u: FloatArray) -> FloatArray:

@@ -22,7 +22,10 @@ from labsid.model_structures.prediction import free_run
 from labsid.model_structures.structures import PolynomialModel
 
 EXACT = 1e-9  # by which rounding may miss a constraint of size one to ten
-_WRONG_LAGS = ((2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3))
+_WRONG_LAGS = (
+    (2, 1, 2), (1, 1, 3), (2, 0, 2), (2, 2, 3), (2, 0, 3), (1, 0, 2), (3, 1, 3), (2, 3, 3), (2, 1, 1), (2, 1, 4),
+    (2, 2, 4), (1, 2, 3),
+)  # fmt: skip
 """Wrong lags of y, of the known u and of the other u in example 1; the right ones are 2, 1 and 3."""
 
 
@@ -55,9 +58,9 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
 
     two = Phi[:, [0, 2]]
     right = fit_with_known(Phi, Y, {1: 1.0}).fit.theta
+    got = as_theta("example_1(u, y)", value, 2)
     rest = np.concatenate([np.zeros(3), u]), np.concatenate([np.zeros(3), y])
     rows = "`example_1` uses rows before k0 = 4, with zeros for missing samples: begin where all lags exist."
-    lag = "`example_1` has a wrong lag: compare your row for k = 4 with y(4) + a y(2) = u(3) + b u(1)."
     early = [
         fit(
             np.column_stack([-rest[1][first + 1 : -2], rest[0][first : u.size]]),
@@ -66,7 +69,7 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         for first in (0, 1, 2)
     ]
     return judge(
-        as_theta("example_1(u, y)", value, 2),
+        got,
         right,
         SAME,
         "the known coefficient is not estimated.",
@@ -102,9 +105,10 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 lambda: fit(Phi, Y)[[0, 2]],
             ),
             *(
-                Slip("lag off by one", lag, partial(_lagged_fit, u, y, lags, first))
+                Slip("lag off by one", _wrong_lags(lags), partial(_lagged_fit, u, y, lags, first))
                 for first, lags in product((0, 3), _WRONG_LAGS)
             ),
+            *_other_factor(got, fit(two, Y), fit(two, Phi[:, 1])),
             *(
                 Slip(
                     WRAPS,
@@ -126,6 +130,32 @@ def _judge_known(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
             ),
         ],
     )
+
+
+def _wrong_lags(lags: tuple[int, int, int]) -> str:
+    """Which terms are taken at another step than the equation has."""
+    of_y, of_known, of_u = lags
+    wrong = [
+        text
+        for text, is_wrong in (
+            (f"the column of a holds {_lagged('y', of_y)} in place of y(k-2)", of_y != 2),
+            (f"{_lagged('u', of_known)} is taken off y(k) in place of the known term u(k-1)", of_known != 1),
+            (f"the column of b holds {_lagged('u', of_u)} in place of u(k-3)", of_u != 3),
+        )
+        if is_wrong
+    ]
+    return (
+        f"`example_1` has a wrong lag: {', and '.join(wrong)}. Compare your row for k = 4 with y(4) + a y(2) = "
+        "u(3) + b u(1)."
+    )
+
+
+def _other_factor(got: FloatArray, without: FloatArray, of_known: FloatArray) -> Iterator[Slip[FloatArray]]:
+    """The known term, taken off with another factor than 1: the theta of the rest less that factor times its own."""
+    if got.shape == without.shape:
+        factor = float((without - got) @ of_known / (of_known @ of_known))
+        text = f"`example_1` takes {factor:.3g} u(k-1) off y(k): the known coefficient is 1."
+        yield Slip("known term with another factor", text, lambda: without - factor * of_known)
 
 
 def _lagged(signal: str, lag: int) -> str:

@@ -149,16 +149,23 @@ def _exact(rule: Callable[[FloatArray], ArrayLike]) -> Callable[[FloatArray], st
     return answer
 
 
-def _of_determinant_and_corner(tolerance: float, corner: Callable[[float, float], bool]) -> Callable[[FloatArray], str]:
-    """The rule for two by two, by the determinant and the first entry, for every size."""
+def _of_determinant_and(
+    of_sign: Callable[[FloatArray], float], of_symmetric: bool, tolerance: float, corner: Callable[[float, float], bool]
+) -> Callable[[FloatArray], str]:
+    """The rule for two by two, by the determinant and the first entry or the trace, for every size."""
 
     def answer(M: FloatArray) -> str:
-        determinant, sign = np.linalg.det((M + M.T) / 2), "positive" if corner(float(M[0, 0]), 0.0) else "negative"
+        determinant = np.linalg.det((M + M.T) / 2 if of_symmetric else M)
+        sign = "positive" if corner(float(of_sign(M)), 0.0) else "negative"
         if abs(determinant) <= tolerance:
             return f"{sign} semidefinite"
         return f"{sign} definite" if determinant > 0 else "indefinite"
 
     return answer
+
+
+def _first_entry(M: FloatArray) -> float:
+    return float(M[0, 0])
 
 
 def _of_minors(zero: float, alternating: bool) -> Callable[[FloatArray], str]:
@@ -232,10 +239,13 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], str]], ...] = (
     *(
         (
             "determinant only",
-            "uses the determinant and the first entry. That is enough for two by two alone: of three eigenvalues, "
-            "two negative ones make the determinant positive. Use the signs of the eigenvalues.",
-            _of_determinant_and_corner(tolerance, corner),
+            f"uses the determinant and the {what}. That is enough for two by two alone: of three eigenvalues, "
+            "two negative ones make the determinant positive. Use the signs of the eigenvalues"
+            f"{'.' if of_symmetric else ' of (M + M^T)/2.'}",
+            _of_determinant_and(of_sign, of_symmetric, tolerance, corner),
         )
+        for what, of_sign in (("first entry", _first_entry), ("trace", np.trace))
+        for of_symmetric in (True, False)
         for tolerance in (0.0, 1e-6)
         for corner in (gt, ge)
     ),

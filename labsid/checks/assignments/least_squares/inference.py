@@ -91,7 +91,12 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         ("the diagonal of Phi'Phi is inverted by itself", 1 / np.diag(inner)),
     )
     powers = (("", 0.5), ("the root of the diagonal is missing", 1.0))
-    shares = (("", 1.0), ("the whole width is added to each side", 2.0), ("half of the half width is added", 0.5))
+    shares = (
+        ("", 1.0),
+        ("the whole width is added to each side", 2.0),
+        ("half of the half width is added", 0.5),
+        ("the standard errors are divided by the root of n, as those of a mean are", float(1 / np.sqrt(n))),
+    )
     made = sorted(
         product(quantiles, variances, diagonals, powers, shares), key=lambda parts: sum(bool(part[0]) for part in parts)
     )

@@ -58,6 +58,12 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
         [
             Slip("a and b swapped", "`fit_logarithm` returns b before a.", lambda: right[::-1]),
             Slip(
+                "slope and constant swapped",
+                "`fit_logarithm` takes the constant of the line for its slope: `np.polyfit` returns the slope first, "
+                "`lstsq` in the order of the columns.",
+                lambda: np.array([np.log(fit.b), np.exp(fit.a)]),
+            ),
+            Slip(
                 "e^a for a",
                 "a of `fit_logarithm` is e^a: the line's slope is a itself; only its constant is a logarithm.",
                 lambda: np.array([np.exp(fit.a), fit.b]),
@@ -276,6 +282,12 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
                 "`fit_exponential` is the line through the logarithms of the positive points: it may start from there, "
                 "but then the curve itself is to be fitted.",
                 lambda: _by_logarithm(x[k], y[k]),
+            ),
+            Slip(
+                "the logarithm once more",
+                "`fit_exponential` is the line through the logarithms of |y|: the absolute value turns the negative "
+                "points round, and a logarithm weights errors by 1/y. Fit the curve itself, which needs no logarithm.",
+                lambda: _by_logarithm(x, np.abs(y)),
             ),
             Slip(
                 "squares handed over",

@@ -136,6 +136,15 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
                 "SSE (or J'J, which has no factor, is taken twice).",
                 lambda: spread / np.sqrt(2),
             ),
+            *(
+                Slip(
+                    "divided by n",
+                    f"`fit_step` divides the SSE by n - {fewer} for s^2{as_var}.",
+                    partial(np.multiply, spread, np.sqrt((n - p) / (n - fewer))),
+                    mend="Three parameters have been fitted to it: divide by n - 3.",
+                )
+                for fewer, as_var in ((1, ", as `np.var` does with `ddof=1`"), (2, ""))
+            ),
             Slip(
                 "divided by n",
                 "`fit_step` divides the SSE by n for s^2.",

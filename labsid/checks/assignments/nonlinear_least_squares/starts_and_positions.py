@@ -181,7 +181,12 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
             Slip("squared ranges", linear, lambda: squares),
             Slip("squared ranges", linear, lambda: differences),
             *(Slip("squared ranges", linear, partial(_less_one, beacons, ranges, i)) for i in (0, len(beacons) - 1)),
-            Slip("squared ranges", linear, lambda: _fourth_power(beacons, ranges, fix.position)),
+            Slip(
+                "squared ranges",
+                "`locate` hands over errors of the *squared* ranges, distance^2 - range^2: another criterion, which "
+                "trusts far beacons too much. The error of a beacon is its distance less its range.",
+                lambda: _fourth_power(beacons, ranges, fix.position),
+            ),
             Slip(
                 "squares handed over",
                 f"`locate` {SQUARED}",

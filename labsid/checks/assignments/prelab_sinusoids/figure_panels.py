@@ -108,6 +108,11 @@ def _require_names(axes: AxesValue, where: str, sine: CurveValue, cosine: CurveV
         named = [text for text in entries if name in text]
         if not named:
             raise NoAnswer(f"The legend of {where} has no entry {name}(0.02πt).", "legend")
+        if not any("π" in text or "pi" in text for text in named):
+            raise NoAnswer(
+                f"The legend of {where} names a curve {named[0]!r}; the name asked for is {name}(0.02πt), in full.",
+                "legend",
+            )
         if not any("π" in text for text in named):
             raise NoAnswer(
                 f"The legend of {where} spells the Greek letter out: write it as `$\\pi$` or copy π.",

@@ -133,12 +133,26 @@ def check_matrix(ask: Ask) -> Verdict:
         np.column_stack(parts),
         _same,
         f"three columns of {parts[0].size} rows.",
-        "`data_new` has the right shape, but not the columns t_new, y1_new, y2_new.",
+        f"`data_new` has the right shape, but not the columns t_new, y1_new, y2_new.{_held(got, parts)}",
         matrix_slips(parts, uncut, got.shape),
     )
     if not verdict.passed and verdict.slip is None:
         as_matrix("data_new", value, (parts[0].size, 3))
     return verdict
+
+
+def _held(got: FloatArray, parts: list[FloatArray]) -> str:
+    """Which column of `data_new` holds another one's values."""
+    names = ("t_new", "y1_new", "y2_new")
+    if got.shape != (parts[0].size, len(parts)):
+        return ""
+    said = [
+        f"`[:, {i}]` holds {names[j]}, where {names[i]} belongs"
+        for i, column in enumerate(got.T)
+        for j, part in enumerate(parts)
+        if i != j and _same(column, part)
+    ]
+    return f" {', and '.join(said)}." if said else ""
 
 
 @first_failure

@@ -1,7 +1,8 @@
 """Checks of the lecture's end: covariance wind-up and how to stop it, and a form of RLS that loses its symmetry."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -128,12 +129,31 @@ _WRONG_RULES = (
         )
         for when in ("scale", "scale first")
     ),
+    *(
+        (
+            "P reset",
+            when,
+            "`rls_bounded` starts P afresh at the bound: what was learnt is thrown away. Asked for is a pause: P is "
+            "kept, and this one sample is used with lambda = 1.",
+        )
+        for when in ("reset", "reset first", "reset late", "reset and pause", "even")
+    ),
+    *(
+        (
+            "another measure of P",
+            measure,
+            f"`rls_bounded` compares {words} of P with the bound: it is the trace, over lambda, that is compared.",
+        )
+        for measure, words in (("norm", "the norm"), ("max", "the largest entry"), ("det", "the determinant"))
+    ),
     (
-        "P reset",
-        "reset",
-        "`rls_bounded` starts P afresh at the bound: what was learnt is thrown away. Asked for is a pause.",
+        "trace times lambda",
+        "times",
+        "`rls_bounded` compares lambda times the trace with the bound: the update divides P by lambda. Compare "
+        "trace(P)/lambda.",
     ),
 )
+_MEASURES: dict[str, Callable[[FloatArray], Any]] = {"norm": np.linalg.norm, "max": np.max, "det": np.linalg.det}
 
 
 def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: float, rule: str) -> Run:
@@ -147,14 +167,19 @@ def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: fl
 
     for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
         trace = float(np.trace(P))
-        over = trace / lam > bound
+        over = float(_MEASURES.get(rule, np.trace)(P)) / (1 / lam if rule == "times" else lam) > bound
         paused = paused or over
         if rule == "skip" and over:
             history[k], traces[k] = theta, trace
             continue
         if rule == "look after":
             over = bool(np.trace(updated(lam)) > bound)
+        if (over and rule in ("reset first", "reset and pause")) or (trace > bound and rule == "reset late"):
+            P = LN * np.eye(p)
+        if over and rule == "even":
+            P = bound / p * np.eye(p)
         pauses = {"for good": paused, "never": True, "late": trace > bound, "look after": over}
+        pauses |= dict.fromkeys(("reset and pause", "times", *_MEASURES), over)
         P = updated(1.0 if pauses.get(rule, False) else lam)
         if rule == "scale first" and np.trace(P) > bound:
             P = P * bound / np.trace(P)

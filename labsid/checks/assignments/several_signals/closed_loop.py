@@ -44,6 +44,17 @@ def _past(x: FloatArray, lags: tuple[int, ...]) -> FloatArray:
     return np.column_stack([x[_START - lag : len(x) - lag] for lag in lags])
 
 
+def _reference(lag: int) -> str:
+    return f"r(k-{lag})" if lag else "r(k)"
+
+
+def _by_lags(r: FloatArray, Phi: FloatArray, Y: FloatArray, lags: tuple[int, int]) -> FloatArray:
+    """The estimate with references of these lags, from the first row that has them."""
+    more = max(0, max(lags) - _START)
+    Z = np.column_stack([r[_START + more - lag : len(r) - lag] for lag in lags])
+    return instrumental_variables(Z, Phi[more:], Y[more:]).theta
+
+
 def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict:
     value = returned(ask, "fit_with_reference", u, y, r)
     rows = build_phi(u, y, 1, _START)
@@ -57,7 +68,6 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
 
     right = by(Z)
     loop = "Both are in the loop and hold past disturbances; the reference does not."
-    lags = f"the instruments of `{_CALL}` are r(k-1) and r(k-2): the slices begin elsewhere."
     return judge(
         got,
         right,
@@ -122,8 +132,15 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
                 )
                 for lag in (1, 2)
             ),
-            Slip("lag off by one", lags, lambda: by(_past(r, (0, 1)))),
-            Slip("lag off by one", lags, lambda: by(_past(r, (0, 2)))),
+            *(
+                Slip(
+                    "lag off by one",
+                    f"the instruments of `{_CALL}` hold {' and '.join(map(_reference, lags))} beside the row of y(k); "
+                    "they should hold r(k-1) and r(k-2).",
+                    partial(_by_lags, r, Phi, Y, lags),
+                )
+                for lags in ((0, 1), (0, 2), (2, 3), (1, 3))
+            ),
             Slip(
                 "regressed on the instruments",
                 f"`{_CALL}` regresses on Z, (Z'Z)^-1 Z'Y; the estimate is (Z'Phi)^-1 Z'Y.",

@@ -26,6 +26,13 @@ def check_time(ask: Ask) -> Verdict:
                 f"`time_shares(e, {parts})` returns {PARTS} shares, as for this record: use the argument `parts`.",
                 "parts not used",
             )
+        if isinstance(value, np.ndarray) and value.shape == (length,):
+            raise NoAnswer(
+                f"`time_shares(e, {parts})` of {e.size} samples returns {length} numbers: it adds up over the {parts} "
+                f"stretches, and not over the {length} samples of each. In `np.reshape(e, (parts, -1))` a stretch is a "
+                "row: add up with `axis=1`.",
+                "sum over the wrong axis",
+            )
         got = _shares("time_shares(e, parts)", value, parts)
         verdict = _judge_shares("time_shares", got, np.sum(e.reshape(parts, -1) ** 2, axis=1), _time_slips(e, parts))
         if not verdict.passed:

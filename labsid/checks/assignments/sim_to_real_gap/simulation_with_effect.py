@@ -5,6 +5,7 @@ the rig again, plays it on a run of which the student has seen nothing.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -184,7 +185,8 @@ def check_closed(ask: Ask) -> Verdict:
     noise, before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))
     record = ask.record
     half = record.y.size // 2
-    squares = (_played(ask, record.u) - record.y) ** 2
+    errors = _played(ask, record.u) - record.y
+    squares = errors**2
     after = float(np.mean(squares[half:]))
     right = closed_share(after, before**2, noise)
     verdict = judge(
@@ -231,6 +233,17 @@ def check_closed(ask: Ask) -> Verdict:
                 "roots for mean squares",
                 "`closed` is made of the root of the mean square after: the formula takes the mean square itself.",
                 lambda: closed_share(float(np.sqrt(after)), before**2, noise),
+            ),
+            *(
+                Slip(
+                    "square of the mean error",
+                    f"`closed` is made of the square of {what}: square the errors first, then take the mean.",
+                    partial(closed_share, float(one) ** 2, before**2, noise),
+                )
+                for what, one in (
+                    ("the mean error", np.mean(errors[half:])),
+                    ("the mean absolute error", np.mean(np.abs(errors[half:]))),
+                )
             ),
             Slip(
                 "error over the whole record",

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.lab_identification.simulated_output import wrong_divisors
+from labsid.checks.assignments.lab_identification.simulated_output import means_of_a_part, wrong_divisors
 from labsid.checks.assignments.step_response.least_squares_appendix import (
     returned,
 )
@@ -129,6 +129,7 @@ def check_approximation(ask: Ask) -> Verdict:
                 lambda: float(np.sum(error**2) / np.sqrt(error.size)),
             ),
             *wrong_divisors("mse_approx", error**2),
+            *means_of_a_part("mse_approx", as_number("mse_approx", ask.value("mse_approx")), error**2),
             # the same where the model is above or below the data throughout
             Slip("not squared", not_squared, lambda: float(np.mean(error))),
             Slip("not squared", not_squared, lambda: float(np.mean(abs(error)))),

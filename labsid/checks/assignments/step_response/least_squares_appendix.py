@@ -6,6 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.step_response.slips import (
+    DIVIDED,
     error_slips,
     gradient_slips,
     loss_slips,
@@ -181,7 +182,10 @@ def check_gradient(ask: Ask) -> Verdict:
             ],
         )
 
-    return _on_all(ask, one)
+    verdict = _on_all(ask, one)
+    if verdict.slip == DIVIDED:  # a square Phi does not tell equations from unknowns
+        verdict = _on_all(ask, one, ((8, 3),))
+    return verdict
 
 
 def check_minimum(ask: Ask) -> Verdict:
@@ -267,7 +271,11 @@ def _rank(Phi: FloatArray) -> int:
     return int(np.linalg.matrix_rank(Phi))
 
 
-_ROWS = "compares the rank with the rows, or with the smaller side of Phi; compare it with the number of columns."
+_WIDE = (
+    "returns True for a Phi of full rank with fewer equations than unknowns, as a comparison of the rank with the "
+    "smaller side of Phi does, or a condition number: compare the rank with the number of columns."
+)
+_ROWS = "compares the rank with the rows of Phi; compare it with the number of columns."
 
 _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], bool]], ...] = (
     (
@@ -281,7 +289,7 @@ _WRONG_RULES: tuple[tuple[str, str, Callable[[FloatArray], bool]], ...] = (
         lambda Phi: Phi.shape[0] > Phi.shape[1],
     ),
     ("always unique", "returns True for every Phi: try a Phi with two equal columns.", lambda Phi: True),
-    ("rank of the rows", _ROWS, lambda Phi: _rank(Phi) == min(Phi.shape)),
+    ("rank of the rows", _WIDE, lambda Phi: _rank(Phi) == min(Phi.shape)),
     ("rank of the rows", _ROWS, lambda Phi: _rank(Phi) == Phi.shape[0]),
     (
         "square matrices only",
@@ -313,8 +321,12 @@ def _truth(ask: Ask, Phi: FloatArray) -> bool:
 
 
 @first_failure
-def _on_all(ask: Ask, one: Callable[[FloatArray, FloatArray, FloatArray], Verdict]) -> Iterator[Verdict]:
-    for n, p in _SHAPES:
+def _on_all(
+    ask: Ask,
+    one: Callable[[FloatArray, FloatArray, FloatArray], Verdict],
+    shapes: tuple[tuple[int, int], ...] = _SHAPES,
+) -> Iterator[Verdict]:
+    for n, p in shapes:
         Phi = ask.rng.uniform(-1, 1, (n, p)) + 3 * np.eye(n, p)
         theta, E = ask.rng.uniform(0.5, 2, p), ask.rng.uniform(0.5, 2, n) * np.where(np.arange(n) % 2, 1, -1)
         yield one(Phi, Phi @ theta + E, theta)  # errors of both signs: |E| is not -E

@@ -81,6 +81,13 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     for order in list(permutations(range(3)))[1:]:
         if np.all(np.abs(got[list(order)] - right) <= within):
             return Verdict(False, f"{where}K, tau and td are right, but in another order.", "order of K, tau and td")
+    for slip, levels, of_what in _other_levels(step, fit) if right_gain else ():
+        ways = [(level - fit.y_initial) / (fit.y_final - fit.y_initial) for level in levels]
+        is_reached = all(0 < way < 1 for way in ways)
+        if is_reached and _close_to(got[1:], _read_at(step, *levels)):
+            return Verdict(
+                False, f"{where}K is right. tau and td come of the times at which the output {of_what}", slip
+            )
     values = {"K": K, "tau": tau, "td": td}
     matches: list[tuple[float, _Suspect]] = []
     for suspect in _suspects(step, fit):
@@ -103,6 +110,42 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             "outputs for times",
         )
     return Verdict(False, where + _deviation(values, fit, right_gain))
+
+
+def _other_levels(step: Step, fit: StepResponseFit) -> Iterator[tuple[str, tuple[float, float], str]]:
+    """Levels of the output that are taken for those at 28.3 % and 63.2 % of its change, with what reaches them."""
+    start, change, low, high = fit.y_initial, fit.y_final - fit.y_initial, 1 - np.exp(-1 / 3), 1 - np.exp(-1)
+    whole = f"take shares of the change of the *output*, {change:.3g} here."
+    for size, what in (
+        (step.amplitude, f"reaches 28.3 % and 63.2 % of {step.amplitude:.3g}, the step of the *input*: {whole}"),
+        (1.0, f"reaches 0.283 and 0.632 themselves: {whole}"),
+    ):
+        if abs(size - change) > 0.05 * abs(change):
+            for level in {0.0, start}:
+                yield "shares of another size", (level + low * size, level + high * size), what
+    for shares, what in (
+        (
+            (1 - low, 1 - high),
+            "reaches e^(-1/3) and e^(-1) of its change: it *rises* to 1 less these, 28.3 % and 63.2 %.",
+        ),
+        ((low, 1 - high), "reaches 28.3 % and 36.8 % of its change: at t_d + tau it is at 1 - e^(-1), 63.2 %."),
+        ((0.1, 0.9), "reaches 10 % and 90 % of its change: the formula is for those at 28.3 % and 63.2 %."),
+    ):
+        yield "other percentages", (start + shares[0] * change, start + shares[1] * change), what
+
+
+def _read_at(step: Step, low: float, high: float) -> list[FloatArray]:
+    """tau and td from the times at which the output reaches these levels, in the samples or between them."""
+    sign = np.sign(high - step.y[0]) or 1.0
+    rising = np.maximum.accumulate(sign * step.y)
+    pairs = []
+    for t_low, t_high in (
+        tuple(float(step.t[np.argmax(sign * step.y >= sign * level)]) for level in (low, high)),
+        tuple(float(np.interp(sign * level, rising, step.t)) for level in (low, high)),
+    ):
+        tau = 1.5 * (t_high - t_low)
+        pairs += [np.array([tau, t_high - tau]), np.array([tau, max(t_high - tau, 0.0)])]
+    return pairs
 
 
 def _from_values(step: Step, fit: StepResponseFit) -> list[FloatArray]:

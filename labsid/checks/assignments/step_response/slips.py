@@ -10,6 +10,7 @@ from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares,
 
 Slips = list[Slip[FloatArray]]
 
+DIVIDED = "divided by a number of equations"
 _TRANSPOSED = "uses Phi transposed: a row of Phi is an equation, a column an unknown."
 
 
@@ -138,6 +139,22 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
             "the half kept",
             "`gradient` is half the right value: the 1/2 of V cancels the 2 of (A6).",
             lambda: right / 2,
+        ),
+        *(
+            Slip(
+                DIVIDED,
+                f"`gradient` is {what} divided by {count}, as many as there are {of_what}: V is half the *sum* of the "
+                "squared errors and no mean, so nothing is divided.",
+                partial(np.multiply, right, factor / count),
+            )
+            for count, of_what in ((Y.size, "equations"), (theta.size, "unknowns"))
+            for what, factor in (("the right one", 1), ("twice the right one", 2), ("half the right one", 0.5))
+        ),
+        Slip(
+            "gradient of the norm",
+            "`gradient` is divided by the norm of the errors: that is the derivative of the norm, and V is half its "
+            "square.",
+            lambda: right / float(np.linalg.norm(Y - Phi @ theta)),
         ),
         Slip(
             "sign of the gradient",
