@@ -31,6 +31,7 @@ from labsid.gap.record.record_findings import (
     findings_from_record,
     plateau_gap,
 )
+from labsid.gap.record.unknown_input import about_unknown_input, after_unknown_input
 from labsid.gap.reports.layout import listed_findings
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
@@ -445,6 +446,10 @@ def _prepare(
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     if is_slow:
         data = replace(data, at=np.flatnonzero(measured), stride=compared.stride)
+    else:
+        unknown = after_unknown_input(data, record.u, measured)
+        notes += about_unknown_input(unknown, record.Ts)
+        data = replace(data, rows=data.rows & ~unknown) if unknown.any() else data
     base = make_baseline(data, record.t, simulation, order)
     if base.before is not None and compared.before is not None and len(record) == len(compared.records[0]):
         simulated = data.y_scale.back(base.before(data).output)

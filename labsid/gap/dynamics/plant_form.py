@@ -162,6 +162,8 @@ class PlantForm:
         the parameter `turn`, 0 to 1, is the share of the change that acts as a jump of the speed.
     zero : bool
         Whether linear dynamics have a numerator zero. Without it they have one gain.
+    single : bool
+        Whether one of the two poles of linear dynamics is too fast to matter, as in a simulation of first order.
     feedthrough : bool
         Whether the output responds within the sample in which the input changes.
     lag, mode : str
@@ -215,6 +217,7 @@ class PlantForm:
 
     kind: str = "linear"
     zero: bool = True
+    single: bool = False
     feedthrough: bool = False
     lag: str = ""
     mode: str = ""

@@ -14,6 +14,7 @@ NODES = np.polynomial.legendre.leggauss(8)
 MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow
 MOTOR_SUBSTEPS = 3  # of a motor with dry friction
 LAW_SUBSTEPS = 2  # times as many for friction that varies with the speed: it is linearized or constant in each
+MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
 ABSENT_POLE_RATE = 30.0  # per sample, of a pole without influence
 
 

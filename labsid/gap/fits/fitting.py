@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics._kernels import whiten
+from labsid.gap.dynamics.responses import MAX_OBSERVED_RATE
 from labsid.gap.fits.fast_least_squares import RIDGE, scaled_gram, solve_least_squares, solve_positive_definite
 from labsid.gap.fits.hypothesis import Design, Hypothesis
 from labsid.gap.fits.known_scales import implied_count, known_bounds, known_gains, known_values
@@ -15,6 +16,8 @@ from labsid.gap.record.data import Data
 
 UNFILTERED = np.zeros(0)
 DIVERGED = 1e100  # of a scaled signal: its square is finite
+SAME_RATE = 1e-3  # relative difference of two poles that are one
+SAME_COST = 1e-6  # relative difference of the errors at two points that are one simulation
 WEAK = 0.01  # of the error: a parameter that moves the output less by its unit is damped as one that moves it so far
 
 
@@ -277,6 +280,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     A slow residual leaves only sensor noise in its innovations, so that the whitened error cannot rank simulations.
     `Data.by_free_run` then adds the power of the free-run error, weighted by its number of independent samples.
     """
+    point = _with_fastest_lag(data, hypothesis, point)
     e = data.y - point.output
     noise = noise_of(data, e)
     theta, undetermined = hypothesis.completed(point.theta, data.u)
@@ -290,6 +294,31 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
         mean_square = max(free_run, noise.sigma2)
         bic += noise.rows * np.sqrt(noise.sigma2 / mean_square) * np.log(mean_square) + free * np.log(noise.rows)
     return Fit(hypothesis, theta, point.gains, point.output, point.cost, noise, float(bic), free_run)
+
+
+def _with_fastest_lag(data: Data, hypothesis: Hypothesis, point: Point) -> Point:
+    """The point at which the lag of linear dynamics is the fastest of their real poles: they may be exchanged."""
+    plant = hypothesis.plant
+    if plant.kind != "linear" or not plant.lag:
+        return point
+    begin = hypothesis.slices["plant"].start
+    lag = begin + plant.index("log_lag")
+    c, k = np.exp(point.theta[begin : begin + 2])
+    if c * c <= 4.0 * k:
+        return point
+    fast = float(0.5 * c + np.sqrt(0.25 * c * c - k))
+    rates = float(k) / fast, fast
+    at = 1 if rates[1] < MAX_OBSERVED_RATE and not plant.single else 0
+    own, other = float(np.exp(-point.theta[lag])), rates[at]
+    if other <= own * (1.0 + SAME_RATE):
+        return point
+    theta = point.theta.copy()
+    kept = own, float(c) - own if plant.single else rates[1 - at]
+    theta[begin : begin + 2] = np.log(sum(kept)), np.log(kept[0] * kept[1])
+    theta[lag] = -np.log(other)
+    exchanged = Problem(data, hypothesis).start(theta, point.gains if hypothesis.outputs else None)
+    is_same = exchanged is not None and exchanged.cost < point.cost * (1.0 + SAME_COST)
+    return exchanged if exchanged is not None and is_same else point
 
 
 def fit_from(

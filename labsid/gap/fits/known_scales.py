@@ -1,4 +1,4 @@
-"""Parameters of a joint that the units of the record determine.
+"""Parameters that are known: of a joint by the units of the record, of a simulation of first order by its order.
 
 Where the command is the angle that the output follows, both have one unit, and the gain between them is one. Gravity
 depends on the angle in radians. A gain and a unit of the angle that are free would let a sine imitate any spring.
@@ -8,6 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import NO_SPRING
+from labsid.gap.dynamics.responses import ABSENT_POLE_RATE
 from labsid.gap.effects.gravity import angle_unit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
@@ -35,6 +36,9 @@ def known_gains(data: Data, hypothesis: Hypothesis) -> FloatArray:
 def known_values(data: Data, hypothesis: Hypothesis) -> dict[int, float]:
     """The nonlinear parameters that are not estimated, by their place in theta."""
     plant = hypothesis.plant
+    if plant.single:
+        name = "log_b" if plant.kind in ("tanks", "speed") else "log_c"
+        return {_place(hypothesis, name): float(np.log(ABSENT_POLE_RATE))}
     if plant.gravity and plant.unsprung and not plant.follows:
         return {_place(hypothesis, "log_k"): NO_SPRING}
     if not (plant.follows and plant.gravity):

@@ -373,7 +373,7 @@ def _missing(data: Data, fit: Fit, rows: Iterable[tuple[str, str]]) -> Iterator[
             continue
         forms = [form for family in FAMILIES if family.name == name for form in family.searched()]
         if not any(is_compatible(fit, form) for form in forms):
-            stabilised, given = fit.hypothesis.feedback is not None, fit.hypothesis.given is not None
+            stabilised, given = fit.hypothesis.feedback is not None, fit.hypothesis.plant.kind == "given"
             yield name, "stabilised" if stabilised else "closed" if given else "beside"
         elif all(isinstance(form, InputEffect) and not form.applies(context) for form in forms):
             yield name, "levels"

@@ -102,7 +102,7 @@ def build_report(
         "simulation": {
             "given": base.given,
             "output_only": base.output_only,
-            "closed": base.structure.given is not None and base.structure.plant.simulation.port is None,
+            "closed": base.structure.plant.kind == "given" and base.structure.plant.simulation.port is None,
             "output": None if base.output is None else _simulated_output(base.output, base.model),
             "model": _linear_model(answer),
         },

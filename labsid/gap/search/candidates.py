@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.responses import real_rates, single_pole
+from labsid.gap.dynamics.responses import MAX_OBSERVED_RATE, real_rates, single_pole
 from labsid.gap.effects.base import Effect, Fitted, InputEffect, PlantEffect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import Placed
@@ -22,7 +22,6 @@ from labsid.gap.search.growing_window import grown_starts, loses_phase
 from labsid.gap.search.part import LONG, beginning, on_part
 
 STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
-MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
 RESTART_RATE = 0.5  # per sample: start value for such a pole
 MASS_FREQUENCIES = 0.1, 0.4  # radians per sample: start values of a mass with friction
 MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent

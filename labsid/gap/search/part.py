@@ -15,9 +15,9 @@ from labsid.gap.record.data import Data
 
 LONG = 8000  # samples, from which a part is enough
 SHORTEST = 4000  # samples
-GROWTH = 1.25
+GROWTH = 1.25  # of the number of samples, until they are enough
 MIN_RANGE = 0.95  # of the range between the quantiles of each signal, that the part must have,
-QUANTILES = 0.005, 0.995
+QUANTILES = 0.005, 0.995  # of a signal: its range without outliers
 MIN_SPREAD = 0.8  # and of its standard deviation, and of that of its changes
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -90,7 +90,7 @@ class Baseline:
     @property
     def output_only(self) -> bool:
         """Whether only its output is known, so that only effects at the output can be added."""
-        return self.structure.given is not None and not self.structure.given.simulation.takes_input
+        return self.structure.plant.kind == "given" and not self.structure.plant.simulation.takes_input
 
     @property
     def is_run(self) -> bool:
@@ -253,6 +253,8 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     output = check_bounded(model.response(u), y)
     before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
     free = _linear_baseline(data, max(model.order, 1), model.direct)
+    if model.order < 2 and free.structure.feedback is None:
+        free = replace(free, structure=_first_order(free.structure), alternative=_first_order(free.alternative))
 
     def simulate_record(record: Record, start: RecordStart | None = None) -> FloatArray:
         return model.simulate(record.u, record.y, start)
@@ -261,8 +263,17 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     if not model.dead_time:
         return free
     # It is a part of the simulation, so that a search does not find it again.
-    structure = Hypothesis((Delay(), *free.structure.effects), free.structure.n_given + 1)
+    structure = Hypothesis((Delay(), *free.structure.effects), free.structure.n_given + 1, free.structure.given)
     return replace(free, structure=structure, start=_delayed_start(data, structure, model), alternative=None)
+
+
+@overload
+def _first_order(structure: Hypothesis) -> Hypothesis: ...
+@overload
+def _first_order(structure: None) -> None: ...
+def _first_order(structure: Hypothesis | None) -> Hypothesis | None:
+    """The structure with one pole: a further one of the rig is an effect that the simulation lacks."""
+    return None if structure is None else Hypothesis(structure.effects, structure.n_given, Plant(single=True))
 
 
 def _delayed_start(data: Data, structure: Hypothesis, model: TransferFunction) -> FloatArray | None:

@@ -3,11 +3,14 @@
 import control
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
+from labsid.gap.diagnosis import diagnose
 from labsid.gap.record.data import scaled
 from labsid.gap.simulations.baseline import as_simulation, check_bounded, linear_structure, make_baseline
 from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput
+from labsid.records.record import Record
 from labsid.simulators.simulator import function_simulator
 
 DEN = np.poly([0.95, 0.8]).tolist()
@@ -185,3 +188,22 @@ def test_bounded():
 def test_a_simulated_output_that_never_moves_is_refused(value):
     with pytest.raises(ValueError, match=f"the simulated output is {value:.4g} throughout"):
         as_simulation(SimulatedOutput(np.full(300, value)), 0.1, ())
+
+
+FIRST_ORDER = {"num": [0.0, 0.04], "den": [1.0, -0.95], "dt": 0.1}  # .8 / (1.95 s + 1)
+
+
+@pytest.mark.parametrize(
+    ("poles", "cause"), [((0.95, 0.8), "extra-lag"), ((0.93,), "parameter-mismatch"), ((0.95,), None)]
+)
+def test_a_pole_that_a_simulation_of_first_order_lacks_is_no_mismatch(poles, cause):
+    """The faster one is further: the other is that of the simulation."""
+    rng = np.random.default_rng(3)
+    u = np.repeat(rng.uniform(0.0, 10.0, 45), 20)
+    den = np.poly(poles)
+    y = lfilter([0.0, 0.8 * den.sum()], den, u)
+    y = y + 0.01 * np.std(y) * rng.standard_normal(u.size)
+    report = diagnose(Record(0.1 * np.arange(u.size), u, y, 0.1), FIRST_ORDER).report
+    assert [one["name"] for one in report["effects"]] == ([cause] if cause else [])
+    if cause == "extra-lag":
+        assert report["effects"][0]["parameters"]["tau"]["value"] == pytest.approx(-0.1 / np.log(0.8), rel=0.1)
