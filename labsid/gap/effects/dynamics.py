@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import damping_ratio, denominator, lag_mean, mode_mean, real_rates, single_pole
 from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
@@ -23,6 +23,9 @@ PEAKS = 3  # of a spectrum, from which a mode or a sinusoid starts
 MIN_CYCLES = 4.0  # of a mode, in the record
 MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
 SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
+REST = 1e-4  # of the largest speed, below which a mass is at rest
+SHORTEST_REST = 3  # samples of a rest
+MIN_STOPS = 2  # rests of a mass between motions, in one direction or both
 MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
 CREEP = 0.01  # of the largest speed: a slower motion is none
 MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode
@@ -450,12 +453,15 @@ class CoulombFriction(PlantEffect):
         return [{"friction": size, "centre": middle} for size in (0.1, 0.4) for middle in middles]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Require motion in both directions: in one direction friction is a constant.
+        """Require motion in both directions, or of a mass stops on its way: without, friction is a constant.
 
         A level at its brim stops and does not turn: friction on a speed that hardly turns fits it as well.
         """
         plant = fit.hypothesis.plant
-        return moves_both_ways(plant.motion(fit.plant_theta, fit.actuator)[:, 1], CREEP * (plant.kind == "speed"))
+        speed = plant.motion(fit.plant_theta, fit.actuator)[:, 1]
+        if plant.kind == "mechanics" and count_stops(speed) >= MIN_STOPS:
+            return True
+        return moves_both_ways(speed, CREEP * (plant.kind == "speed"))
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input; with a peak, `break_away`; with the load, its share `load`."""
@@ -472,6 +478,12 @@ class CoulombFriction(PlantEffect):
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """Friction up to the range of the input."""
         return [Planted("friction", {"friction": share * fit.input_range})]
+
+
+def count_stops(speed: FloatArray) -> int:
+    """Number of rests between motions."""
+    rests = stretches_of(np.abs(speed) < REST * float(np.abs(speed).max()))
+    return sum(stop - start >= SHORTEST_REST and start > 0 and stop < speed.size for start, stop in rests)
 
 
 def moves_both_ways(speed: FloatArray, least: float = 0.0) -> bool:

@@ -10,7 +10,8 @@ from labsid.records.signal_quality import lattice_step, runs
 MAX_STEPS = 1000  # of the log in the range of the input, from which its rounding is not looked at
 MIN_LEVELS = 20  # of the input: fewer are those of a staircase, not of a coarse log
 FEWEST_LEVELS = 8  # the same where it jumps by several steps of its lattice, as a staircase does not
-REFUTED = 4.0  # times the mean square error of a fit, above which its small error shows that the log is not rounded
+REFUTED = 4.0  # times the mean square error of a fit, above which its small error shows that the log is not rounded,
+REFUTED_SMOOTH = 16.0  # and the same of an input that moves smoothly, whose rounding errors repeat with it
 JUMP = 3.0  # steps of the log in the median change of the input, from which its rounding errors are random
 DRAWS = 8  # of the digits that the log of the input has lost
 SEED = 0  # of these draws
@@ -21,7 +22,7 @@ def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None) -> float:
 
     The rounding errors are drawn at random, one for each stretch of constant input. No simulation foretells them where
     the input jumps: an error that is much smaller then shows that the values of the log acted, as set points in whole
-    numbers do.
+    numbers do. Of an input that moves smoothly an effect may imitate a part of them.
 
     Parameters
     ----------
@@ -42,7 +43,8 @@ def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None) -> float:
     lengths = runs(u)[1]
     powers = [_power(data, fit, np.repeat(rng.uniform(-0.5, 0.5, lengths.size) * step, lengths)) for _ in range(DRAWS)]
     power, left = float(np.mean(powers)), (best or fit).output - data.y
-    return 0.0 if at_random and power > REFUTED * float(np.var(left[data.rows])) else power
+    refuted = REFUTED if at_random else REFUTED_SMOOTH
+    return 0.0 if power > refuted * float(np.var(left[data.rows])) else power
 
 
 def _power(data: Data, fit: Fit, error: FloatArray) -> float:

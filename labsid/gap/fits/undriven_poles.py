@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
-from labsid.gap.dynamics.responses import damping_ratio, denominator
+from labsid.gap.dynamics.responses import damping_ratio, decay_rates, denominator
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 
@@ -32,6 +32,22 @@ def has_undriven_pole(data: Data, fit: Fit) -> bool:
         if free_rms > max(MIN_FREE * residual, forced_rms) and forced_rms < MAX_DRIVEN * residual:
             return True
     return False
+
+
+def slowest_driven_rate(data: Data, fit: Fit) -> float:
+    """Rate of the slowest pole of a fit whose response to the input exceeds the residual; per sample.
+
+    A linear fit to a rig with one pole has a second one that the input hardly moves, at any rate.
+    """
+    plant, (slow, fast) = fit.hypothesis.plant, decay_rates(*fit.rates)
+    c, k = fit.rates
+    if plant.kind != "linear" or not plant.zero or c * c <= 4.0 * k:
+        return slow
+    w = fit.hypothesis.actuator(fit.theta, data.u) - data.u[0]
+    columns = fit.hypothesis.design(fit.theta, data.u).parts[0]
+    forced, _ = _driven_and_free(w, columns, fit.gains[: columns.shape[1]], denominator(c, k))[0]
+    residual = float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
+    return slow if float(np.std(forced[data.rows])) > residual else fast
 
 
 def lag_became_mode(base: Fit, fit: Fit) -> bool:

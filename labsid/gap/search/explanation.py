@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.dynamics.responses import decay_rates
 from labsid.gap.effects.base import AdditiveEffect
 from labsid.gap.effects.families import names_where
 from labsid.gap.effects.output import Drift
@@ -16,6 +15,7 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.residual_tests import SLOW_CORRELATION, comes_and_goes, slow_autocorrelation
+from labsid.gap.fits.undriven_poles import slowest_driven_rate
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import BLOCKS, held_out_samples
 from labsid.gap.record.sample_faults import (
@@ -312,7 +312,7 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
         coloured &= floor - white > MIN_SHARE_OF_GAP**2 * mean_square(clean, path[0])
     if (
         coloured
-        and noise_is_slow(best)
+        and noise_is_slow(clean, best)
         and floor > ROUNDING_RATIO * rounding
         and not wanders
         and not comes_and_goes(e[clean.rows], best.noise)
@@ -323,10 +323,9 @@ def unsimulated_effects(data: Data, clean: Data, faults: SampleFaults, path: tup
     return tuple(found)
 
 
-def noise_is_slow(fit: Fit) -> bool:
+def noise_is_slow(data: Data, fit: Fit) -> bool:
     """Whether the noise is too slow to be that of a sensor: compared with the sampling time, and with the rig."""
-    slowest = decay_rates(*fit.rates)[0]  # per sample
-    return fit.noise.correlation_time > max(SLOW_NOISE, SLOW_NOISE_SHARE / slowest)
+    return fit.noise.correlation_time > max(SLOW_NOISE, SLOW_NOISE_SHARE / slowest_driven_rate(data, fit))
 
 
 def _held_by_rounding(data: Data, clean: Data, faults: SampleFaults, best: Fit) -> bool:
