@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -151,8 +150,14 @@ def draw_signals_none(rng: np.random.Generator, i: int, name: str) -> OrdinaryCa
     return _complete(rng, experiment, setup, sigma, colour, name, "signals-none", None, {"case": kind})
 
 
-draw_signals_clear = partial(draw_signals, row="signals", between=CLEAR_RATIOS)
-draw_signals_hard = partial(draw_signals, row="signals-hard", between=HARD_RATIOS)
+def draw_signals_clear(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | None:
+    """One clear effect at one of several signals, or at one place in the dynamics."""
+    return draw_signals(rng, i, name, "signals", CLEAR_RATIOS)
+
+
+def draw_signals_hard(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | None:
+    """One hard effect at one of several signals, or at one place in the dynamics."""
+    return draw_signals(rng, i, name, "signals-hard", HARD_RATIOS)
 
 
 def linear_gaps(experiment: CoupledExperiment, setup: CoupledSetup, thorough: bool = True) -> FloatArray:

@@ -1,18 +1,16 @@
 """The command group ``labsid gap``."""
 
 import shlex
-import signal
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labsid.cli.options import RecordPath, RecordPaths, reads_log, reads_signals
+from labsid.cli.progress import shown_progress
 
 if TYPE_CHECKING:  # a slow import
     from labsid.gap.reports.result import Diagnosis
@@ -132,7 +130,7 @@ def diagnose(
     if units is not None and several:
         loaded = [_with_signal_units(record, units) for record in loaded]
     simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, ports)
-    with _progress() as progress:
+    with shown_progress() as progress:
         found = diagnosis.diagnose(
             loaded,
             simulation,
@@ -189,7 +187,7 @@ def diagnose_batch(
     from labsid.gap.batches.batch import diagnose_folder
 
     try:
-        with _progress(lines=True) as progress:
+        with shown_progress(lines=True) as progress:
             summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html, how)
     except KeyboardInterrupt:
         raise ValueError(
@@ -243,7 +241,7 @@ def show_limits(
     stated = None if units is None else _units(units)
     loaded = read_record(record, how)
     following = None if planned is None else load_planned_input(planned)
-    with _progress() as progress:
+    with shown_progress() as progress:
         found = diagnosis.find_limits(
             loaded,
             None if sim is None else load_simulation(sim, loaded, False),
@@ -381,38 +379,13 @@ def check_rigs(
     from labsid.gap.rigs import check_rigs, find_rigs
 
     pairs, results = find_rigs(folder), []
-    with _progress() as progress:
+    with shown_progress() as progress:
         for result in check_rigs(pairs, order, seed):
             results.append(result)
             if progress is not None:
                 progress(result.name, len(results) / len(pairs))
     print_rigs(results)
     raise typer.Exit(int(any(result.is_worse or result.message for result in results)))
-
-
-@gap.command("blind")
-def sealed_check(
-    suite: Annotated[
-        Literal["dev", "final"], typer.Option(help="Set of seeds: dev for tuning, final for reporting.")
-    ] = "dev",
-    per_row: Annotated[int | None, typer.Option(min=1, help="Records for each row of the table.")] = None,
-    row: Annotated[list[str] | None, typer.Option(help="Only this row; may be repeated.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Number of processes.")] = 2,
-    replays: Annotated[
-        int | None, typer.Option(min=0, help="Records whose exported simulation is run on new records.")
-    ] = None,
-    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")] = None,
-    keep: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Keep the results here; a second run continues from them.")
-    ] = None,
-) -> None:
-    """Test the diagnosis on simulated rigs. Their effects are withheld from the diagnosis."""
-    from labsid.blind.check import run_sealed_check
-
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the batch that it has started ends with it
-    raise typer.Exit(
-        run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report, keep=keep)
-    )
 
 
 def _read_as(how: "Reading", sim: Path | None, trust: bool) -> "tuple[Reading, Ports]":
@@ -525,30 +498,3 @@ def _units(text: str) -> tuple[str, str]:
     if not (comma and u and y and (u + y).isprintable() and "," not in y):
         raise ValueError(f"--units must be two units with a comma between them; got {text!r}. Write V,mm.")
     return u, y
-
-
-@contextmanager
-def _progress(lines: bool = False) -> Iterator[Callable[[str, float], None] | None]:
-    """A progress bar on a terminal; otherwise lines on stderr or nothing."""
-    if not sys.stderr.isatty():
-        yield _line_printer() if lines else None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("baseline", total=1.0)
-        yield lambda what, share: bar.update(task, description=what, completed=share)
-
-
-def _line_printer() -> Callable[[str, float], None]:
-    """Print a line on stderr for each 5 % of progress of each step."""
-    printed = -1
-
-    def show(what: str, share: float) -> None:
-        nonlocal printed
-        if int(20 * share) != printed:
-            printed = int(20 * share)
-            print(what, file=sys.stderr, flush=True)
-
-    return show
