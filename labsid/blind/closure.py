@@ -167,7 +167,7 @@ def free_parameters(experiment: Experiment) -> list[tuple[str, str]]:
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
 
     Returns
     -------

@@ -41,8 +41,8 @@ def score_cases(
 
     Parameters
     ----------
-    cases : sequence of Judged
-    replays : sequence of Judged
+    cases : sequence of CaseOutcome
+    replays : sequence of CaseOutcome
         Cases whose exported simulation was run on fresh records.
     seconds : float, optional
         Time per record and core (s).
@@ -111,7 +111,7 @@ def confusion(cases: Sequence[CaseOutcome]) -> dict[str, dict[str, dict[str, int
 
     Parameters
     ----------
-    cases : sequence of Judged
+    cases : sequence of CaseOutcome
 
     Returns
     -------
@@ -132,7 +132,7 @@ def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tupl
 
     Parameters
     ----------
-    cases : sequence of Judged
+    cases : sequence of CaseOutcome
     bins : int
         Number of bins of equal width.
 

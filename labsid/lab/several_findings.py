@@ -62,7 +62,7 @@ def signal_faults(raw: SeveralSignals) -> list[tuple[str, str]]:
 
     Parameters
     ----------
-    raw : RawRecord or Record
+    raw : SeveralSignals
         Without missing outputs.
 
     Returns

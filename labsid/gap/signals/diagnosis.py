@@ -48,7 +48,7 @@ def diagnose_signals(
     ----------
     record : Record
         Of several inputs or outputs.
-    simulation : callable, Simulator or system of python-control, optional
+    simulation : AnySimulation, optional
         A simulation of all of them; see `as_system`.
     free : sequence of str
         Numbers of it that may be fitted.

@@ -133,7 +133,7 @@ class Answer:
         Rms of what the correction of an unstable rig moves the output, over that of what the input moves it.
     steps : DecisionSteps
         What the verdict was decided from.
-    on_other : tuple of Data and two Fits, or None
+    on_other : tuple of (Data, Fit, Fit), or None
         If the record shows no gap and the holdout does: the holdout, with the simulations before and after. `remaining`
         and `left` are then those on the holdout.
     """
