@@ -35,13 +35,19 @@ from labsid.gap.verdict.decision import (
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
 from labsid.gap.verdict.novelty import Novelty, measure_novelty
-from labsid.gap.verdict.scores import ErrorElsewhere, GapScore, closed_share, error_elsewhere, score_fits
+from labsid.gap.verdict.scores import (
+    NO_GAP_RMS,
+    ErrorElsewhere,
+    GapScore,
+    closed_share,
+    error_elsewhere,
+    score_fits,
+)
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
 COLOURED = 2.0  # samples: correlation time of a residual that is more than the colour of a sensor
 MOSTLY = 0.5  # of the mean square error on a holdout: an offset that is more is most of the gap
-NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,7 +286,7 @@ def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison,
     score = score_fits(before.held_out, before.output, after, setting.rng)
     if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
         found, without = _complete(setting, replace(explanation, path=explanation.path[:1]))
-        gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
+        gap = not setting.base.given and found.score.before > NO_GAP_RMS * found.score.floor
         return replace(found, discarded=score), replace(without, confidence=0.0) if gap else without
     found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))
     outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
