@@ -51,7 +51,7 @@ def _whole_truth(answer: Answer) -> Stage:
                 "rms error on held-out samples with the effects over that without",
                 steps.discarded.after / max(steps.discarded.before, 1e-300),
                 "<",
-                Threshold(1.0, "verdict/answer._complete"),
+                Threshold(1.0, "verdict/answer._whole"),
                 "If it fails, the effects of the search are discarded, and no effect is examined as the whole truth.",
             )
         )
