@@ -123,7 +123,7 @@ def _read_lab_log(name: str, log: Any, output: str) -> dict[str, Any]:
         if output == "noise-reduced":
             raise ValueError(
                 f"{name}.signals(1).values has one column, the measured output, and no noise-reduced one. "
-                "Read it with output measured (--output measured)."
+                "Read it with output measured (--LogData measured)."
             )
         return found | {"y": outputs[:, 0], "y_measured": outputs[:, 0]}
     measured, noise_reduced = outputs[:, -2], outputs[:, -1]
