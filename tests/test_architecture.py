@@ -539,6 +539,12 @@ def test_rooms_import_in_the_order_of_the_readme() -> None:
             assert graph[room] & rooms <= below, room
 
 
+def test_no_two_modules_of_the_diagnosis_have_one_name(labsid: list[Module]) -> None:
+    """Who reads ``inside.py`` in a traceback knows its folder. `signals` has its own `diagnosis` and `result`."""
+    names = [module.path.name for module in labsid if module.name.startswith("labsid.gap.")]
+    assert {name for name in names if names.count(name) > 1} == {"__init__.py", "diagnosis.py", "result.py"}
+
+
 @pytest.mark.parametrize("package", ["labsid", "autograder"])
 def test_no_function_or_class_has_the_name_of_a_module(package: str) -> None:
     modules = modules_of(ROOT / package)

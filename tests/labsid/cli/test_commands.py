@@ -272,7 +272,10 @@ def test_what_only_identify_refuses(labsid, refused, write_text, staircase):
         (["identify", "tank.mat", "--start", "-1"], "start must be 0 or more"),
         (["identify", "tank.mat", "--start", "299"], "got start 299 and 300 samples there"),
         (["identify", "tank.mat", "--LogData", "smooth"], "'--LogData'"),
-        (["identify", "tank.mat", "--output", "out.json"], "--output names no file: it is the former name of --LogData"),
+        (
+            ["identify", "tank.mat", "--output", "out.json"],
+            "--output names no file: it is the former name of --LogData",
+        ),
         (["identify", "tank.mat", "--Ts", "-1"], "Ts must be a positive number"),
         (["identify", "tank.mat", "--Ts", "1"], "Ts = 1 s disagrees with the times"),
         (["identify", "tank.mat", "--columns", "t,u"], "there is no variable 't' in it; it holds LogData"),
