@@ -169,12 +169,12 @@ def compare_with_kept(
         changed[row] = changed_cases(kept[row], hashes)
     if any(changed.values()):
         raise ValueError(_refusal(file, changed))
-    found: Answers = {}
+    answers: Answers = {}
     for number, row in enumerate(wanted):
         if progress is not None:
             progress(row, number / len(wanted))
-        found[row] = measured_answers(folder, jobs) if row == MEASURED else simulated_answers(cases[row], jobs)
-    lines, accepted = compare_answers({row: kept[row] for row in wanted}, found)
+        answers[row] = measured_answers(folder, jobs) if row == MEASURED else simulated_answers(cases[row], jobs)
+    lines, accepted = compare_answers({row: kept[row] for row in wanted}, answers)
     if MEASURED in kept and MEASURED not in wanted and rows is None:
         lines.append("The measured records are not compared; name their folder with --records.")
     lines.append("accepted" if accepted else "not accepted: fewer right answers, or other ones on a measured record")
@@ -373,11 +373,11 @@ def compare_answers(kept: Answers, found: Answers) -> tuple[list[str], bool]:
         Whether no row has fewer right answers and no other effects are asserted on a measured record.
     """
     lines, changes, accepted = list(_TITLES), [], True
-    for row, before in kept.items():
-        after = found[row]
+    for row, earlier in kept.items():
+        now = found[row]
         pairs = [
-            (name, old, after["answers"].get(name, answer_of(None, old["right"])))
-            for name, old in before["answers"].items()
+            (name, old, now["answers"].get(name, answer_of(None, old["right"])))
+            for name, old in earlier["answers"].items()
         ]
         changed = [pair for pair in pairs if _asserted(pair[1]) != _asserted(pair[2])]
         right = [sum(bool(pair[side]["right"]) for pair in pairs) for side in (1, 2)]
@@ -385,7 +385,7 @@ def compare_answers(kept: Answers, found: Answers) -> tuple[list[str], bool]:
         lines.append(
             f"{row:13}{len(pairs):7}{'-' if row == MEASURED else f'{right[0]} -> {right[1]}':>10}{len(changed):9}"
             f"{_largest(pairs, _probability):13.4f}{_largest(pairs, _closed):9.4f}"
-            f"{before['seconds']:8.2f} -> {after['seconds']:.2f}"
+            f"{earlier['seconds']:8.2f} -> {now['seconds']:.2f}"
         )
         changes += [_change_text(row, *pair) for pair in changed]
     return lines + changes, accepted

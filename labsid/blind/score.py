@@ -148,13 +148,13 @@ def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tupl
         for effect in ((case.result or {}).get("effects") or [])[:1]
     ]
     places = [min(int(p * bins), bins - 1) for p, _ in said]
-    found = []
+    filled = []
     for i in range(bins):
         inside = [pair for pair, place in zip(said, places, strict=True) if place == i]
         if inside:
             p, right = np.mean(np.array(inside, dtype=float), axis=0)
-            found.append((float(p), float(right), len(inside)))
-    return tuple(found)
+            filled.append((float(p), float(right), len(inside)))
+    return tuple(filled)
 
 
 def _gain(name: str, after: Sequence[bool], before: Sequence[bool], required: float, target: float) -> Metric:

@@ -106,10 +106,10 @@ def draw_signals(
     def gap_at(s: float, thorough: bool) -> float:
         return float(np.max(linear_gaps(experiment, placed.apply(experiment.plain, s), thorough)))
 
-    found = find_strength(gap_at, 1.0, log_uniform(rng, *between), NOISE_SHARES, rng)
-    if found is None:
+    strength = find_strength(gap_at, 1.0, log_uniform(rng, *between), NOISE_SHARES, rng)
+    if strength is None:
         return None
-    setup, sigma = placed.apply(experiment.plain, found[0]), found[1] * experiment.spread
+    setup, sigma = placed.apply(experiment.plain, strength[0]), strength[1] * experiment.spread
     clean = _clean(setup, experiment.v)
     if np.any(np.std(clean, axis=0) > MOST_LOUDER * np.std(_clean(experiment.plain, experiment.v), axis=0)):
         return None

@@ -120,9 +120,9 @@ def diagnose(
     excluded = [_time_range(text) for text in exclude or ()]
     how_matched = _matcher(match)
     loaded = [how_matched(read_record(path, how)) for path in records]
-    other = None
+    other_record = None
     if holdout is not None:
-        other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
+        other_record = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
     several = any(record.several for record in loaded)
     if several and export is not None and export.suffix.lower() not in (".json", ".py"):
         raise ValueError(f"a simulation of several signals is exported as .json or .py; got {export}.")
@@ -131,11 +131,11 @@ def diagnose(
         loaded = [_with_signal_units(record, units) for record in loaded]
     simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, ports)
     with shown_progress() as progress:
-        found = diagnosis.diagnose(
+        diagnosed = diagnosis.diagnose(
             loaded,
             simulation,
             free=[name.strip() for name in free.split(",")] if free else (),
-            holdout=other,
+            holdout=other_record,
             order=order,
             exclude=excluded,
             seed=seed,
@@ -144,7 +144,7 @@ def diagnose(
             jobs=jobs or available_cores(),
             progress=progress,
         )
-    report = found.report | {"command": _command_line(context)}
+    report = diagnosed.report | {"command": _command_line(context)}
     if stated is not None:
         report = with_units(report, *stated)
     if json_file is not None:
@@ -153,16 +153,16 @@ def diagnose(
         from labsid.gap.reports.html_report import write_html_report
 
         write_html_report(html, report)
-    print(found.with_report(report))
-    if isinstance(found, diagnosis.Diagnosis) and found.why is not None:
+    print(diagnosed.with_report(report))
+    if isinstance(diagnosed, diagnosis.Diagnosis) and diagnosed.why is not None:
         from labsid.cli.gap_why import format_why
 
-        print(format_why(found.why))
+        print(format_why(diagnosed.why))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
-        if isinstance(found, diagnosis.Diagnosis):
-            _write_simulation(export, found)
+        if isinstance(diagnosed, diagnosis.Diagnosis):
+            _write_simulation(export, diagnosed)
         else:
-            _write_system(export, found)
+            _write_system(export, diagnosed)
 
 
 @gap.command("batch")
@@ -242,7 +242,7 @@ def show_limits(
     loaded = read_record(record, how)
     following = None if planned is None else load_planned_input(planned)
     with shown_progress() as progress:
-        found = diagnosis.find_limits(
+        limits = diagnosis.find_limits(
             loaded,
             None if sim is None else load_simulation(sim, loaded, False),
             free=[name.strip() for name in free.split(",")] if free else (),
@@ -253,10 +253,10 @@ def show_limits(
             progress=progress,
         )
     if stated is not None:
-        found |= {"units": dict(zip("uy", stated, strict=True))}
+        limits |= {"units": dict(zip("uy", stated, strict=True))}
     if json_file is not None:
-        write_json(json_file, found)
-    print(format_limits(found))
+        write_json(json_file, limits)
+    print(format_limits(limits))
 
 
 @gap.command()
@@ -295,11 +295,11 @@ def simulate(
         inputs = outputs = None
     loaded = between_outputs(_matcher(match)(read_record(record, how)))
     if loaded.several or content is not None:
-        found = replay_signals(model, loaded)
+        replayed = replay_signals(model, loaded)
         if out is not None:
-            write_signals_replay(out, loaded, found.y)
-        errors = ", ".join(f"{name} {error:.6g}" for name, error in zip(loaded.outputs, found.rmse, strict=True))
-        print(f"{len(loaded)} samples, free run: rmse {errors} after the first {found.start} samples")
+            write_signals_replay(out, loaded, replayed.y)
+        errors = ", ".join(f"{name} {error:.6g}" for name, error in zip(loaded.outputs, replayed.rmse, strict=True))
+        print(f"{len(loaded)} samples, free run: rmse {errors} after the first {replayed.start} samples")
         return
     played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
@@ -335,14 +335,16 @@ def check_simulation(
     opened = load_simulation(sim, loaded, False, _ports(inputs, outputs, trust))
     assert isinstance(opened, Simulator)
     assert opened.joint is not None
-    found = check_model(loaded, opened)
-    one = opened.joint
-    print(f"{len(loaded)} samples; {one.actuator} ({one.kind}) moves the joint {one.joint}, y is its {one.output}")
-    for finding in found:
+    findings = check_model(loaded, opened)
+    joint = opened.joint
+    print(
+        f"{len(loaded)} samples; {joint.actuator} ({joint.kind}) moves the joint {joint.joint}, y is its {joint.output}"
+    )
+    for finding in findings:
         print(f"{finding.level}: {finding.text}")
-    if not found:
+    if not findings:
         print("The record and the model agree in sign, units, time and limits.")
-    raise typer.Exit(int(any(finding.level == "warning" for finding in found)))
+    raise typer.Exit(int(any(finding.level == "warning" for finding in findings)))
 
 
 @gap.command("effects")
