@@ -178,7 +178,7 @@ def _complete(
         "Ts": units.Ts,
     }
     made = OrdinaryRecord(
-        answers=(tuple(one["name"] for one in effects),),
+        answers=(tuple(effect["name"] for effect in effects),),
         files=signal_files(("r", "u", "y"), t, columns, options),
         truth=truth,
         options=options,

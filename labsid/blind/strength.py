@@ -98,8 +98,8 @@ def scale_to_ratio(
     def gap_at(s: float, thorough: bool) -> float:
         return linear_model_gap(experiment, apply(experiment.plain, s), thorough=thorough)
 
-    found = find_strength(gap_at, output_spread(experiment), ratio, sigma_share, rng)
-    return None if found is None else (apply(experiment.plain, found[0]), found[1])
+    strength = find_strength(gap_at, output_spread(experiment), ratio, sigma_share, rng)
+    return None if strength is None else (apply(experiment.plain, strength[0]), strength[1])
 
 
 def find_strength(
