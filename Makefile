@@ -29,7 +29,9 @@ test-all: set-up  ## the tests, and for every case what `test` proves for one of
 coverage: set-up  ## branches that the tests take, by room; what is below 90 % with its reason (longer than `make test`)
 	@rm -rf build/coverage && mkdir -p build/coverage
 	@.venv/bin/python -m coverage run -m pytest -n auto -m "not exhaustive" $(PYTEST_ARGS)
-	@.venv/bin/python -P tests/coverage_by_room.py
+	@.venv/bin/python -m coverage combine --quiet
+	@.venv/bin/python -m coverage json --quiet --ignore-errors -o build/coverage/report.json
+	@.venv/bin/python -P tests/coverage_by_room.py build/coverage/report.json
 
 check: set-up lint  ## for work in progress, within a minute: style, types, and the tests that start and search nothing
 	@.venv/bin/python -m pytest -n auto -m "not slow" $(PYTEST_ARGS)

@@ -6,11 +6,11 @@ functions are left out: they run as machine code, in which nothing is traced, an
 tests.
 """
 
+import json
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 ENOUGH = 0.9  # of the branches of a room
@@ -52,7 +52,7 @@ class Counts:
 
 
 def counts_by_file(report: Mapping[str, Any]) -> dict[str, Counts]:
-    """The counts of each file in a JSON report of coverage.py, by its path with slashes."""
+    """The counts of each file in a JSON report of the package coverage, by its path with slashes."""
     return {
         path.replace("\\", "/"): Counts(
             one["summary"]["num_statements"],
@@ -95,22 +95,13 @@ def table(files: Mapping[str, Counts], reasons: Mapping[str, str]) -> tuple[str,
     return "\n".join(lines), few.keys() <= reasons.keys()
 
 
-def main() -> int:
-    """Combine the data of all processes of a run of the tests and print the table; returns the exit status."""
-    import json
-
-    from coverage import Coverage
-
-    measured = Coverage()
-    measured.combine(keep=True)
-    with TemporaryDirectory() as scratch:
-        file = Path(scratch, "coverage.json")
-        measured.json_report(outfile=str(file), ignore_errors=True)
-        report = json.loads(file.read_text(encoding="utf-8"))
+def main(file: str) -> int:
+    """Print the table of a JSON report; returns the exit status."""
+    report = json.loads(Path(file).read_text(encoding="utf-8"))
     text, explained = table(counts_by_file(report), REASONS)
     print(text)
     return int(not explained)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1]))

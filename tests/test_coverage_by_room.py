@@ -59,7 +59,7 @@ def test_a_room_below_the_limit_without_a_reason_is_not_accepted() -> None:
     assert "labsid/plots, 80.0 %: no reason is given" in text
 
 
-def test_the_report_of_coverage_is_read() -> None:
+def test_the_report_is_read() -> None:
     summary = {
         "num_statements": 4,
         "num_branches": 2,
