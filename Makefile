@@ -12,7 +12,7 @@ FUZZ_ARGS ?=
 MUTANTS_ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all check lint format docs gallery bars mutants fuzz bench lock clean set-up
+.PHONY: help demo test test-all coverage check lint format docs gallery bars mutants fuzz bench lock clean set-up
 
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
@@ -25,6 +25,13 @@ test: set-up  ## the tests, on all cores
 
 test-all: set-up  ## the tests, and for every case what `test` proves for one of each kind (half an hour)
 	@.venv/bin/python -m pytest -n auto $(PYTEST_ARGS)
+
+coverage: set-up  ## branches that the tests take, by room; what is below 90 % with its reason (longer than `make test`)
+	@rm -rf build/coverage && mkdir -p build/coverage
+	@.venv/bin/python -m coverage run -m pytest -n auto -m "not exhaustive" $(PYTEST_ARGS)
+	@.venv/bin/python -m coverage combine --quiet
+	@.venv/bin/python -m coverage json --quiet --ignore-errors -o build/coverage/report.json
+	@.venv/bin/python -P tests/coverage_by_room.py build/coverage/report.json
 
 check: set-up lint  ## for work in progress, within a minute: style, types, and the tests that start and search nothing
 	@.venv/bin/python -m pytest -n auto -m "not slow" $(PYTEST_ARGS)

@@ -70,13 +70,13 @@ def mapped(
     workers = min(_jobs.get(), len(items))
     if workers < 2 or len(items) > MOST_ITEMS:
         return [call(i) for i in range(len(items))]
-    found = _on_processes(call, lambda i: function(items[i]), len(items), workers, (*kept, *items))
+    results = _on_processes(call, lambda i: function(items[i]), len(items), workers, (*kept, *items))
     for i in range(len(items)):
-        if i not in found:
-            found[i] = call(i)
-        elif isinstance(found[i], _Failed):
-            raise found[i].error
-    return [found[i] for i in range(len(items))]
+        if i not in results:
+            results[i] = call(i)
+        elif isinstance(results[i], _Failed):
+            raise results[i].error
+    return [results[i] for i in range(len(items))]
 
 
 class _Failed:

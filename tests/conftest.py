@@ -35,7 +35,7 @@ SLOW_FILES = {
     "labsid/estimation": "test_likelihood.py test_monte_carlo.py test_recursive.py",
     "labsid/gap": "test_diagnosis.py test_gap_cli.py test_invariance.py test_real_rigs.py",
     "labsid/gap/batches": "test_b*.py test_scheduler_batch.py",
-    "labsid/gap/dynamics": "test_given_simulation.py test_reactions.py test_states.py test_varying.py",
+    "labsid/gap/dynamics": "test_given_simulation.py test_reaction_forces.py test_states.py test_varying.py",
     "labsid/gap/effects": "test_new_families.py",
     "labsid/gap/fits": "test_residual_tests.py test_undriven_poles.py",
     "labsid/gap/record": "test_c*.py test_record_findings.py",

@@ -1,6 +1,7 @@
 """The rules that keep the house in order: who may import whom, what a module may be, what lies where."""
 
 import ast
+import builtins
 import re
 import subprocess
 import sys
@@ -9,8 +10,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from importlib.metadata import packages_distributions
 from inspect import cleandoc
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -302,6 +305,130 @@ def test_the_docstring_reader_reads() -> None:
     assert taken(function) == ["a", "u", "rest", "k", "other"]
 
 
+FOREIGN_TYPES = {
+    "ExecutionResult": "IPython.core.interactiveshell",
+    "InterconnectedSystem": "control",
+    "InteractiveShell": "IPython.core.interactiveshell",
+    "NonlinearIOSystem": "control",
+    "NotebookNode": "nbformat",
+    "matplotlib.figure.Figure": "matplotlib.figure",
+}
+"""Types of other packages that docstrings name where the code does not, because importing them there is slow."""
+
+FILES_ELSEWHERE = {
+    *("course.toml", "students.csv", "extensions.csv"),  # an instructor's
+    *("timestamp.txt", "nbgrader_config.py", "meta/info.json"),  # nbgrader's, LeRobot's
+    *("grades.csv", "summary.csv", "summary.html", "told.json"),  # what commands write
+    *("rig.py", "better.py"),  # a user's simulation, a corrected one
+}
+"""Files that docstrings name and that are not in the repository; ``FILE.py`` and ``OUT/grades.csv`` are not listed."""
+
+
+def type_names(docstring: str) -> list[str]:
+    """The names of classes, and other names that are no plain words, among the types in the sections of numpydoc."""
+    lines = docstring.splitlines()
+    underlined = [i for i in range(len(lines) - 1) if lines[i].strip() and set(lines[i + 1]) == {"-"}]
+    found = []
+    for start, end in pairwise([*underlined, len(lines)]):
+        title, entries = lines[start], [line for line in lines[start + 2 : end] if line and line[0] != " "]
+        if title in ("Parameters", "Attributes"):
+            entries = [line.partition(" : ")[2] for line in entries]
+        elif title in ("Returns", "Yields", "Raises"):
+            entries = [line.partition(" : ")[2] or line for line in entries]
+        else:
+            continue
+        text = re.sub(r"\{[^}]*\}|\([^)]*\)|\"[^\"]*\"", "", " , ".join(entries))
+        found += [name for name in re.findall(r"[A-Za-z_][\w.]*", text) if not re.fullmatch("[a-z]+|array_like", name)]
+    return found
+
+
+def test_the_reader_of_types_reads() -> None:
+    docstring = """Do it.
+
+    Parameters
+    ----------
+    u, y : array_like, shape (N,)
+        The Record.
+    record : Record or _Raw, optional
+    suite : {"Dev", "final"}
+
+    Returns
+    -------
+    found : list of control.StateSpace
+    Judged
+
+    Notes
+    -----
+    Some : Thing
+    """
+    assert type_names(cleandoc(docstring)) == ["Record", "_Raw", "control.StateSpace", "Judged"]
+
+
+def names_in(tree: ast.Module) -> set[str]:
+    """Every name in the code of a module, in quoted annotations, too."""
+    names = set(dir(builtins))
+    for node in ast.walk(tree):
+        names |= {value for _, value in ast.iter_fields(node) if isinstance(value, str) and value.isidentifier()}
+        if isinstance(node, ast.alias):
+            names |= {*(node.asname or node.name).split(".")}
+        for annotation in (getattr(node, "annotation", None), getattr(node, "returns", None)):
+            for text in ast.walk(annotation) if annotation is not None else ():
+                names |= {*re.findall(r"\w+", str(text.value))} if isinstance(text, ast.Constant) else set()
+    return names
+
+
+def docstrings(module: Module) -> Iterator[tuple[str, str]]:
+    """Each docstring of a module, with the name of what it belongs to."""
+    for node in ast.walk(module.tree()):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            docstring = ast.get_docstring(node)
+            if docstring is not None:
+                yield f"{module.name}.{getattr(node, 'name', '')}".rstrip("."), docstring
+
+
+@pytest.mark.parametrize("package", ["labsid", "autograder"])
+def test_the_types_in_docstrings_exist(package: str) -> None:
+    """In the code of the module, as a class of its room, or in another package: a class that was renamed is nowhere."""
+    modules = modules_of(ROOT / package)
+    rooms: dict[str, set[str]] = {}
+    for module in modules:
+        room = rooms.setdefault(".".join(module.name.split(".")[:2]), set())
+        room |= {node.name for node in ast.walk(module.tree()) if isinstance(node, ast.ClassDef)}
+    wrong, count = [], 0
+    for module in modules:
+        known = names_in(module.tree()) | rooms[".".join(module.name.split(".")[:2])]
+        for name, docstring in docstrings(module):
+            types = type_names(docstring)
+            count += len(types)
+            wrong += [f"{name}: {one}" for one in types if one.split(".")[-1] not in known and one not in FOREIGN_TYPES]
+    assert wrong == []
+    assert count > 100
+
+
+@pytest.mark.parametrize("name", sorted(FOREIGN_TYPES))
+def test_the_types_of_other_packages_exist(name: str) -> None:
+    assert isinstance(getattr(import_module(FOREIGN_TYPES[name]), name.rpartition(".")[2]), type)
+
+
+def test_the_files_that_docstrings_name_exist() -> None:
+    """Under their path, or the end of it. Names with capitals stand for a user's: ``FILE.py``, ``OUT/grades.csv``."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode != 0:
+        pytest.skip("not a checkout of git")
+    paths = [path.split("/") for path in listed.stdout.splitlines() if (ROOT / path).exists()]
+    known = {"/".join(path[start:]) for path in paths for start in range(len(path))} | FILES_ELSEWHERE
+    modules = [module for folder in ("labsid", "autograder", "tests") for module in modules_of(ROOT / folder)]
+    pattern = (
+        r"(?<![\w<>*/.{-])[A-Za-z_][\w/.-]*\.(?:md|pyi?|toml|cff|sh|lock|yml|css|js|html|json|csv|mat|txt)\b(?!\w)"
+    )
+    cited = {
+        (name, file) for module in modules for name, text in docstrings(module) for file in re.findall(pattern, text)
+    }
+    assert len(cited) > 30
+    placeholder = r"(?!README|CONTRIBUTING|CHANGELOG|ERRATA|GAP)[A-Z]{2}[A-Z0-9]*\b.*"
+    assert sorted(item for item in cited if item[1] not in known and not re.match(placeholder, item[1])) == []
+
+
 def test_everything_public_has_a_docstring(labsid: list[Module]) -> None:
     found = [item for module in labsid if module.public for item in public_definitions(module)]
     assert len(found) > 50
@@ -410,6 +537,12 @@ def test_rooms_import_in_the_order_of_the_readme() -> None:
         below |= row
         for room in row:
             assert graph[room] & rooms <= below, room
+
+
+def test_no_two_modules_of_the_diagnosis_have_one_name(labsid: list[Module]) -> None:
+    """Who reads ``inside.py`` in a traceback knows its folder. `signals` has its own `diagnosis` and `result`."""
+    names = [module.path.name for module in labsid if module.name.startswith("labsid.gap.")]
+    assert {name for name in names if names.count(name) > 1} == {"__init__.py", "diagnosis.py", "result.py"}
 
 
 @pytest.mark.parametrize("package", ["labsid", "autograder"])

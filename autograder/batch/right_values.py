@@ -41,8 +41,8 @@ def find_right_values(
         return {}
     if assets.record is None:
         return {}
-    found = find_reference_values(assets.assignment, assets.record, assets.origin)
-    return {question: _as_text(values) for question, values in found.items()}
+    right_values = find_reference_values(assets.assignment, assets.record, assets.origin)
+    return {question: _as_text(values) for question, values in right_values.items()}
 
 
 def _as_text(values: Mapping[str, Value]) -> dict[str, str]:

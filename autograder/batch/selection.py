@@ -102,10 +102,10 @@ def handed_in_by(course: Course, submitted: Path) -> dict[str, list[str]]:
     owners: dict[str, list[str]] = {}
     for name in course.assignments():
         places = [folder / name for folder in folders]
-        found = [place for place in places if any(place.glob("*.ipynb")) or (place / NOT_READ_FILE).is_file()]
-        if found:
+        handed_in = [place for place in places if any(place.glob("*.ipynb")) or (place / NOT_READ_FILE).is_file()]
+        if handed_in:
             template = read_template(course, name)
-            owners[name] = [place.parent.name for place in found if is_handed_in(place, template)]
+            owners[name] = [place.parent.name for place in handed_in if is_handed_in(place, template)]
     return owners
 
 

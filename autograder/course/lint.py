@@ -73,13 +73,13 @@ def lint_checks(notebook: Any, assignment: str) -> Iterator[str]:
     questions: tuple[Question, ...] = ()
     if assignment in assignment_names():
         try:
-            found = load_assignment(assignment)
+            loaded = load_assignment(assignment)
         except Exception as error:  # whatever its author has written wrongly
             yield f"{file} cannot be imported: {type(error).__name__}: {error}"
             return
-        if found.name != assignment:
-            yield f"{file}: ASSIGNMENT has the name {found.name!r}; expected {assignment!r}"
-        questions = found.questions
+        if loaded.name != assignment:
+            yield f"{file}: ASSIGNMENT has the name {loaded.name!r}; expected {assignment!r}"
+        questions = loaded.questions
         where = f"add it to the questions of ASSIGNMENT in {file}"
     else:
         where = f"write {file}, with ASSIGNMENT = Assignment({assignment!r}, (...)), and add it there"

@@ -130,7 +130,7 @@ def _is_plain(statement: ast.stmt) -> bool:
         if isinstance(node, ast.Global | ast.Nonlocal | ast.ClassDef):
             return False
         if isinstance(node, ast.Import | ast.ImportFrom):
-            modules = [node.module or ""] if isinstance(node, ast.ImportFrom) else [one.name for one in node.names]
+            modules = [node.module or ""] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]
             if not {module.partition(".")[0] for module in modules} <= _PACKAGES:
                 return False
         elif isinstance(node, ast.Name) and node.id in _OPAQUE:

@@ -68,7 +68,7 @@ def figure_svg(figure: FigureValue) -> str:
         An SVG image in base64, with the axes one below the other. Axes without a curve and without text are left out;
         empty if all are.
     """
-    axes = [one for one in figure.axes if one.curves or one.texts][:MAX_AXES]
+    axes = [drawn for drawn in figure.axes if drawn.curves or drawn.texts][:MAX_AXES]
     if not axes:
         return ""
     height = len(axes) * _HEIGHT

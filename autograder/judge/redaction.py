@@ -108,8 +108,8 @@ def redact_reason(reason: str, known: Container[str]) -> str:
         shown += 1
         return number[0] if digits <= _NEW_DIGITS and shown <= MAX_NEW_NUMBERS else REDACTED
 
-    found = _NUMBER.sub(show, reason[: 2 * MAX_REASON_CHARACTERS])
-    return found if len(found) <= MAX_REASON_CHARACTERS else found[: MAX_REASON_CHARACTERS - 1] + REDACTED
+    redacted = _NUMBER.sub(show, reason[: 2 * MAX_REASON_CHARACTERS])
+    return redacted if len(redacted) <= MAX_REASON_CHARACTERS else redacted[: MAX_REASON_CHARACTERS - 1] + REDACTED
 
 
 def numbers_in(*texts: str) -> set[str]:

@@ -65,17 +65,18 @@ def replaced_for(answer: Answer, wrong: Sequence[Answer], functions_of: Callable
         Names of the functions that an answer should define.
     """
     direct = [
-        other
-        for other in wrong
-        if other.question.id in answer.question.uses or any(map(answer.reads, (*other.right, *functions_of(other))))
+        earlier
+        for earlier in wrong
+        if earlier.question.id in answer.question.uses
+        or any(map(answer.reads, (*earlier.right, *functions_of(earlier))))
     ]
     causes = wrong_steps(direct or wrong)
     steps: list[str] = []
     functions: list[str] = []
-    for other in (other for other in wrong if other.question.id in causes):
-        called = list(filter(answer.reads, functions_of(other)))
-        if called or not other.right:
-            functions += called or list(filter(other.reads, functions_of(other))) or functions_of(other)
+    for earlier in (earlier for earlier in wrong if earlier.question.id in causes):
+        called = list(filter(answer.reads, functions_of(earlier)))
+        if called or not earlier.right:
+            functions += called or list(filter(earlier.reads, functions_of(earlier))) or functions_of(earlier)
         else:
-            steps.append(other.question.id)
+            steps.append(earlier.question.id)
     return Replaced(causes, tuple(steps), tuple(functions), all(map(answer.reads, functions)))

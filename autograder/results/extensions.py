@@ -73,7 +73,7 @@ def read_extensions(
         got = separator.join(rows[0]) if rows else ""
         raise ValueError(f"{path}: got the columns {got!r}, expected {','.join(COLUMNS)} in the first line.")
     zone = UTC if zone_name is None else time_zone(zone_name)
-    found: dict[tuple[str, str], Extension] = {}
+    by_student: dict[tuple[str, str], Extension] = {}
     for number, row in enumerate(rows[1:], 2):
         if not any(row) or row[0].startswith("#"):
             continue
@@ -84,7 +84,7 @@ def read_extensions(
             raise ValueError(
                 f"{path}, line {number}: there is no assignment {assignment!r}; there are {', '.join(assignments)}."
             )
-        if (student, assignment) in found:
+        if (student, assignment) in by_student:
             raise ValueError(f"{path}, line {number}: a second extension of {student} for {assignment}; keep one.")
         try:
             when = datetime.fromisoformat(due)
@@ -93,8 +93,8 @@ def read_extensions(
             raise ValueError(
                 f"{path}, line {number}: due {due!r} is not a time; expected a value such as 2026-12-04T23:59."
             ) from None
-        found[student, assignment] = Extension(when, local_time(when, zone_name))
-    return found
+        by_student[student, assignment] = Extension(when, local_time(when, zone_name))
+    return by_student
 
 
 def write_extensions(path: Path, extensions: Extensions) -> None:
@@ -122,14 +122,14 @@ def extension_remarks(
     now : datetime
     """
     remarks = []
-    for (student, assignment), one in extensions.items():
+    for (student, assignment), extension in extensions.items():
         who = f"extension of {student} for {assignment}"
         if student not in students:
             remarks.append(f"{who}: there is no folder of this student; check the ID.")
-        elif (everybody := due.get(assignment, due.get(""))) is not None and one.due < everybody:
-            remarks.append(f"{who}: {one.text} is before the due date of everybody; check it.")
-        elif assignment in assignments and one.due > now:
-            remarks.append(f"{who}: runs until {one.text}; grade again after that.")
+        elif (everybody := due.get(assignment, due.get(""))) is not None and extension.due < everybody:
+            remarks.append(f"{who}: {extension.text} is before the due date of everybody; check it.")
+        elif assignment in assignments and extension.due > now:
+            remarks.append(f"{who}: runs until {extension.text}; grade again after that.")
     return remarks
 
 

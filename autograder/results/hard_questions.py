@@ -93,7 +93,7 @@ def what_was_hard(
     by_question: dict[str, list[StudentTries]] = {question: [] for question in headings}
     students = 0
     for tries in sent:
-        own = {question: tuple(one for one in tries if one.question == question) for question in headings}
+        own = {question: tuple(tried for tried in tries if tried.question == question) for question in headings}
         students += any(own.values())
         for question, found in own.items():
             by_question[question] += [found] if found else []

@@ -61,8 +61,8 @@ class LateRule:
     due : datetime
         In UTC.
     grace : timedelta
-    per_day : Share
-    most : Share
+    per_day : Deduction
+    most : Deduction
     """
 
     due: datetime

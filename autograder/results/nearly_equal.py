@@ -84,17 +84,17 @@ def _groups(submissions: Sequence[StoredResult]) -> list[NearlyEqual]:
 
 def _pairs(submissions: Sequence[StoredResult]) -> dict[tuple[int, int], tuple[int, int]]:
     """Number of equal answers, and of answers, of each pair of submissions that is nearly equal."""
-    questions = list(dict.fromkeys(question for one in submissions for question in one.work))
+    questions = list(dict.fromkeys(question for submission in submissions for question in submission.work))
     column = {question: index for index, question in enumerate(questions)}
     numbers: dict[str, int] = {}
     form = np.zeros((len(submissions), len(questions)), dtype=np.int64)  # 0 where there is no answer
     size = np.zeros((len(submissions), len(questions)), dtype=np.int64)  # syntax tree nodes
-    for row, one in enumerate(submissions):
-        for question, (digest, nodes) in one.work.items():
+    for row, submission in enumerate(submissions):
+        for question, (digest, nodes) in submission.work.items():
             form[row, column[question]] = numbers.setdefault(digest, len(numbers) + 1)
             size[row, column[question]] = nodes
     answers, nodes_of = np.count_nonzero(form, axis=1), size.sum(axis=1)
-    found = {}
+    pairs = {}
     for row in range(len(submissions) - 1):
         same = (form[row + 1 :] == form[row]) & (form[row] > 0)
         equal, code = np.count_nonzero(same, axis=1), (same * size[row]).sum(axis=1)
@@ -103,9 +103,9 @@ def _pairs(submissions: Sequence[StoredResult]) -> dict[tuple[int, int], tuple[i
         is_nearly_all = (equal >= MIN_SHARE * compared) & (
             code >= MIN_SHARE * np.minimum(nodes_of[row + 1 :], nodes_of[row])
         )
-        for other in np.flatnonzero(is_enough & is_nearly_all):
-            found[row, row + 1 + int(other)] = int(equal[other]), int(compared[other])
-    return found
+        for later in np.flatnonzero(is_enough & is_nearly_all):
+            pairs[row, row + 1 + int(later)] = int(equal[later]), int(compared[later])
+    return pairs
 
 
 def _described(group: Sequence[StoredResult], counts: Sequence[tuple[int, int]]) -> NearlyEqual:

@@ -103,7 +103,7 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
     dict
         By question.
     """
-    found: dict[str, tuple[str, int]] = {}
+    fingerprints: dict[str, tuple[str, int]] = {}
     code: list[str] = []
     for cell in cells:
         if cell.kind in ("answer", "extra") and cell.code:
@@ -114,9 +114,12 @@ def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]
             size = sum(size for _, size in forms)
             if size:
                 joined = "\n".join(text for text, _ in forms)
-                found[cell.id or ""] = hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32], size
+                fingerprints[cell.id or ""] = (
+                    hashlib.sha256(joined.encode(errors="surrogatepass")).hexdigest()[:32],
+                    size,
+                )
             code = []
-    return found
+    return fingerprints
 
 
 def normal_form(source: str) -> tuple[str, int]:
@@ -169,16 +172,18 @@ def find_similar(results: Iterable[StoredResult], min_share: float = 0.6) -> lis
     for result in results:
         if result.work:
             by_assignment.setdefault(result.assignment, []).append(result)
-    found: list[SimilarPair] = []
+    pairs: list[SimilarPair] = []
     for assignment, submissions in by_assignment.items():
         max_sharing = max(MAX_SHARING, len(submissions) // 10)
-        students_with = Counter((question, work[0]) for one in submissions for question, work in one.work.items())
+        students_with = Counter(
+            (question, work[0]) for submission in submissions for question, work in submission.work.items()
+        )
         holders: dict[tuple[str, str], list[int]] = {}
         sizes = []
-        for index, one in enumerate(submissions):
+        for index, submission in enumerate(submissions):
             compared = {
                 question: (digest, size)
-                for question, (digest, size) in one.work.items()
+                for question, (digest, size) in submission.work.items()
                 if size >= MIN_NODES and students_with[question, digest] <= max_sharing
             }
             sizes.append(sum(size for _, size in compared.values()))
@@ -190,9 +195,9 @@ def find_similar(results: Iterable[StoredResult], min_share: float = 0.6) -> lis
                 for second in students[i + 1 :]:
                     shared.setdefault((first, second), []).append(question)
         for (i, j), questions in shared.items():
-            one, other = submissions[i], submissions[j]
-            share = sum(one.work[question][1] for question in questions) / min(sizes[i], sizes[j])
+            submission, later = submissions[i], submissions[j]
+            share = sum(submission.work[question][1] for question in questions) / min(sizes[i], sizes[j])
             if share >= min_share and len(questions) > 1:
-                order = [question for question in one.work if question in questions]
-                found.append(SimilarPair(assignment, one.student, other.student, tuple(order), share))
-    return sorted(found, key=lambda pair: (-pair.share, -len(pair.questions), pair.assignment, pair.first, pair.second))
+                order = [question for question in submission.work if question in questions]
+                pairs.append(SimilarPair(assignment, submission.student, later.student, tuple(order), share))
+    return sorted(pairs, key=lambda pair: (-pair.share, -len(pair.questions), pair.assignment, pair.first, pair.second))

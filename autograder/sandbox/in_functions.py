@@ -84,17 +84,17 @@ class ThroughHooks:
             if node.name not in self._left:
                 node.body = list(self._changed(node.body, _bound(node), nested=nested))
         elif isinstance(node, ast.ClassDef):
-            for one in node.body:
-                if isinstance(one, _FUNCTIONS):
-                    self._change_inner(one, None, nested=nested)
+            for child in node.body:
+                if isinstance(child, _FUNCTIONS):
+                    self._change_inner(child, None, nested=nested)
         elif isinstance(node, (*_BLOCKS, *_LOOPS)):
             in_loop |= isinstance(node, _LOOPS)
             for part in ("body", "orelse", "finalbody"):
                 if getattr(node, part, None):
                     setattr(node, part, list(self._changed(getattr(node, part), bound, in_loop, nested)))
             for part in ("handlers", "cases"):
-                for one in getattr(node, part, ()):
-                    self._change_inner(one, bound, in_loop, nested)
+                for child in getattr(node, part, ()):
+                    self._change_inner(child, bound, in_loop, nested)
 
     def _rescued(self, statement: ast.stmt, names: Collection[str]) -> ast.stmt:
         if not set(names) <= set(self._replaced):

@@ -44,7 +44,7 @@ def find_process_groups(leaders: Iterable[int], shared_bytes: int = 0) -> dict[i
     children: dict[int, list[int]] = {}
     for pid, process in processes.items():
         children.setdefault(process.parent, []).append(pid)
-    found = {}
+    groups = {}
     for leader in leaders:
         members = [leader] if leader in processes else []
         members += [pid for pid, process in processes.items() if process.session == leader and pid != leader]
@@ -52,8 +52,8 @@ def find_process_groups(leaders: Iterable[int], shared_bytes: int = 0) -> dict[i
             members += [child for child in children.get(member, []) if child not in members]
         if members:
             memory = sum(max(processes[member].memory_bytes - shared_bytes, 0) for member in members)
-            found[leader] = ProcessGroup(tuple(members), memory)
-    return found
+            groups[leader] = ProcessGroup(tuple(members), memory)
+    return groups
 
 
 def find_orphans(parent: int, leaders: Iterable[int]) -> list[int]:

@@ -79,7 +79,7 @@ def run_replacing(
     if not replacements:
         return _run_cell(shell, source)
     result = None
-    replaced = frozenset().union(*(one.names for one in replacements))
+    replaced = frozenset().union(*(replacement.names for replacement in replacements))
     with _in_functions(shell, replacements, replaced, serve):
         for piece in _statements(source):
             result = _run_cell(shell, piece)
@@ -159,10 +159,10 @@ def _in_functions(
             raise  # what the statement has raised
         return variables[name]
 
-    left = frozenset().union(*(one.kept | set(one.functions) for one in replacements))
+    kept_names = frozenset().union(*(replacement.kept | set(replacement.functions) for replacement in replacements))
     set_hooks(made, missing)
     # not among `shell.ast_transformers`, for which IPython walks through the tree with a stack frame for each level
-    hooks, usual = ThroughHooks(left, replaced), shell.transform_ast
+    hooks, usual = ThroughHooks(kept_names, replaced), shell.transform_ast
 
     def transform(tree: ast.Module) -> ast.Module:
         changed: ast.Module = usual(tree)

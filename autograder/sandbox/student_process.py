@@ -154,8 +154,8 @@ class StudentProcess:
         return self._ended
 
     def _ask(self, request: dict[str, Any] | None, seconds: float) -> Reply:
-        left = self.deadline - time.monotonic()
-        end = time.monotonic() + min(seconds, left)
+        seconds_left = self.deadline - time.monotonic()
+        end = time.monotonic() + min(seconds, seconds_left)
         try:
             self._wait_until(end)
             if request is not None:
@@ -171,7 +171,7 @@ class StudentProcess:
             self.lost = True
             most = f"the whole notebook took longer than {self._limits.submission_seconds:g} s"
             raise StudentProcessError(
-                "timeout", most if left < seconds else f"it took longer than {seconds:g} s"
+                "timeout", most if seconds_left < seconds else f"it took longer than {seconds:g} s"
             ) from None
         except (ChannelClosed, OSError):
             self.lost = True

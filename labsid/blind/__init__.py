@@ -3,7 +3,8 @@
 `check.run_sealed_check` makes the cases (`suite`, `rows`, `draws`, `strength`), runs the diagnosis on them as a
 separate process in an otherwise empty folder (`runner`), compares the answers with the labels and prints the table
 (`score`, `metrics`, `honest`, `joints`, `several`, `placed_effects`, `table`). `wrong_answers` lists the records that
-are answered wrongly, and keeps them; `record_folders` writes the records of a row and their labels.
+are answered wrongly, and keeps them; `kept_answers` compares the answers with those of an earlier version;
+`record_folders` writes the records of a row and their labels.
 `closure` computes the share of the gap that the true structure, refitted, closes.
 Nothing here imports the diagnosis.
 

@@ -103,7 +103,7 @@ def evaluate_case(case: Case | OrdinaryCase, result: dict[str, Any] | None) -> C
 
     Returns
     -------
-    Judged
+    CaseOutcome
     """
     if isinstance(case, Case) and case.row in ("single-clear", "families") and result is not None:
         share = compare_closure(case, result)
@@ -141,7 +141,7 @@ def evaluate_replays(
 
     Returns
     -------
-    list of Judged
+    list of CaseOutcome
         With `fresh_closure` if the simulation ran on every record.
     """
     experiments = [[redraw(case.experiment, i) for i in range(FRESH_RECORDS)] for case in made]

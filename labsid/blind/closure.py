@@ -158,8 +158,8 @@ def refit_true_structure(case: Case, counts: NDArray[np.bool_]) -> FloatArray:
             return np.full(int(counts.sum()), 1e3)
 
     first = np.ones(len(names) + 2)
-    found = least_squares(residual, first, diff_step=1e-3, x_scale=0.02, max_nfev=6)
-    return run(found.x)
+    fitted = least_squares(residual, first, diff_step=1e-3, x_scale=0.02, max_nfev=6)
+    return run(fitted.x)
 
 
 def free_parameters(experiment: Experiment) -> list[tuple[str, str]]:
@@ -167,7 +167,7 @@ def free_parameters(experiment: Experiment) -> list[tuple[str, str]]:
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
 
     Returns
     -------

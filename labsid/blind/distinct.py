@@ -56,10 +56,10 @@ def is_distinct(effect: str, experiment: Experiment, setup: Setup, sigma: float)
         v = input_signal(experiment)
         return bool(min(np.mean(v > a.dead_high), np.mean(v < a.dead_low)) > 0.08)
     if effect in ("extra-lag", "resonance"):
-        left = linear_model_gap(experiment, setup)
-        if linear_model_gap(experiment, setup, taps=3) <= 0.5 * left:
+        gap = linear_model_gap(experiment, setup)
+        if linear_model_gap(experiment, setup, taps=3) <= 0.5 * gap:
             return False
-        return experiment.samples < 1000 or _left_by_delays(experiment, setup) > 0.3 * left
+        return experiment.samples < 1000 or _left_by_delays(experiment, setup) > 0.3 * gap
     return effect != "input-delay" or a.delay >= 1.0
 
 

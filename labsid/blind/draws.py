@@ -38,7 +38,7 @@ def draw_experiment(
 
     Returns
     -------
-    Recipe
+    Experiment
     """
     if effect:
         rigs = tuple(rig for rig in rigs if supports_effect(example_rig(rig), effect))
@@ -82,7 +82,7 @@ def complete_case(
     Parameters
     ----------
     rng : Generator
-    experiment : Recipe
+    experiment : Experiment
     setup : Setup
         The rig with its effects.
     sigma : float

@@ -71,7 +71,7 @@ class Case:
         ``none``, ``faint``, ``hard`` or ``clear``.
     ratio : float
         Rms error of the best linear model on the noise-free output, divided by `sigma`.
-    experiment : Recipe
+    experiment : Experiment
     sim : dict, optional
         Simulation given to the diagnosis, in the format of MODEL.json.
     holdout : Record, optional
@@ -130,7 +130,7 @@ def input_signal(experiment: Experiment) -> FloatArray:
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
 
     Returns
     -------
@@ -145,7 +145,7 @@ def run_experiment(experiment: Experiment, setup: Setup | None = None) -> Simula
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
     setup : Setup, optional
         Rig to use instead of the experiment's own.
 
@@ -163,7 +163,7 @@ def to_record(simulated: SimulatedRun, scales: Scales, name: str, clean: bool = 
 
     Parameters
     ----------
-    simulated : Played
+    simulated : SimulatedRun
     scales : Scales
     name : str
     clean : bool
@@ -183,13 +183,13 @@ def redraw(experiment: Experiment, number: int) -> Experiment:
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
     number : int
         Index of the new record, from 0.
 
     Returns
     -------
-    Recipe
+    Experiment
         Effects that depend on time, such as an onset or a drift, recur; outliers, dropouts and coloured noise are
         drawn again.
     """

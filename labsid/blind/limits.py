@@ -218,17 +218,17 @@ def judge(plantings: Sequence[Planting], results: dict[str, dict[str, Any]]) -> 
         hits, of = counts[what]
         counts[what] = (hits + right, of + 1)
 
-    for one in plantings:
-        result = results.get(one.name)
+    for planting in plantings:
+        result = results.get(planting.name)
         if result is None or result["verdict"] == "error":
-            count(one.times, False)
+            count(planting.times, False)
             continue
         probable = {effect["name"] for effect in result["effects"] if effect["probability"] >= MIN_PROBABILITY}
-        count(one.times, one.effect in probable)
-        count("wrong", bool(probable - {one.effect}))
-        stated = excluded_above(one, result)
+        count(planting.times, planting.effect in probable)
+        count("wrong", bool(probable - {planting.effect}))
+        stated = excluded_above(planting, result)
         if stated is not None:
-            count("excluded", is_larger(one.parameter, one.value, stated))
+            count("excluded", is_larger(planting.parameter, planting.value, stated))
     return counts
 
 
@@ -268,15 +268,16 @@ def main() -> None:
         for name, experiment in experiments.items():
             write_record(rigs / f"{name}.csv", to_record(run_experiment(experiment), experiment.scales, name))
         plantings: list[Planting] = []
-        for (name, experiment), found in zip(experiments.items(), limits_of(rigs, list(experiments)), strict=True):
-            if found["verdict"] == "none":
-                plantings += plant(planted, rng, experiment, name, found)
+        for (name, experiment), stated in zip(experiments.items(), limits_of(rigs, list(experiments)), strict=True):
+            if stated["verdict"] == "none":
+                plantings += plant(planted, rng, experiment, name, stated)
         results, _ = run_folder(planted, asked.jobs, count=len(plantings))
-    for one in plantings:
-        result = results.get(one.name, {"verdict": "missing", "effects": []})
+    for planting in plantings:
+        result = results.get(planting.name, {"verdict": "missing", "effects": []})
         said = ", ".join(f"{effect['name']} {effect['probability']:.2f}" for effect in result["effects"])
-        limits = f"{one.value:10.4g} (excluded: {excluded_above(one, result) or '-'})"
-        print(f"{one.effect:<22}{one.parameter:<10}{one.times:<7}{one.share:8.4f}{limits}  {result['verdict']}: {said}")
+        limits = f"{planting.value:10.4g} (excluded: {excluded_above(planting, result) or '-'})"
+        which = f"{planting.effect:<22}{planting.parameter:<10}{planting.times:<7}{planting.share:8.4f}"
+        print(f"{which}{limits}  {result['verdict']}: {said}")
     for what, (hits, of) in judge(plantings, results).items():
         low, high = wilson(hits, of) if of else (0.0, 1.0)
         print(f"{what:<10}{hits:4d} of {of:<4d} {100.0 * low:5.1f} to {100.0 * high:5.1f} %")

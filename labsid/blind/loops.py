@@ -65,10 +65,10 @@ def draw_loop(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | Non
 
     share = noise.sd / spread
     ratio = log_uniform(rng, HARD_RATIOS[0] * 2, CLEAR_RATIOS[1])
-    found = find_strength(gap_at, spread, ratio, (0.95 * share, 1.05 * share), rng)
-    if found is None:
+    strength = find_strength(gap_at, spread, ratio, (0.95 * share, 1.05 * share), rng)
+    if strength is None:
         return None
-    setup, noise = placed.apply(plain, found[0]), replace(noise, sd=found[1])
+    setup, noise = placed.apply(plain, strength[0]), replace(noise, sd=strength[1])
     run = simulate_loop(setup, controller, r, noise)
     if not is_exercised(effect, setup, run.u[:, np.newaxis], run.states, run.clean[:, np.newaxis]):
         return None
@@ -178,7 +178,7 @@ def _complete(
         "Ts": units.Ts,
     }
     made = OrdinaryRecord(
-        answers=(tuple(one["name"] for one in effects),),
+        answers=(tuple(effect["name"] for effect in effects),),
         files=signal_files(("r", "u", "y"), t, columns, options),
         truth=truth,
         options=options,

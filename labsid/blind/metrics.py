@@ -117,7 +117,7 @@ class Scores:
 
     Attributes
     ----------
-    metrics : tuple of Figure
+    metrics : tuple of Metric
     confusion : dict
         Counts of the answers by row and true label.
     calibration : tuple of (float, float, int)

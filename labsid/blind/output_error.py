@@ -82,8 +82,8 @@ def fit_linear(
         return np.asarray(projected_residual(_basis(u, a1, a2, taps), target, weight))
 
     def search(theta: FloatArray) -> tuple[float, FloatArray]:
-        found = least_squares(residual, theta, method="lm", x_scale="jac", ftol=1e-8, xtol=1e-8, max_nfev=60)
-        return float(found.cost), found.x
+        fitted = least_squares(residual, theta, method="lm", x_scale="jac", ftol=1e-8, xtol=1e-8, max_nfev=60)
+        return float(fitted.cost), fitted.x
 
     powers = (1.0, 0.5, 2.0) if thorough else (1.0,)
     starts = [_reflection([p**power for p in poles]) for power in powers]

@@ -136,22 +136,22 @@ def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
     at = effect_context(experiment.plain, input_signal(experiment))
     first, second = draw_effect(rng, one, at), draw_effect(rng, two, at)
     ratio = log_uniform(rng, 6.0, 18.0)
-    found = scale_to_ratio(experiment, first, ratio, (WEAKEST_NOISE, 0.02), rng)
-    if found is None:
+    scaled = scale_to_ratio(experiment, first, ratio, (WEAKEST_NOISE, 0.02), rng)
+    if scaled is None:
         return None
-    alone, sigma = found
+    alone, sigma = scaled
     if not is_distinct(one, experiment, alone, sigma):
         return None
     share = sigma / output_spread(experiment)
-    other = scale_to_ratio(experiment, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
-    if other is None or not is_distinct(two, experiment, *other):
+    second_scaled = scale_to_ratio(experiment, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
+    if second_scaled is None or not is_distinct(two, experiment, *second_scaled):
         return None
-    both = merge_effects(experiment.plain, alone, other[0])
+    both = merge_effects(experiment.plain, alone, second_scaled[0])
     start = discrete_poles(poles(experiment.plain.motion))
     v, y = input_signal(experiment), clean_output(experiment, both)
-    for part in (alone, other[0]):
-        left = fit_linear(v, y - clean_output(experiment, part), start)
-        if left.rmse < 3.0 * sigma:
+    for part in (alone, second_scaled[0]):
+        remaining = fit_linear(v, y - clean_output(experiment, part), start)
+        if remaining.rmse < 3.0 * sigma:
             return None
     if fit_linear(v, y, start).rmse < CLEAR_RATIOS[0] * sigma:
         return None
@@ -214,10 +214,10 @@ def draw_partial(rng: np.random.Generator, i: int, name: str) -> Case | None:
     experiment = draw_experiment(rng, listed, int(rng.integers(1200, 3001)), inputs, rigs)
     at = effect_context(experiment.plain, input_signal(experiment))
     ratio = log_uniform(rng, 10.0, 40.0)
-    found = scale_to_ratio(experiment, draw_effect(rng, listed, at), ratio, (WEAKEST_NOISE, 0.02), rng)
-    if found is None or not is_distinct(listed, experiment, *found):
+    scaled = scale_to_ratio(experiment, draw_effect(rng, listed, at), ratio, (WEAKEST_NOISE, 0.02), rng)
+    if scaled is None or not is_distinct(listed, experiment, *scaled):
         return None
-    setup, sigma = found
+    setup, sigma = scaled
     share = sigma / output_spread(experiment)
     apply = draw_unlisted_effect(rng, unlisted, at)
     beside = scale_to_ratio(experiment, apply, rng.uniform(0.15, 0.4) * ratio, (0.8 * share, 1.25 * share), rng)
@@ -332,10 +332,10 @@ def draw_several(rng: np.random.Generator, i: int, name: str) -> Case | None:
     experiment = draw_experiment(rng, chosen[0], int(rng.integers(1200, 3001)), ("levels", "multisine"), rigs)
     at = effect_context(experiment.plain, input_signal(experiment))
     ratio = log_uniform(rng, 12.0, 40.0)
-    found = scale_to_ratio(experiment, draw_effect(rng, chosen[0], at), ratio, (WEAKEST_NOISE, 0.02), rng)
-    if found is None or not is_distinct(chosen[0], experiment, *found):
+    scaled = scale_to_ratio(experiment, draw_effect(rng, chosen[0], at), ratio, (WEAKEST_NOISE, 0.02), rng)
+    if scaled is None or not is_distinct(chosen[0], experiment, *scaled):
         return None
-    setup, sigma = found
+    setup, sigma = scaled
     share = sigma / output_spread(experiment)
     noises = (0.8 * share, 1.25 * share)
     parts = [setup]

@@ -158,7 +158,7 @@ def run_folder(
     """
     with TemporaryDirectory(prefix="labsid-blind-") as scratch:
         out = Path(scratch, "out") if keep is None else keep.resolve()
-        before = len(list(out.glob("*.json")))
+        kept_count = len(list(out.glob("*.json")))
         begun = time.monotonic()
         limit = begun + SECONDS_TO_START + SECONDS_A_RECORD * count / jobs
         command = [sys.executable, "-c", _MAIN, "gap", "batch", str(records), "--out", str(out), "--jobs", str(jobs)]
@@ -173,9 +173,9 @@ def run_folder(
                 process.terminate()
             process.wait()
         seconds = time.monotonic() - begun
-        found = {path.stem: _read_json(path) for path in sorted(out.glob("*.json"))}
-    made = max(len(found) - before, 1)
-    return {name: result for name, result in found.items() if result is not None}, seconds * jobs / made
+        results = {path.stem: _read_json(path) for path in sorted(out.glob("*.json"))}
+    made = max(len(results) - kept_count, 1)
+    return {name: result for name, result in results.items() if result is not None}, seconds * jobs / made
 
 
 def run_replays(
@@ -212,8 +212,8 @@ def _replay(case: Case, others: Sequence[Record]) -> Replay:
     with TemporaryDirectory(prefix="labsid-blind-") as scratch:
         folder = Path(scratch)
         write_case(folder, case)
-        for i, other in enumerate(others):
-            write_record(folder / f"other{i}.csv", other)
+        for i, record in enumerate(others):
+            write_record(folder / f"other{i}.csv", record)
         diagnose = ["gap", "diagnose", f"{case.name}.csv", "--json", "result.json", "--export", "better.json"]
         if case.sim is not None:
             diagnose += ["--sim", f"{case.name}.sim.json"]
@@ -233,7 +233,7 @@ def _replay(case: Case, others: Sequence[Record]) -> Replay:
             )
         except subprocess.TimeoutExpired:
             return Replay(None, (None,) * len(others))
-        simulated = [_read_output(folder / f"played{i}.csv", len(other)) for i, other in enumerate(others)]
+        simulated = [_read_output(folder / f"played{i}.csv", len(record)) for i, record in enumerate(others)]
         return Replay(_read_json(folder / "result.json"), tuple(simulated))
 
 

@@ -41,8 +41,8 @@ def score_cases(
 
     Parameters
     ----------
-    cases : sequence of Judged
-    replays : sequence of Judged
+    cases : sequence of CaseOutcome
+    replays : sequence of CaseOutcome
         Cases whose exported simulation was run on fresh records.
     seconds : float, optional
         Time per record and core (s).
@@ -111,7 +111,7 @@ def confusion(cases: Sequence[CaseOutcome]) -> dict[str, dict[str, dict[str, int
 
     Parameters
     ----------
-    cases : sequence of Judged
+    cases : sequence of CaseOutcome
 
     Returns
     -------
@@ -132,7 +132,7 @@ def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tupl
 
     Parameters
     ----------
-    cases : sequence of Judged
+    cases : sequence of CaseOutcome
     bins : int
         Number of bins of equal width.
 
@@ -148,13 +148,13 @@ def calibration_bins(cases: Sequence[CaseOutcome], bins: int = 10) -> tuple[tupl
         for effect in ((case.result or {}).get("effects") or [])[:1]
     ]
     places = [min(int(p * bins), bins - 1) for p, _ in said]
-    found = []
+    filled = []
     for i in range(bins):
         inside = [pair for pair, place in zip(said, places, strict=True) if place == i]
         if inside:
             p, right = np.mean(np.array(inside, dtype=float), axis=0)
-            found.append((float(p), float(right), len(inside)))
-    return tuple(found)
+            filled.append((float(p), float(right), len(inside)))
+    return tuple(filled)
 
 
 def _gain(name: str, after: Sequence[bool], before: Sequence[bool], required: float, target: float) -> Metric:

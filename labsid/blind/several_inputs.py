@@ -58,8 +58,8 @@ def linear_error(
         start = _sections([p**power for p in poles])
         if float(np.sqrt(np.mean(residual(start) ** 2))) < _EXACT:
             return 0.0
-        found = least_squares(residual, start, method="lm", x_scale="jac", ftol=1e-6, xtol=1e-6, max_nfev=150)
-        errors.append(float(np.sqrt(2 * found.cost / y.size)))
+        fitted = least_squares(residual, start, method="lm", x_scale="jac", ftol=1e-6, xtol=1e-6, max_nfev=150)
+        errors.append(float(np.sqrt(2 * fitted.cost / y.size)))
     return scale * min(errors)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -107,10 +106,10 @@ def draw_signals(
     def gap_at(s: float, thorough: bool) -> float:
         return float(np.max(linear_gaps(experiment, placed.apply(experiment.plain, s), thorough)))
 
-    found = find_strength(gap_at, 1.0, log_uniform(rng, *between), NOISE_SHARES, rng)
-    if found is None:
+    strength = find_strength(gap_at, 1.0, log_uniform(rng, *between), NOISE_SHARES, rng)
+    if strength is None:
         return None
-    setup, sigma = placed.apply(experiment.plain, found[0]), found[1] * experiment.spread
+    setup, sigma = placed.apply(experiment.plain, strength[0]), strength[1] * experiment.spread
     clean = _clean(setup, experiment.v)
     if np.any(np.std(clean, axis=0) > MOST_LOUDER * np.std(_clean(experiment.plain, experiment.v), axis=0)):
         return None
@@ -151,8 +150,14 @@ def draw_signals_none(rng: np.random.Generator, i: int, name: str) -> OrdinaryCa
     return _complete(rng, experiment, setup, sigma, colour, name, "signals-none", None, {"case": kind})
 
 
-draw_signals_clear = partial(draw_signals, row="signals", between=CLEAR_RATIOS)
-draw_signals_hard = partial(draw_signals, row="signals-hard", between=HARD_RATIOS)
+def draw_signals_clear(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | None:
+    """One clear effect at one of several signals, or at one place in the dynamics."""
+    return draw_signals(rng, i, name, "signals", CLEAR_RATIOS)
+
+
+def draw_signals_hard(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | None:
+    """One hard effect at one of several signals, or at one place in the dynamics."""
+    return draw_signals(rng, i, name, "signals-hard", HARD_RATIOS)
 
 
 def linear_gaps(experiment: CoupledExperiment, setup: CoupledSetup, thorough: bool = True) -> FloatArray:

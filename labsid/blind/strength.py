@@ -23,7 +23,7 @@ def clean_output(experiment: Experiment, setup: Setup) -> FloatArray:
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
     setup : Setup
         Rig to use instead of the experiment's own.
 
@@ -39,7 +39,7 @@ def linear_model_gap(experiment: Experiment, setup: Setup, taps: int = 2, thorou
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
     setup : Setup
         Rig to use instead of the experiment's own.
     taps : int
@@ -60,7 +60,7 @@ def output_spread(experiment: Experiment) -> float:
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
 
     Returns
     -------
@@ -80,7 +80,7 @@ def scale_to_ratio(
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
     apply : callable
         The effect.
     ratio : float
@@ -98,8 +98,8 @@ def scale_to_ratio(
     def gap_at(s: float, thorough: bool) -> float:
         return linear_model_gap(experiment, apply(experiment.plain, s), thorough=thorough)
 
-    found = find_strength(gap_at, output_spread(experiment), ratio, sigma_share, rng)
-    return None if found is None else (apply(experiment.plain, found[0]), found[1])
+    strength = find_strength(gap_at, output_spread(experiment), ratio, sigma_share, rng)
+    return None if strength is None else (apply(experiment.plain, strength[0]), strength[1])
 
 
 def find_strength(
@@ -163,12 +163,12 @@ def with_noise(experiment: Experiment, setup: Setup, noise: Noise) -> Experiment
 
     Parameters
     ----------
-    experiment : Recipe
+    experiment : Experiment
     setup : Setup
     noise : Noise
 
     Returns
     -------
-    Recipe
+    Experiment
     """
     return replace(experiment, setup=setup, noise=noise)

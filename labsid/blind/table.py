@@ -14,7 +14,7 @@ def metric_cells(metric: Metric) -> tuple[str, ...]:
 
     Parameters
     ----------
-    metric : Figure
+    metric : Metric
 
     Returns
     -------
@@ -38,7 +38,7 @@ def metric_status(metric: Metric) -> str:
 
     Parameters
     ----------
-    metric : Figure
+    metric : Metric
 
     Returns
     -------

@@ -110,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for row in dict.fromkeys(case.row for case in cases):
         of_row = [outcome for outcome in outcomes if outcome.label["row"] == row]
         print(f"{row}: {sum(map(is_right, of_row))} of {len(of_row)} right, {seconds:.1f} s a record and core")
-    honest, faint = ([one for one in outcomes if one.label["row"] == row] for row in ("honest", "faint"))
+    honest, faint = ([outcome for outcome in outcomes if outcome.label["row"] == row] for row in ("honest", "faint"))
     for metric in honest_metrics(honest, faint):
         if metric.count:
             name, value, between, count, *_ = metric_cells(metric)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from labsid import __version__
+from labsid.cli import gap_blind  # noqa: F401  adds its commands to `gap`
 from labsid.cli.gap_commands import gap
 from labsid.cli.options import JsonFile, RecordPath, RecordPaths, reads_signals
 from labsid.cli.student_commands import lab_command, submit_command

@@ -43,17 +43,17 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]") -> None:
     from labsid.records.contents import options_of_several, suggested_options
 
     table = Table("column", "unit", "samples", "every", "from", "to", "missing", "looks like", "why", box=None)
-    for one in summaries:
+    for summary in summaries:
         table.add_row(
-            one.name,
-            one.unit,
-            str(one.samples),
-            "" if one.interval is None else f"{one.interval:.6g} s",
-            "" if one.low is None else f"{one.low:.6g}",
-            "" if one.high is None else f"{one.high:.6g}",
-            f"{one.missing:.1%}" if one.missing else "",
-            one.role,
-            one.why,
+            summary.name,
+            summary.unit,
+            str(summary.samples),
+            "" if summary.interval is None else f"{summary.interval:.6g} s",
+            "" if summary.low is None else f"{summary.low:.6g}",
+            "" if summary.high is None else f"{summary.high:.6g}",
+            f"{summary.missing:.1%}" if summary.missing else "",
+            summary.role,
+            summary.why,
         )
     console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
     with console.capture() as capture:

@@ -1,18 +1,16 @@
 """The command group ``labsid gap``."""
 
 import shlex
-import signal
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labsid.cli.options import RecordPath, RecordPaths, reads_log, reads_signals
+from labsid.cli.progress import shown_progress
 
 if TYPE_CHECKING:  # a slow import
     from labsid.gap.reports.result import Diagnosis
@@ -122,9 +120,9 @@ def diagnose(
     excluded = [_time_range(text) for text in exclude or ()]
     how_matched = _matcher(match)
     loaded = [how_matched(read_record(path, how)) for path in records]
-    other = None
+    other_record = None
     if holdout is not None:
-        other = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
+        other_record = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
     several = any(record.several for record in loaded)
     if several and export is not None and export.suffix.lower() not in (".json", ".py"):
         raise ValueError(f"a simulation of several signals is exported as .json or .py; got {export}.")
@@ -132,12 +130,12 @@ def diagnose(
     if units is not None and several:
         loaded = [_with_signal_units(record, units) for record in loaded]
     simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, ports)
-    with _progress() as progress:
-        found = diagnosis.diagnose(
+    with shown_progress() as progress:
+        diagnosed = diagnosis.diagnose(
             loaded,
             simulation,
             free=[name.strip() for name in free.split(",")] if free else (),
-            holdout=other,
+            holdout=other_record,
             order=order,
             exclude=excluded,
             seed=seed,
@@ -146,7 +144,7 @@ def diagnose(
             jobs=jobs or available_cores(),
             progress=progress,
         )
-    report = found.report | {"command": _command_line(context)}
+    report = diagnosed.report | {"command": _command_line(context)}
     if stated is not None:
         report = with_units(report, *stated)
     if json_file is not None:
@@ -155,16 +153,16 @@ def diagnose(
         from labsid.gap.reports.html_report import write_html_report
 
         write_html_report(html, report)
-    print(found.with_report(report))
-    if isinstance(found, diagnosis.Diagnosis) and found.why is not None:
+    print(diagnosed.with_report(report))
+    if isinstance(diagnosed, diagnosis.Diagnosis) and diagnosed.why is not None:
         from labsid.cli.gap_why import format_why
 
-        print(format_why(found.why))
+        print(format_why(diagnosed.why))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
-        if isinstance(found, diagnosis.Diagnosis):
-            _write_simulation(export, found)
+        if isinstance(diagnosed, diagnosis.Diagnosis):
+            _write_simulation(export, diagnosed)
         else:
-            _write_system(export, found)
+            _write_system(export, diagnosed)
 
 
 @gap.command("batch")
@@ -189,7 +187,7 @@ def diagnose_batch(
     from labsid.gap.batches.batch import diagnose_folder
 
     try:
-        with _progress(lines=True) as progress:
+        with shown_progress(lines=True) as progress:
             summary = diagnose_folder(folder, out, jobs, seed, progress, scheduler, html, how)
     except KeyboardInterrupt:
         raise ValueError(
@@ -243,8 +241,8 @@ def show_limits(
     stated = None if units is None else _units(units)
     loaded = read_record(record, how)
     following = None if planned is None else load_planned_input(planned)
-    with _progress() as progress:
-        found = diagnosis.find_limits(
+    with shown_progress() as progress:
+        limits = diagnosis.find_limits(
             loaded,
             None if sim is None else load_simulation(sim, loaded, False),
             free=[name.strip() for name in free.split(",")] if free else (),
@@ -255,10 +253,10 @@ def show_limits(
             progress=progress,
         )
     if stated is not None:
-        found |= {"units": dict(zip("uy", stated, strict=True))}
+        limits |= {"units": dict(zip("uy", stated, strict=True))}
     if json_file is not None:
-        write_json(json_file, found)
-    print(format_limits(found))
+        write_json(json_file, limits)
+    print(format_limits(limits))
 
 
 @gap.command()
@@ -297,11 +295,11 @@ def simulate(
         inputs = outputs = None
     loaded = between_outputs(_matcher(match)(read_record(record, how)))
     if loaded.several or content is not None:
-        found = replay_signals(model, loaded)
+        replayed = replay_signals(model, loaded)
         if out is not None:
-            write_signals_replay(out, loaded, found.y)
-        errors = ", ".join(f"{name} {error:.6g}" for name, error in zip(loaded.outputs, found.rmse, strict=True))
-        print(f"{len(loaded)} samples, free run: rmse {errors} after the first {found.start} samples")
+            write_signals_replay(out, loaded, replayed.y)
+        errors = ", ".join(f"{name} {error:.6g}" for name, error in zip(loaded.outputs, replayed.rmse, strict=True))
+        print(f"{len(loaded)} samples, free run: rmse {errors} after the first {replayed.start} samples")
         return
     played = replay(model, loaded, _ports(inputs, outputs, trust))
     if out is not None:
@@ -337,14 +335,16 @@ def check_simulation(
     opened = load_simulation(sim, loaded, False, _ports(inputs, outputs, trust))
     assert isinstance(opened, Simulator)
     assert opened.joint is not None
-    found = check_model(loaded, opened)
-    one = opened.joint
-    print(f"{len(loaded)} samples; {one.actuator} ({one.kind}) moves the joint {one.joint}, y is its {one.output}")
-    for finding in found:
+    findings = check_model(loaded, opened)
+    joint = opened.joint
+    print(
+        f"{len(loaded)} samples; {joint.actuator} ({joint.kind}) moves the joint {joint.joint}, y is its {joint.output}"
+    )
+    for finding in findings:
         print(f"{finding.level}: {finding.text}")
-    if not found:
+    if not findings:
         print("The record and the model agree in sign, units, time and limits.")
-    raise typer.Exit(int(any(finding.level == "warning" for finding in found)))
+    raise typer.Exit(int(any(finding.level == "warning" for finding in findings)))
 
 
 @gap.command("effects")
@@ -381,38 +381,13 @@ def check_rigs(
     from labsid.gap.rigs import check_rigs, find_rigs
 
     pairs, results = find_rigs(folder), []
-    with _progress() as progress:
+    with shown_progress() as progress:
         for result in check_rigs(pairs, order, seed):
             results.append(result)
             if progress is not None:
                 progress(result.name, len(results) / len(pairs))
     print_rigs(results)
     raise typer.Exit(int(any(result.is_worse or result.message for result in results)))
-
-
-@gap.command("blind")
-def sealed_check(
-    suite: Annotated[
-        Literal["dev", "final"], typer.Option(help="Set of seeds: dev for tuning, final for reporting.")
-    ] = "dev",
-    per_row: Annotated[int | None, typer.Option(min=1, help="Records for each row of the table.")] = None,
-    row: Annotated[list[str] | None, typer.Option(help="Only this row; may be repeated.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Number of processes.")] = 2,
-    replays: Annotated[
-        int | None, typer.Option(min=0, help="Records whose exported simulation is run on new records.")
-    ] = None,
-    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")] = None,
-    keep: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Keep the results here; a second run continues from them.")
-    ] = None,
-) -> None:
-    """Test the diagnosis on simulated rigs. Their effects are withheld from the diagnosis."""
-    from labsid.blind.check import run_sealed_check
-
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the batch that it has started ends with it
-    raise typer.Exit(
-        run_sealed_check(suite=suite, per_row=per_row, rows=row, jobs=jobs, replays=replays, report=report, keep=keep)
-    )
 
 
 def _read_as(how: "Reading", sim: Path | None, trust: bool) -> "tuple[Reading, Ports]":
@@ -525,30 +500,3 @@ def _units(text: str) -> tuple[str, str]:
     if not (comma and u and y and (u + y).isprintable() and "," not in y):
         raise ValueError(f"--units must be two units with a comma between them; got {text!r}. Write V,mm.")
     return u, y
-
-
-@contextmanager
-def _progress(lines: bool = False) -> Iterator[Callable[[str, float], None] | None]:
-    """A progress bar on a terminal; otherwise lines on stderr or nothing."""
-    if not sys.stderr.isatty():
-        yield _line_printer() if lines else None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("baseline", total=1.0)
-        yield lambda what, share: bar.update(task, description=what, completed=share)
-
-
-def _line_printer() -> Callable[[str, float], None]:
-    """Print a line on stderr for each 5 % of progress of each step."""
-    printed = -1
-
-    def show(what: str, share: float) -> None:
-        nonlocal printed
-        if int(20 * share) != printed:
-            printed = int(20 * share)
-            print(what, file=sys.stderr, flush=True)
-
-    return show

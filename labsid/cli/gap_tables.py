@@ -32,21 +32,21 @@ def print_rigs(results: Sequence[RigResult]) -> None:
     table = Table(title="Errors (rms, free run) on the second record, in units of y", caption_justify="left")
     for title in ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s"):
         table.add_column(title, justify="right" if title in ("linear", "simple", "exported", "ratio", "s") else "left")
-    for one in results:
-        if one.message:
-            table.add_row(one.name, "–", "–", "–", "–", one.verdict, one.message, "–", f"{one.seconds:.1f}")
+    for rig in results:
+        if rig.message:
+            table.add_row(rig.name, "–", "–", "–", "–", rig.verdict, rig.message, "–", f"{rig.seconds:.1f}")
             continue
-        ratio = one.after / one.before if one.before > 0.0 else 1.0
+        ratio = rig.after / rig.before if rig.before > 0.0 else 1.0
         table.add_row(
-            one.name,
-            number(one.before) + (" !" if one.is_poor_baseline else ""),
-            number(one.simple),
-            number(one.after),
-            f"{ratio:.2f}" + (" !" if one.is_worse else ""),
-            one.verdict,
-            ", ".join(f"{name} ({p:.2f})" for name, p in one.effects) or "–",
-            one.remaining or "–",
-            f"{one.seconds:.1f}",
+            rig.name,
+            number(rig.before) + (" !" if rig.is_poor_baseline else ""),
+            number(rig.simple),
+            number(rig.after),
+            f"{ratio:.2f}" + (" !" if rig.is_worse else ""),
+            rig.verdict,
+            ", ".join(f"{name} ({p:.2f})" for name, p in rig.effects) or "–",
+            rig.remaining or "–",
+            f"{rig.seconds:.1f}",
         )
     table.caption = (
         "linear: the model that the diagnosis starts from; simple: the better of least squares and first-order output "

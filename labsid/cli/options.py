@@ -1,6 +1,7 @@
 """Options shared by several commands of `labsid`."""
 
 import inspect
+import sys
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -13,8 +14,9 @@ RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help=f"{_LOG}.")]
 RecordPaths = Annotated[list[Path], typer.Argument(metavar="RECORD...", help=f"{_LOG}; several are runs of one rig.")]
 Output = Annotated[
     Literal["noise-reduced", "measured"],
-    typer.Option(help="Which output of LogData is y: column 2 (noise-reduced) or column 1 (measured)."),
+    typer.Option("--LogData", help="Which output of LogData is y: column 2 (noise-reduced) or column 1 (measured)."),
 ]
+FormerOutput = Annotated[str | None, typer.Option("--output", hidden=True)]
 Columns = Annotated[
     str | None,
     typer.Option(metavar="NAMES", help="Columns t,u,y (or u,y with --Ts) by name or number, such as uEst,yEst or 1,2."),
@@ -95,18 +97,35 @@ def reads_signals(command: Callable[..., None]) -> Callable[..., None]:
 
 def _with_options(command: Callable[..., None], options: dict[str, tuple[Any, Any]]) -> Callable[..., None]:
     own = inspect.signature(command)
-    added = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
-        for name, (kind, default) in options.items()
-    ]
 
     @wraps(command)
     def with_options(*arguments: Any, **given: Any) -> None:
         from labsid.records.reading import Reading
 
+        former = given.pop("former_output")
+        if former is not None:
+            given["output"] = _former_output(former)
         command(*arguments, how=Reading(**{name: given.pop(name) for name in options}), **given)
 
+    options_and_former = options | {"former_output": (FormerOutput, None)}
+    added = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        for name, (kind, default) in options_and_former.items()
+    ]
     kept = [parameter for name, parameter in own.parameters.items() if name != "how"]
     with_options.__signature__ = own.replace(parameters=[*kept, *added])  # type: ignore[attr-defined]
     with_options.__annotations__ = {parameter.name: parameter.annotation for parameter in [*kept, *added]}
     return with_options
+
+
+def _former_output(text: str) -> str:
+    """The value of ``--output``, the former name of ``--LogData``, which everybody takes for a file."""
+    from labsid.records.reading import OUTPUTS
+
+    if text not in OUTPUTS:
+        raise ValueError(
+            f"--output names no file: it is the former name of --LogData, {' or '.join(OUTPUTS)}; got {text!r}. "
+            "--help lists the options that write a file."
+        )
+    print("note: --output is now --LogData", file=sys.stderr)
+    return text

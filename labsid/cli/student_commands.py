@@ -67,7 +67,8 @@ def submit_command(
     for remark in work.remarks:
         print(remark)
     if work.untouched:
-        print(f"Left out, because they are as they were released: {', '.join(one.name for one in work.untouched)}.")
+        names = ", ".join(notebook.name for notebook in work.untouched)
+        print(f"Left out, because they are as they were released: {names}.")
     for name, reason in work.unreadable.items():
         print(f"{name} cannot be handed in: {reason}")
     missing = open_questions(runs)
@@ -76,7 +77,7 @@ def submit_command(
     tries = tries_to_send(work.to_hand_in)
     for remark in pack(work.to_hand_in, out, tries if tries and _may_send(list(tries)) else None):
         print(remark)
-    print(f"Hand in this file: {out} ({', '.join(one.name for one in work.to_hand_in)})")
+    print(f"Hand in this file: {out} ({', '.join(notebook.name for notebook in work.to_hand_in)})")
     if work.unreadable:
         print(
             f"Not in it, because it cannot be read: {', '.join(work.unreadable)}. Mend it and run this command again."

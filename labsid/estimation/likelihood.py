@@ -139,11 +139,11 @@ def maximise_likelihood(Phi: ArrayLike, Y: ArrayLike) -> Likelihood:
         slope = np.append(X.T @ e / variance, e @ e / variance - n)
         return -log_likelihood(e, variance) / n, -slope / n
 
-    found = minimize(height_and_slope, np.zeros(p + 1), jac=True, method="BFGS", options={"gtol": 1e-10})
+    optimum = minimize(height_and_slope, np.zeros(p + 1), jac=True, method="BFGS", options={"gtol": 1e-10})
     # Near the top the gain is lost in rounding before the slope is: BFGS then reports that it can climb no further.
-    slope = float(np.max(np.abs(found.jac)))
-    theta, sigma2 = found.x[:p] * height / column, float(np.exp(2 * found.x[p])) * height**2
-    status = "converged" if slope < 1e-7 else str(found.message)
+    slope = float(np.max(np.abs(optimum.jac)))
+    theta, sigma2 = optimum.x[:p] * height / column, float(np.exp(2 * optimum.x[p])) * height**2
+    status = "converged" if slope < 1e-7 else str(optimum.message)
     return Likelihood(theta, sigma2, log_likelihood(Y - Phi @ theta, sigma2), status)
 
 
@@ -193,11 +193,11 @@ def fit_likelihood(structure: Structure, u: ArrayLike | None, y: ArrayLike, Ts: 
         psi: FloatArray = lfilter([1.0], model.c, Phi, axis=0)
         return psi
 
-    found = levenberg_marquardt(predicted, sensitivities, y, _first_guess(structure, u, y))
-    model = model_from_theta(structure, found.theta, Ts)
-    sigma2 = found.sse / y.size
-    height = log_likelihood(found.residual, sigma2) if sigma2 > 0 else np.inf
-    return LikelihoodFit(model, found.residual, sigma2, height, found.stderr, found.status)
+    fitted = levenberg_marquardt(predicted, sensitivities, y, _first_guess(structure, u, y))
+    model = model_from_theta(structure, fitted.theta, Ts)
+    sigma2 = fitted.sse / y.size
+    height = log_likelihood(fitted.residual, sigma2) if sigma2 > 0 else np.inf
+    return LikelihoodFit(model, fitted.residual, sigma2, height, fitted.stderr, fitted.status)
 
 
 def _first_guess(structure: Structure, u: ArrayLike | None, y: FloatArray) -> FloatArray:

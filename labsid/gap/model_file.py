@@ -11,7 +11,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
-from labsid.gap.dynamics.inside import port_from_json
+from labsid.gap.dynamics.inside_parts import port_from_json
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import LEAST_START, RecordStart
 from labsid.gap.effects.base import Effect

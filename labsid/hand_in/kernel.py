@@ -144,7 +144,7 @@ class NotebookKernel:
                     printed.append(content["text"])
                 case "display_data" | "execute_result":
                     printed.append(content["data"].get("text/plain", "") + "\n")
-                    outcomes += [found] if (found := content["metadata"].get("labsid")) else []
+                    outcomes += [outcome] if (outcome := content["metadata"].get("labsid")) else []
                 case "error":
                     error, text = content["ename"], content["evalue"]
                 case "status" if content["execution_state"] == "idle":

@@ -76,7 +76,7 @@ def find_work(folder: Path, assignment: str | None = None) -> WorkFound:
     if not begun:
         names = ", ".join(notebook.name for notebook in notebooks)
         raise ValueError(f"there is nothing to hand in: {names} as released, without an answer. Save your notebooks.")
-    return WorkFound(begun, tuple(one for one in notebooks if one.is_untouched), remarks, unreadable)
+    return WorkFound(begun, tuple(notebook for notebook in notebooks if notebook.is_untouched), remarks, unreadable)
 
 
 def run_notebook(notebook: SavedNotebook) -> CleanRun | None:
@@ -117,17 +117,17 @@ def tries_to_send(notebooks: Sequence[SavedNotebook]) -> dict[str, bytes]:
     dict
         The content of each file by its path in the hand-in, without files that have no tries or cannot be read.
     """
-    found: dict[str, bytes] = {}
+    contents: dict[str, bytes] = {}
     for notebook in notebooks:
         path = notebook.path.with_name(tries_file_name(notebook.name))
         try:
             with path.open("rb") as file:
                 content = file.read(MAX_BYTES + 1)
             if read_tries(content):
-                found[f"{notebook.name}/{path.name}"] = content
+                contents[f"{notebook.name}/{path.name}"] = content
         except (OSError, ValueError):  # there is none, or it was damaged
             continue
-    return found
+    return contents
 
 
 def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, bytes] | None = None) -> list[str]:

@@ -177,8 +177,8 @@ def fit_arx(
     -----
     UNSW lab, exercise 2a and 2b (order 2) and the post-lab exercise, eq. (9) (order 1).
     """
-    found = fit_equation(as_signal("u", u), y, order, start, stop, measured)
-    return ArxFit(arx_from_theta(found.fit.theta, Ts), found.regression, found.fit)
+    equation = fit_equation(as_signal("u", u), y, order, start, stop, measured)
+    return ArxFit(arx_from_theta(equation.fit.theta, Ts), equation.regression, equation.fit)
 
 
 def to_tf(model: ArxModel | ArxSystem) -> "control.TransferFunction":

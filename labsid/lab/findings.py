@@ -237,8 +237,8 @@ def about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
         )
         return [*findings, Finding("warning", "held values", text)]
     stuck = [extreme for extreme in (y.min(), y.max()) if stuck_at_extreme(y, extreme)[0]]
-    found = find_held(sensor, step, shortest_hold(sensor)) if noise > 0 else ()
-    held = [(k - 1, stop) for k, stop in found if sensor[k] not in stuck]
+    stretches = find_held(sensor, step, shortest_hold(sensor)) if noise > 0 else ()
+    held = [(k - 1, stop) for k, stop in stretches if sensor[k] not in stuck]
     if held:
         total = sum(stop - k for k, stop in held)
         text = (

@@ -167,28 +167,28 @@ def _why_not_unique(u: FloatArray, y: FloatArray, fit: LeastSquares, order: int)
 
 
 def _warnings(offsets: Offsets, model: ArxModel, start: int) -> tuple[str, ...]:
-    found = []
+    texts = []
     k0, k1 = offsets.settled
     if offsets.status == "too short":
-        found.append(
+        texts.append(
             f"the input first changes at sample {offsets.first_period}, too early to see whether the output was "
             "settled; its mean until then may not be the output offset, which shifts every free run by a constant"
         )
     elif offsets.status == "not settled":
-        found.append(
+        texts.append(
             f"the output does not settle before the first change of the input; its mean over samples {k0} to "
             f"{k1 - 1} is used as the output offset"
         )
     if k0 > 0:
-        found.append(
+        texts.append(
             f"the record does not start at rest: samples 0 to {k0 - 1} are a start-up, which a simulation "
             "from rest cannot reproduce; the MSE over the whole record includes it"
         )
         if start < model.order:
-            found.append(
+            texts.append(
                 f"rows from sample {start} take the lags before sample 0 as zero, but the record does not start at "
                 f"rest; start at {model.order} or later"
             )
     if not model.is_stable:
-        found.append(f"the identified model is unstable: its largest pole has magnitude {abs(model.poles[0]):.4g}")
-    return tuple(found)
+        texts.append(f"the identified model is unstable: its largest pole has magnitude {abs(model.poles[0]):.4g}")
+    return tuple(texts)

@@ -223,10 +223,10 @@ def find_signal_offsets(u: ArrayLike, y: ArrayLike, stop: int | None = None) -> 
     u, y = np.asarray(u, np.float64), np.asarray(y, np.float64)
     changes = [np.flatnonzero(column != column[0]) for column in u.T]
     first = min(range(len(changes)), key=lambda j: changes[j][0] if changes[j].size else len(u))
-    found = tuple(find_offsets(u[:, first], column) for column in y.T)
-    if found[0].status == "too short" and not all(map(is_held, u.T)):
-        return SignalOffsets(u[:stop].mean(axis=0), y[:stop].mean(axis=0), first, found, "means")
-    return SignalOffsets(u[0], np.array([one.y_offset for one in found]), first, found, "rest")
+    by_output = tuple(find_offsets(u[:, first], column) for column in y.T)
+    if by_output[0].status == "too short" and not all(map(is_held, u.T)):
+        return SignalOffsets(u[:stop].mean(axis=0), y[:stop].mean(axis=0), first, by_output, "means")
+    return SignalOffsets(u[0], np.array([offsets.y_offset for offsets in by_output]), first, by_output, "rest")
 
 
 def remove_offsets(u: ArrayLike, y: ArrayLike, offsets: Offsets) -> tuple[FloatArray, FloatArray]:

@@ -49,11 +49,11 @@ def about_several_signals(raw: RawRecord, Ts: float | None) -> list[Finding]:
     for name, y in outputs.items():
         pairs = [raw.pair(u, name) for u in moving] if np.ptp(y) else []
         if raw.reference is None:
-            findings += [_of(f"{pair.inputs[0]}, {name}", one) for pair in pairs for one in _feedback(pair)]
-        findings += [_of(f"{pair.inputs[0]}, {name}", one) for pair in pairs for one in about_command(pair, Ts)]
+            findings += [_of(f"{pair.inputs[0]}, {name}", finding) for pair in pairs for finding in _feedback(pair)]
+        findings += [_of(f"{pair.inputs[0]}, {name}", finding) for pair in pairs for finding in about_command(pair, Ts)]
     if not faults:
         findings += _about_rest(raw, Ts)
-    findings += [_of(name, one) for name in outputs for one in about_output(raw.pair(0, name), None)]
+    findings += [_of(name, finding) for name in outputs for finding in about_output(raw.pair(0, name), None)]
     return findings if faults else [*findings, *_about_excitation(raw)]
 
 
@@ -62,7 +62,7 @@ def signal_faults(raw: SeveralSignals) -> list[tuple[str, str]]:
 
     Parameters
     ----------
-    raw : RawRecord or Record
+    raw : SeveralSignals
         Without missing outputs.
 
     Returns
@@ -159,15 +159,15 @@ def _about_excitation(raw: RawRecord) -> Iterator[Finding]:
                 text = f"the first half has {half} samples, too few for the {unknowns} unknowns of order {n}."
                 yield Finding("refused" if n == 1 else "warning", "excitation", f"{name}: {text}")
                 break
-            found = persistent_excitation(build_phi(u, y - y[:half].mean(), n, stop=half).Phi)
-            if not found.positive_definite:
+            excited = persistent_excitation(build_phi(u, y - y[:half].mean(), n, stop=half).Phi)
+            if not excited.positive_definite:
                 text = (
                     f"the first half does not excite order {n} with {_inputs(raw)}. Phi has rank "
-                    f"{found.rank} of {unknowns}, so theta is not unique: move each input more, and not all at once."
+                    f"{excited.rank} of {unknowns}, so theta is not unique: move each input more, and not all at once."
                 )
                 yield Finding("refused" if n == 1 else "warning", "excitation", f"{name}: {text}")
                 break
-            conditions.append(f"{found.condition_number:.4g} for order {n}")
+            conditions.append(f"{excited.condition_number:.4g} for order {n}")
         if conditions:
             text = f"{name}: cond(Phi) of the first half {' and '.join(conditions)}, with {_inputs(raw)}."
             yield Finding("ok", "excitation", text)

@@ -89,17 +89,17 @@ def identify_system(record: Record, order: int = 2, start: int = 2, coupled: boo
     u, y = filled.input_columns - offsets.u_offset, filled.output_columns - offsets.y_offset
     start = start if offsets.status == "rest" else max(start, order)
     names = {"inputs": record.inputs, "outputs": record.outputs}
-    found = fit_arx_system(u, y, record.Ts, order, start, half, measured, coupled, **names)
-    for name, equation in zip(record.outputs, found.equations, strict=True):
+    fitted = fit_arx_system(u, y, record.Ts, order, start, half, measured, coupled, **names)
+    for name, equation in zip(record.outputs, fitted.equations, strict=True):
         if equation.fit.status != "unique":
             raise ValueError(_why_not_unique(name, u[:half], equation, record))
-    model = replace(found.model, u_offset=offsets.u_offset, y_offset=offsets.y_offset)
+    model = replace(fitted.model, u_offset=offsets.u_offset, y_offset=offsets.y_offset)
     return SystemIdentification(
         record=record,
         offsets=offsets,
         u=u,
         y=np.where(measured, y, np.nan),
-        equations=found.equations,
+        equations=fitted.equations,
         model=model,
         verification=verify_system(model.state_space, u, y, measured),
         warnings=tuple(_warnings(record, offsets, model)),

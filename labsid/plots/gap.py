@@ -63,11 +63,11 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    other, curves = report["holdout_traces"], simulation_curves(report)
+    holdout, curves = report["holdout_traces"], simulation_curves(report)
     figure = new_figure(*((4.4, 3.9) if narrow else (6.2, 4.1)))
-    trace = trace_of(report, other is not None)
+    trace = trace_of(report, holdout is not None)
     name = report.get("stretch_of")
-    of = " of the holdout" if other is not None else f" of {name}" if name else ""
+    of = " of the holdout" if holdout is not None else f" of {name}" if name else ""
     title = f"The whole record{of}"
     if report["verdict"] != "none":
         part = largest_error(trace)
@@ -103,8 +103,8 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     trace = trace_of(report)
     curves = simulation_curves(report)
     zoom = report["verdict"] != "none"
-    other = report["holdout_traces"]
-    rows = 2 + zoom + (other is not None)
+    holdout = report["holdout_traces"]
+    rows = 2 + zoom + (holdout is not None)
     figure = page_figure(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
     output, error = _signals(report)["y"], f"Simulation error ({unit_of(report)})"
@@ -118,11 +118,11 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
         finish(panels[1], "Zoom on the shaded part", TIME, output, legend_columns=0)
     own = panels[1 + zoom]
     draw_errors(own, report, trace, curves)
-    if other is not None:
+    if holdout is not None:
         finish(own, "Simulation error", TIME, error, legend_columns=0)
         draw_errors(panels[-1], report, trace_of(report, holdout=True), curves)
     shade_scored(panels[-1], report["gap"]["holdout"])
-    title = "Simulation error" if other is None else "Simulation error on the holdout record"
+    title = "Simulation error" if holdout is None else "Simulation error on the holdout record"
     finish(panels[-1], title, TIME, error, legend_columns=2 if narrow else 4)
     make_headroom(panels[-1], 0.27 if narrow else 0.18)
     return figure
@@ -249,9 +249,9 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     finish(panels[0], "Proposed input", "" if rivals else TIME, _signals(report)["u"], legend_columns=0)
     if rivals:
         panels[1].margins(x=0)
-        ours, other = rivals.values()
+        ours, rival = rivals.values()
         noise, name = noise_band(report)
-        panels[1].plot(planned["t"], ours - other, color=BLUE, linewidth=1.4, label="Difference")
+        panels[1].plot(planned["t"], ours - rival, color=BLUE, linewidth=1.4, label="Difference")
         for side, text in ((-noise, f"{name}, ±2 s.d."), (noise, "")):
             panels[1].axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
         label = fill("Response with {} less that with {}, as fitted".format(*rivals), 44 if narrow else 90)

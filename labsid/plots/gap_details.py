@@ -79,24 +79,24 @@ def figure_residual(report: dict[str, Any], narrow: bool = False) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    found = report["residual"]
+    residual = report["residual"]
     figure = page_figure(narrow, 3.4, 7.9)
     panels = figure.subplots(3, 1) if narrow else figure.subplots(1, 3)
-    for ax, one, title in (
-        (panels[0], found.autocorrelation, "Autocorrelation"),
-        (panels[1], found.with_input, "Correlation with the input"),
+    for ax, correlation, title in (
+        (panels[0], residual.autocorrelation, "Autocorrelation"),
+        (panels[1], residual.with_input, "Correlation with the input"),
     ):
-        ax.axhspan(-one.band, one.band, color=GREEN, alpha=0.2, linewidth=0)
-        ax.vlines(one.lags, 0.0, one.values, color=BLUE, linewidth=2.0)
+        ax.axhspan(-correlation.band, correlation.band, color=GREEN, alpha=0.2, linewidth=0)
+        ax.vlines(correlation.lags, 0.0, correlation.values, color=BLUE, linewidth=2.0)
         ax.axhline(0.0, color=BLACK, linewidth=0.8)
         finish(ax, title, "Lag (samples)", "", legend_columns=0)
     ax = panels[2]
-    same = np.array_equal(found.before, found.after)
+    same = np.array_equal(residual.before, residual.after)
     if not same:
-        ax.plot(found.frequency, found.before, color=VERMILION, linestyle="--", label="Before")
-    ax.plot(found.frequency, found.after, color=BLUE, label="Simulated" if same else "After")
+        ax.plot(residual.frequency, residual.before, color=VERMILION, linestyle="--", label="Before")
+    ax.plot(residual.frequency, residual.after, color=BLUE, label="Simulated" if same else "After")
     noise, name = noise_band(report)
-    density = 0.5 * noise * np.sqrt(1.0 / found.frequency[-1])  # white up to the Nyquist frequency
+    density = 0.5 * noise * np.sqrt(1.0 / residual.frequency[-1])  # white up to the Nyquist frequency
     ax.axhline(density, color=GREEN, linestyle=":", linewidth=1.6, label=name)
     ax.set(xscale="log", yscale="log")
     unit = as_text_lines([unit_of(report)])

@@ -49,8 +49,8 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
     from bokeh.layouts import column, gridplot
     from bokeh.models import ColumnDataSource, Range1d
 
-    other = name == "holdout"
-    t = report["holdout_traces" if other else "traces"]["t"]
+    on_holdout = name == "holdout"
+    t = report["holdout_traces" if on_holdout else "traces"]["t"]
     times = Range1d(t[0], t[-1], bounds="auto")
     source = ColumnDataSource({column: [] for column in COLUMNS}, name=name)
     output = _panel("output", "Measured and simulated output", f"Output y ({unit_of(report)})", times)
@@ -62,7 +62,7 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
         _line(error, source, f"e_{curve}", f"--{curve}", line_width=1.2)
     held = command.step("t", "u", source=source, name="u", mode="after", line_width=1.4)
     held.glyph.tags = [["line_color", "--ink"]]
-    if other or report["holdout_traces"] is None:
+    if on_holdout or report["holdout_traces"] is None:
         _shade(error, report["gap"]["holdout"])
     _noise(error, noise_band(report)[0])
     _cursor([output, error, command])

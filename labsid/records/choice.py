@@ -81,7 +81,10 @@ def choose(log: Log, how: Reading) -> Chosen:
     t = None if places.t is None else _with_fraction(read[0], log, notes)
     signals, others = read[len(main) - len(places.inputs) - len(places.outputs) : len(main)], read[len(main) :]
     if reference:
-        others = [replace(others[0], name="reference"), *(one for one in others[1:] if one.name != "reference")]
+        others = [
+            replace(others[0], name="reference"),
+            *(column for column in others[1:] if column.name != "reference"),
+        ]
     for column in signals:
         if column.values.dtype.kind == "M":
             raise ValueError(f"{log.what} {column.name} holds dates, not a signal. Name the columns as t,u,y.")
@@ -110,7 +113,7 @@ def _in_order(places: Sequence[int], *notes: str) -> _Places:
 
 def _by_lists(log: Log, how: Reading) -> _Places:
     """Columns that the caller names as inputs and outputs; of only one of these lists, the header names the other."""
-    found: dict[str, Sequence[int]] = {}
+    places_of: dict[str, Sequence[int]] = {}
     for field, given, wanted in (
         ("inputs", how.inputs, _INPUT_NAMES),
         ("outputs", how.outputs, _OUTPUT_NAMES),
@@ -118,8 +121,8 @@ def _by_lists(log: Log, how: Reading) -> _Places:
         places = _family(log.names, wanted) if given is None else _listed_places(field, given, log)
         if not places:
             raise UnknownColumns(f"no {field}; {_there(log)}. Name them, by name or number ({_OPTIONS[field]}).")
-        found[field] = places
-    inputs, outputs = found["inputs"], found["outputs"]
+        places_of[field] = places
+    inputs, outputs = places_of["inputs"], places_of["outputs"]
     both = [log.names[place] for place in inputs if place in outputs]
     if both:
         raise ValueError(f"{both[0]!r} is named as an input and as an output. Leave it out of one of them.")
@@ -254,7 +257,7 @@ def _last_part(name: str) -> str:
 
 
 def _find(name: str, log: Log) -> int:
-    exact = [k for k, other in enumerate(log.names) if other == name]
+    exact = [k for k, known in enumerate(log.names) if known == name]
     if len(exact) > 1:
         raise UnknownColumns(
             f"{len(exact)} {log.what}s are called {name!r}. Give the number of one: "
@@ -266,9 +269,9 @@ def _find(name: str, log: Log) -> int:
         return int(name) - 1
     bare = name.split("[")[0].split("(")[0].strip()
     for same in (
-        [k for k, other in enumerate(log.names) if bare and other == bare],
-        [k for k, other in enumerate(log.names) if other.lower() == name.lower()],
-        [k for k, other in enumerate(log.names) if other.endswith((f".{name}", f"/{name}"))],
+        [k for k, known in enumerate(log.names) if bare and known == bare],
+        [k for k, known in enumerate(log.names) if known.lower() == name.lower()],
+        [k for k, known in enumerate(log.names) if known.endswith((f".{name}", f"/{name}"))],
     ):
         if len(same) == 1:
             return same[0]

@@ -60,23 +60,23 @@ def date(field: str, day_first: bool = True) -> np.datetime64:
     ValueError
         If it is no date.
     """
-    found = _DATE.fullmatch(field)
-    if found is None:
+    match = _DATE.fullmatch(field)
+    if match is None:
         raise ValueError(field)
-    if found[1]:
-        year, month, day = int(found[1]), int(found[3]), int(found[4])
+    if match[1]:
+        year, month, day = int(match[1]), int(match[3]), int(match[4])
     else:
-        year = int(found[8]) + (2000 if len(found[8]) == 2 else 0)
-        word = found[7].lower()
-        day, month = int(found[5]), int(word) if word.isdigit() else _MONTHS.index(word) + 1
-        if word.isdigit() and found[6] in "/-" and not day_first:
+        year = int(match[8]) + (2000 if len(match[8]) == 2 else 0)
+        word = match[7].lower()
+        day, month = int(match[5]), int(word) if word.isdigit() else _MONTHS.index(word) + 1
+        if word.isdigit() and match[6] in "/-" and not day_first:
             day, month = month, day
     if year not in _YEARS:
         raise ValueError(field)
     since = (day_of(year, month, day).toordinal() - _EPOCH) * _DAY
-    if found[9]:
-        since += _nanoseconds(*found.group(9, 10, 11, 12, 13, 14))
-    zone = found[15]
+    if match[9]:
+        since += _nanoseconds(*match.group(9, 10, 11, 12, 13, 14))
+    zone = match[15]
     if zone and zone[0] in "+-":
         ahead = int(zone[1:3]) * 3600 + int(zone[3:].lstrip(":") or 0) * 60
         since -= (ahead if zone[0] == "+" else -ahead) * _SECOND

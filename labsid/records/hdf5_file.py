@@ -27,25 +27,25 @@ def open_log(path: Path) -> Log:
 
     file = h5py.File(path, "r")
     with path.open("rb") as raw:
-        is_matlab = raw.read(10) == b"MATLAB 7.3" or any("MATLAB_class" in one.attrs for one in file.values())
+        is_matlab = raw.read(10) == b"MATLAB 7.3" or any("MATLAB_class" in member.attrs for member in file.values())
     if is_matlab or path.suffix.lower() == ".mat":
         budget = [_MAX_ITEMS]
         variables = {name: _value(file, file[name], budget, 0) for name in file if not name.startswith("#")}
         if holds_objects(variables):
             return open_objects(path)
         return log_of_variables(variables, "noise-reduced", True)
-    found: dict[str, Any] = {}
+    data_sets: dict[str, Any] = {}
 
     def visit(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and len(found) < _MAX_ITEMS:
+        if isinstance(item, h5py.Dataset) and len(data_sets) < _MAX_ITEMS:
             for field in item.dtype.names or (None,):
                 kind = item.dtype[field] if field else item.dtype
                 if kind.kind in "biuf" and item.size > 1 and item.ndim <= 2:
-                    found[f"{name}.{field}" if field else name] = (item, field)
+                    data_sets[f"{name}.{field}" if field else name] = (item, field)
 
     file.visititems(visit)
     names: list[tuple[str, Any, str | None, int | None]] = []
-    for name, (item, field) in found.items():
+    for name, (item, field) in data_sets.items():
         narrow = item.ndim == 2 and 1 not in item.shape and min(item.shape) <= 64
         count = min(item.shape) if narrow else None
         names += [(f"{name}.{k + 1}", item, field, k) for k in range(count)] if count else [(name, item, field, None)]
@@ -94,7 +94,7 @@ def _value(file: Any, item: Any, budget: list[int], depth: int) -> Any:
         return OBJECT
     if item.dtype.kind == "O" and h5py.check_ref_dtype(item.dtype) is h5py.Reference:
         references = _checked(item)[()].T.reshape(-1, order="F")
-        return [_value(file, file[one], budget, depth + 1) for one in references if one]
+        return [_value(file, file[reference], budget, depth + 1) for reference in references if reference]
     if kind == b"char":
         return "text"
     array = np.asarray(_checked(item)[()])

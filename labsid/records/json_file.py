@@ -42,15 +42,15 @@ def open_log(path: Path) -> Log:
                 lines.pop()
                 notes.append("the last line is cut off; left out")
             value = [_object(k, line) for k, line in lines]
-        found = list(_columns("", value))
+        named_values = list(_columns("", value))
     except UnicodeDecodeError as error:
         raise ValueError(f"byte {error.start} of it is no UTF-8; JSON must be. Save it as text again.") from None
     except RecursionError:
         raise ValueError("it is nested too deeply. Write the log as text with t,u,y.") from None
-    columns = [column for name, values in found for column in _column(name, values)]
+    columns = [column for name, values in named_values for column in _column(name, values)]
     if not columns:
         raise ValueError(
-            f"there are no lists of numbers in it; it holds {listed([name for name, _ in found]) or 'nothing'}."
+            f"there are no lists of numbers in it; it holds {listed([name for name, _ in named_values]) or 'nothing'}."
         )
     return log_of(columns, "member", notes, has_names=not isinstance(value, list) or isinstance(value[0], dict))
 

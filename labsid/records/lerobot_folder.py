@@ -45,7 +45,7 @@ def open_log(path: Path) -> Log:
 
     def read(places: Sequence[int]) -> list[Column]:
         wanted = sorted({columns[k][1] for k in places} | ({"timestamp"} & set(schema.names)))
-        table = pa.concat_tables([pq.read_table(one, columns=wanted) for one in files])
+        table = pa.concat_tables([pq.read_table(file, columns=wanted) for file in files])
         stamps = arrow_values(table.column("timestamp")) if "timestamp" in wanted else None
         return [_column(columns[k], table, stamps) for k in places]
 

@@ -69,9 +69,9 @@ def library_format(path: Path) -> LibraryFormat | None:
             return _ROS
     with path.open("rb") as file:
         start = file.read(520)
-    for one in FORMATS:
-        if one.magic and start.startswith(one.magic):
-            return one
+    for log_format in FORMATS:
+        if log_format.magic and start.startswith(log_format.magic):
+            return log_format
     if start[512:].startswith(HDF5_MAGIC):
         return FORMATS[2]
     if _JSON.match(start):
@@ -82,7 +82,7 @@ def library_format(path: Path) -> LibraryFormat | None:
     is_binary = b"\0" in start or start.startswith(b"PK\3\4")
     if not is_binary or start.startswith((b"\xff\xfe", b"\xfe\xff")):
         return None  # text, whatever its suffix: many loggers name it .xls
-    return next((one for one in FORMATS if suffix in one.suffixes), None)
+    return next((log_format for log_format in FORMATS if suffix in log_format.suffixes), None)
 
 
 def _is_mat4(start: bytes) -> bool:

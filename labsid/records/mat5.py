@@ -44,13 +44,13 @@ def read_variables(content: bytes) -> dict[str, Any]:
     if order is None:
         raise ValueError("its header is not that of version 5 or 7")
     variables = {}
-    position, left = 128, _MAX_BYTES
+    position, bytes_left = 128, _MAX_BYTES
     try:
         while position < len(content):
             kind, payload, position = _element(content, position, order)
             if kind == _COMPRESSED:
-                inflated = _inflate(payload, left)
-                left -= len(inflated)
+                inflated = _inflate(payload, bytes_left)
+                bytes_left -= len(inflated)
                 kind, payload, _ = _element(inflated, 0, order)
             if kind != _MATRIX:
                 raise ValueError("there is something else where a variable should be")

@@ -38,9 +38,9 @@ def log_of_variables(variables: dict[str, Any], output: str, by_layout: bool) ->
     """
     name = next((name for name in _LOGS if name in variables), None)
     if name is not None and by_layout:
-        found = _read_lab_log(name, _unwrap(variables[name]), output)
-        notes = found.pop("notes")
-        columns = [Column(key, values) for key, values in found.items() if values is not None]
+        logged = _read_lab_log(name, _unwrap(variables[name]), output)
+        notes = logged.pop("notes")
+        columns = [Column(key, values) for key, values in logged.items() if values is not None]
         others = tuple(k for k, column in enumerate(columns) if column.name in _OTHERS)
         log = log_of(columns, "variable", notes)
         return Log(log.names, log.read, True, "variable", log.notes, others)
@@ -118,19 +118,19 @@ def _read_lab_log(name: str, log: Any, output: str) -> dict[str, Any]:
         notes.append(f"{name}.signals has {len(signals)} elements; those after the second are not used")
     if t.size == 0:
         notes.append(f"{name}.time is empty")
-    found: dict[str, Any] = {"t": t if t.size else None, "u": u[:, 0], "notes": notes}
+    logged: dict[str, Any] = {"t": t if t.size else None, "u": u[:, 0], "notes": notes}
     if outputs.shape[1] == 1:
         if output == "noise-reduced":
             raise ValueError(
                 f"{name}.signals(1).values has one column, the measured output, and no noise-reduced one. "
-                "Read it with output measured (--output measured)."
+                "Read it with output measured (--LogData measured)."
             )
-        return found | {"y": outputs[:, 0], "y_measured": outputs[:, 0]}
+        return logged | {"y": outputs[:, 0], "y_measured": outputs[:, 0]}
     measured, noise_reduced = outputs[:, -2], outputs[:, -1]
     if outputs.shape[1] == 3:
-        found["reference"] = outputs[:, 0]
+        logged["reference"] = outputs[:, 0]
     y = measured if output == "measured" else noise_reduced
-    return found | {"y": y, "y_measured": measured, "y_noise_reduced": noise_reduced}
+    return logged | {"y": y, "y_measured": measured, "y_noise_reduced": noise_reduced}
 
 
 def _unwrap(value: Any) -> Any:

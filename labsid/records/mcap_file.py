@@ -36,16 +36,16 @@ def open_log(path: Path) -> Log:
 
     first: dict[str, list[Any]] = {}
     for topic, _, decode, data in islice(encoded([]), _SEARCHED):
-        found = first.setdefault(topic, [])
-        if len(found) < FIRST:
-            found.append(decode(data))
+        decoded = first.setdefault(topic, [])
+        if len(decoded) < FIRST:
+            decoded.append(decode(data))
     if not first:
-        left = ", ".join(sorted(decoders.unknown)) or "there are none"
+        encodings = ", ".join(sorted(decoders.unknown)) or "there are none"
         raise ValueError(
-            f"it has no messages in JSON, in protobuf or of ROS (encodings: {left}). Convert it to one of these."
+            f"it has no messages in JSON, in protobuf or of ROS (encodings: {encodings}). Convert it to one of these."
         )
     notes = [f"topics in {encoding} left out" for encoding in sorted(decoders.unknown)]
-    return message_log(((topic, one) for topic, found in first.items() for one in found), messages, notes)
+    return message_log(((topic, message) for topic, decoded in first.items() for message in decoded), messages, notes)
 
 
 class _Decoders:

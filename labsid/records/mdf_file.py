@@ -22,21 +22,21 @@ def open_log(path: Path) -> Log:
 
     measurement: Any = MDF(path)
     masters = measurement.masters_db
-    found = [
+    channels = [
         (channel.name, group, index)
-        for group, one in enumerate(measurement.groups)
-        for index, channel in enumerate(one.channels)
+        for group, channel_group in enumerate(measurement.groups)
+        for index, channel in enumerate(channel_group.channels)
         if masters.get(group) != index
     ]
-    if not found:
+    if not channels:
         raise ValueError("it has no channels.")
-    often = Counter(name for name, *_ in found)
-    names = tuple(name if often[name] == 1 else f"{name}@{group}" for name, group, _ in found)
+    often = Counter(name for name, *_ in channels)
+    names = tuple(name if often[name] == 1 else f"{name}@{group}" for name, group, _ in channels)
 
     def read(places: Sequence[int]) -> list[Column]:
         columns = []
         for k in places:
-            _, group, index = found[k]
+            _, group, index = channels[k]
             signal = measurement.get(group=group, index=index)
             if not is_numeric(signal.samples) or signal.samples.ndim != 1:
                 raise ValueError(f"channel {names[k]} holds no single numbers.")

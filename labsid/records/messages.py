@@ -85,19 +85,19 @@ def _paths(value: Any, before: tuple[Part, ...] = (), labels: Sequence[str] = ()
     members = _members(value)
     if members is not None:
         labels = _labels(members)
-        found = []
+        paths = []
         for name, inner in members.items():
             if not (name in ("header", *_STAMPS) and _members(inner) and _header_stamp(value)):
-                found += _paths(inner, (*before, name), labels)
-        return found
+                paths += _paths(inner, (*before, name), labels)
+        return paths
     if isinstance(value, list | tuple | np.ndarray) and len(value) <= MAX_ELEMENTS:
         field = before[-1] if before else ""
         named = len(labels) == len(value) and isinstance(field, str) and len(set(labels)) == len(labels)
-        found = []
+        paths = []
         for k, inner in enumerate(value):
             step: Part = (str(field), labels[k]) if named else k
-            found += _paths(inner, (*before, step))
-        return found
+            paths += _paths(inner, (*before, step))
+        return paths
     return []
 
 

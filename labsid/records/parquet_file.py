@@ -26,11 +26,11 @@ def open_log(path: Path) -> Log:
     table = pq.ParquetFile(path)
     if table.metadata.num_rows > MAX_ROWS:
         raise ValueError(f"it has {table.metadata.num_rows} rows; at most {MAX_ROWS} are read. Cut it.")
-    fields = [one for one in table.schema_arrow if _is_readable(one.type)]
+    fields = [field for field in table.schema_arrow if _is_readable(field.type)]
     if not fields:
         raise ValueError("it has no columns of numbers.")
 
-    names, units = split_units([one.name for one in fields])
+    names, units = split_units([field.name for field in fields])
 
     def read(places: Sequence[int]) -> list[Column]:
         return [_column(names[k], table.read(columns=[fields[k].name]).column(0), units[k]) for k in places]

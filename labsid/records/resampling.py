@@ -65,10 +65,10 @@ def band_limited_at(t: FloatArray, stamps: FloatArray, x: FloatArray) -> FloatAr
         fine = t[0] + Ts / finer * np.arange(-side, (t.size - 1) * finer + side + 1)
         taps = firwin(2 * side + 1, 0.8 / finer)
         y = np.convolve(np.asarray(spline(np.clip(fine, stamps[0], stamps[-1]))), taps, "valid")[::finer]
-    before = np.clip(np.searchsorted(stamps, t, side="right") - 1, 0, stamps.size - 2)
+    previous = np.clip(np.searchsorted(stamps, t, side="right") - 1, 0, stamps.size - 2)
     near = 1e-6 * Ts
-    in_gap = (stamps[before + 1] - stamps[before] > _GAP * max(usual, Ts)) & (
-        (t > stamps[before] + near) & (t < stamps[before + 1] - near)
+    in_gap = (stamps[previous + 1] - stamps[previous] > _GAP * max(usual, Ts)) & (
+        (t > stamps[previous] + near) & (t < stamps[previous + 1] - near)
     )
     outside = (t < stamps[0] - near) | (t > stamps[-1] + near)
     return np.asarray(np.where(in_gap | outside, np.nan, y), np.float64)

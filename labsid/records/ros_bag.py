@@ -28,15 +28,15 @@ def open_log(path: Path) -> Log:
 
     def messages(topics: Sequence[str]) -> Iterator[tuple[str, int, Any]]:
         with AnyReader([path], default_typestore=store) as reader:
-            chosen = [one for one in reader.connections if one.topic in topics]
+            chosen = [connection for connection in reader.connections if connection.topic in topics]
             for connection, stamp, data in reader.messages(connections=chosen):
                 yield connection.topic, stamp, reader.deserialize(data, connection.msgtype)
 
     first: list[tuple[str, Any]] = []
     left_out = []
     with AnyReader([path], default_typestore=store) as reader:
-        for topic in sorted({one.topic for one in reader.connections}):
-            chosen = [one for one in reader.connections if one.topic == topic]
+        for topic in sorted({connection.topic for connection in reader.connections}):
+            chosen = [connection for connection in reader.connections if connection.topic == topic]
             try:
                 for connection, _, data in islice(reader.messages(connections=chosen), FIRST):
                     first.append((topic, reader.deserialize(data, connection.msgtype)))

@@ -28,7 +28,7 @@ def open_log(path: Path) -> Log:
     from python_calamine import CalamineWorkbook, SheetTypeEnum
 
     book = CalamineWorkbook.from_path(path)
-    sheets = [one.name for one in book.sheets_metadata if one.typ == SheetTypeEnum.WorkSheet]
+    sheets = [sheet.name for sheet in book.sheets_metadata if sheet.typ == SheetTypeEnum.WorkSheet]
     for sheet in sheets:
         rows = [row[:MAX_COLUMNS] for row in islice(book.get_sheet_by_name(sheet).iter_rows(), MAX_ROWS)]
         first = _first_of_table(rows)

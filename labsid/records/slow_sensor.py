@@ -103,10 +103,10 @@ def _clock(at: np.ndarray) -> tuple[float, float] | None:
     ticks = np.concatenate([[0.0], np.cumsum(np.round(apart / period))])
     line = np.column_stack([ticks, np.ones(at.size)])  # the period, and half a sample more than the first tick
     rows = np.column_stack([np.vstack([line, -line]), -np.ones(2 * at.size)])  # and the largest deviation from it
-    found = linprog([0.0, 0.0, 1.0], rows, np.concatenate([at, -at]), bounds=[(None, None)] * 3)
-    if not found.success or found.x[2] > 0.5 + ON_TIME:
+    fitted = linprog([0.0, 0.0, 1.0], rows, np.concatenate([at, -at]), bounds=[(None, None)] * 3)
+    if not fitted.success or fitted.x[2] > 0.5 + ON_TIME:
         return None
-    period = float(found.x[0])
+    period = float(fitted.x[0])
     late = at - period * ticks
     first = 0.5 * (float(late.max()) - 1.0 + float(late.min()))
     return period, first - period * np.floor(first / period + ON_TIME)

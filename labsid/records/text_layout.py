@@ -204,9 +204,9 @@ def find_layout(content: bytes) -> Layout:
         if over and (_are_units(header) or _look_like_units(header, over)):
             units, header = [field.strip("[]() ") for field in header], over
             notes.append(f"the row under the header read as units: {', '.join(filter(None, units))}")
-        before = sum(k < above[-1] and k not in above[-2:] for k in rows)
-        if before:
-            notes.append(f"{before} {'line' if before == 1 else 'lines'} before the table skipped")
+        skipped = sum(k < above[-1] and k not in above[-2:] for k in rows)
+        if skipped:
+            notes.append(f"{skipped} {'line' if skipped == 1 else 'lines'} before the table skipped")
     elif not has_prefix:
         header = _header_in_comment(head[:first], len(fields[first]), delimiter)
     width = max(width, len(fields[first]))

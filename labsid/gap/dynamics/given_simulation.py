@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.dynamics.reactions import Reaction, output_with
+from labsid.gap.dynamics.reaction_forces import Reaction, output_with
 from labsid.gap.record.data import Scale
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 from labsid.simulators.simulator import Simulator, SimulatorError

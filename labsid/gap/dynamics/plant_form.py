@@ -208,7 +208,7 @@ class PlantForm:
         Forces at the input of a given simulation that react to its output: "friction" of a position, "speed" for that
         of a speed, "cubic".
     inside : tuple of str
-        Changes inside a given simulation that opens, of `labsid.gap.dynamics.inside.PARTS`.
+        Changes inside a given simulation that opens, of `labsid.gap.dynamics.inside_parts.PARTS`.
     stabilised : bool
         Whether a feedback of the measured output acts on the dynamics, whose gain then is one.
     parameters : tuple of Parameter

@@ -6,7 +6,7 @@ from numpy.polynomial.chebyshev import chebval
 from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels, _rates, _states
 from labsid.gap.dynamics.plant_form import Named, PlantForm
-from labsid.gap.dynamics.reactions import Reaction
+from labsid.gap.dynamics.reaction_forces import Reaction
 
 NO_BRIM = np.inf
 REST_TIME_CONSTANTS = 6.0  # after which a free response has ended

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.dynamics.inside import PARTS, InsidePort
+from labsid.gap.dynamics.inside_parts import PARTS, InsidePort
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects.base import Effect, Fitted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure

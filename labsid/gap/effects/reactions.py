@@ -4,7 +4,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
-from labsid.gap.dynamics.reactions import is_collocated
+from labsid.gap.dynamics.reaction_forces import is_collocated
 from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import moves_both_ways

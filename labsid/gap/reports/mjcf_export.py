@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid._files import write_file
-from labsid.gap.dynamics.inside import IN_TIME
+from labsid.gap.dynamics.inside_parts import IN_TIME
 from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_value
 from labsid.gap.reports.inside_texts import inside_clause

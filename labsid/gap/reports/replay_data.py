@@ -52,6 +52,11 @@ def replay_content(
     -------
     dict
         JSON-ready.
+
+    Notes
+    -----
+    Every report has it, with a page or without, as a page is made from a saved report, too. On records of 1,200 to
+    1,600 samples it takes 10 to 45 ms of 1.5 to 5 s, and 50 to 70 of 190 kB of JSON.
     """
     data, score = answer.explanation.data, answer.score
     before = np.where(inside, answer.before.output, np.nan)

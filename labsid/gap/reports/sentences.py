@@ -8,6 +8,7 @@ from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import names_where
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, clause, noun
 from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
+from labsid.gap.verdict.scores import NO_GAP_RMS
 
 PLACES = {
     "input": "between the command and the process",
@@ -29,7 +30,6 @@ SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without 
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 DEPENDENT = 1e-3  # p-value below which a record without a named cause is said to have a gap
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
-NO_GAP = 1.1  # rms error over noise, up to which there is no gap
 HALF = 0.5  # of a share or a probability
 LEAST_LEFT = 0.05  # of the gap: what remains is then said to be in the noise
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
@@ -63,7 +63,7 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     before, closed = number(gap["before"]), gap["closed"]
     if all(effect["name"] in UNSIMULATED for effect in effects):
         name = "" if several else f": {subject}"
-        if gap["before"] <= NO_GAP * gap["noise_floor"]:
+        if gap["before"] <= NO_GAP_RMS * gap["noise_floor"]:
             return f"{causes}{name}; apart from this, there is no gap beyond noise."
         noise = number(gap["noise_floor"])
         return f"{causes}{name}; apart from this, the rms simulation error is {before}, and the noise alone is {noise}."
@@ -191,7 +191,7 @@ def _simulation_before(report: dict[str, Any]) -> str:
 
 def _none_sentence(report: dict[str, Any]) -> str:
     gap, which = report["gap"], _simulation_before(report)
-    if "holdout_unscored" in report and gap["before"] > NO_GAP * gap["noise_floor"]:
+    if "holdout_unscored" in report and gap["before"] > NO_GAP_RMS * gap["noise_floor"]:
         return (
             f"There is no gap beyond noise: the rms error of {which} is {number(gap['before'])} on the holdout, which "
             f"noise of {number(gap['noise_floor'])} reaches by chance."

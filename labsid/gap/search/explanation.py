@@ -1,6 +1,5 @@
 """The explanation of a record: screen its samples, run the beam search, keep the effects large enough to be named."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -99,6 +98,88 @@ class Explanation:
         return (*self.best.hypothesis.names, *self.unsimulated)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Screened:
+    """What the readings alone show, before any fit: held values, the step of a converter, the digits of the log.
+
+    Attributes
+    ----------
+    data : Data
+        With the step, and with at least the noise that digits and simulators leave.
+    measured : ndarray
+        The output without that noise.
+    held : ndarray of bool
+        The held samples.
+    stretches : tuple of (int, int)
+        The same, as half-open ranges of readings.
+    off, flat : ndarray of bool
+        Readings off the lattice of the others or at a bad start, and readings that have no noise.
+    step : float or None
+        Of the converter, scaled.
+    resolution : ndarray or None
+        Error of each reading from its printed digits; None if there is a step.
+    """
+
+    data: Data
+    measured: FloatArray
+    held: np.ndarray
+    stretches: tuple[tuple[int, int], ...]
+    off: np.ndarray
+    flat: np.ndarray
+    step: float | None
+    resolution: FloatArray | None
+
+    @property
+    def usable(self) -> np.ndarray:
+        """The rows without held values."""
+        return self.data.rows & ~self.held
+
+    @property
+    def floor(self) -> float:
+        """Rms of the noise that was added."""
+        return float(np.sqrt(np.mean((self.data.y - self.measured)[self.data.rows] ** 2)))
+
+    def spikes_of(self, fit: Fit) -> np.ndarray:
+        """Samples off the lattice of the others, and isolated errors of the readings."""
+        readings = self.data.readings
+        e, looked_at = readings(self.measured - fit.output), readings(self.usable) & ~self.flat
+        isolated = without_responses(
+            find_spikes(e, looked_at, self.step or 0.0, self.resolution), readings(self.data.u)
+        )
+        return self.data.among_samples(self.off | isolated)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """What a search found on some samples: the best fit of each combination, and the path to the accepted one."""
+
+    data: Data
+    levels: Levels
+    path: tuple[Fit, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """The beam search, with all that it is told but the samples."""
+
+    structure: Hypothesis
+    start: FloatArray | None
+    most: int
+    progress: Progress | None
+
+    def on(self, data: Data) -> _Found:
+        """What is found on some samples."""
+        return _Found(data, *search_effects(data, self.structure, self.start, self.most, self.progress))
+
+    def again_on(self, data: Data) -> _Found | None:
+        """The same on other samples; None if it spends the budget of runs, and is less complete than the first."""
+        try:
+            found = self.on(data)
+        except BudgetSpentError:
+            return None
+        return None if self.structure.plant.simulation.meter.exhausted else found
+
+
 def explain(
     data: Data,
     structure: Hypothesis = LINEAR,
@@ -119,86 +200,90 @@ def explain(
         Largest number of effects.
     progress : callable, optional
         Called with a description of the current step and the completed share of it.
+
+    Notes
+    -----
+    There is one search, on the samples without held values and spikes. It is run again in two cases only: on other
+    samples, if the baseline's error hid spikes or looked like some; and by the error of the free run, if what is left
+    is slow and an effect halves it. Neither repeat can be foreseen: the residual of the first search decides.
     """
+    screened, search = _screen(data), _Search(structure, start, most, progress)
+    found, spikes = _search_without_spikes(screened, search)
+    found = _by_free_run(found, search)
+    path = _large_enough(found)
+    faults = SampleFaults(screened.held, screened.stretches, spikes, screened.step, screened.resolution)
+    unsimulated = unsimulated_effects(screened.data, found.data, faults, path)
+    return Explanation(found.data, faults, found.levels, path, unsimulated, screened.floor)
+
+
+def _screen(data: Data) -> _Screened:
+    """Look at the readings alone."""
     u, scaled = data.sampled
     y = np.asarray(data.y_scale.back(scaled))
+    unit = data.y_scale.unit
     lattice, off = find_lattice(y)
-    off = off | find_bad_start(y)
     digits = digit_steps(y)
     stretches = find_held(y, lattice, shortest_repeat(y, max(lattice or 0.0, digits.max())))
-    stretches = without_rest(without_slow_ends(stretches, y, SIMULATION_ERROR * data.y_scale.unit), u)
+    stretches = without_rest(without_slow_ends(stretches, y, SIMULATION_ERROR * unit), u)
     if lattice is not None and is_printed(lattice, y):
         lattice = None
-    flat = flat_samples(y) if lattice is None else np.zeros(y.size, bool)
-    step = 0.0 if lattice is None else lattice / data.y_scale.unit
-    resolution = None if lattice is not None else reading_errors(y, digits) / data.y_scale.unit
-    measured = data.y
-    data = with_floor(replace(data, lattice=step))
     held = np.zeros(y.size, bool)
     for stretch in stretches:
         held[slice(*stretch)] = True
-    usable = data.rows & ~data.among_samples(held)
-
-    def spikes_of(fit: Fit) -> np.ndarray:
-        """Samples off the lattice of the others, and isolated errors of the readings; flat ones have no noise."""
-        e, looked_at = data.readings(measured - fit.output), data.readings(usable) & ~flat
-        return data.among_samples(off | without_responses(find_spikes(e, looked_at, step, resolution), u))
-
-    clean, spikes, levels, path = _search_without_spikes(data, usable, spikes_of, structure, start, most, progress)
-    faults = SampleFaults(data.among_samples(held), stretches, spikes, None if lattice is None else step, resolution)
-    if residual_is_slow(clean, path[-1]) and (halved_by_drift(clean, path) or halved_inside(clean, levels, path)):
-        slow = replace(clean, by_free_run=True)
-        other_levels, other = _search_again(slow, structure, start, min(most, 2), progress) or (levels, path[:1])
-        if mean_square(clean, other[-1]) > COLOUR_RATIO**2 * other[-1].noise.sigma2:
-            other = cross_validated(clean, other)  # an explanation with nearly white residuals needs no validation
-        if len(other) > 1 and mean_square(clean, other[-1]) < 0.5 * mean_square(clean, path[-1]):
-            levels, path = other_levels, other
-    shorter = without_small_steps(clean, path)
-    path = path if shorter == path else rather_a_set(clean, levels, shorter)
-    is_small = len(path) == 2 and is_nuisance(clean, levels[1], path)
-    if is_small or (len(path) > 1 and is_rounding_of_log(clean, path[0], path[-1])):
-        path = path[:1]
-    unsimulated = unsimulated_effects(data, clean, faults, path)
-    floor = float(np.sqrt(np.mean((data.y - measured)[data.rows] ** 2)))
-    return Explanation(clean, faults, levels, path, unsimulated, floor)
+    return _Screened(
+        data=with_floor(replace(data, lattice=0.0 if lattice is None else lattice / unit)),
+        measured=data.y,
+        held=data.among_samples(held),
+        stretches=stretches,
+        off=off | find_bad_start(y),
+        flat=flat_samples(y) if lattice is None else np.zeros(y.size, bool),
+        step=None if lattice is None else lattice / unit,
+        resolution=None if lattice is not None else reading_errors(y, digits) / unit,
+    )
 
 
-def _search_without_spikes(
-    data: Data,
-    usable: np.ndarray,
-    spikes_of: Callable[[Fit], np.ndarray],
-    structure: Hypothesis,
-    start: FloatArray | None,
-    most: int,
-    progress: Progress | None,
-) -> tuple[Data, np.ndarray, Levels, tuple[Fit, ...]]:
+def _search_without_spikes(screened: _Screened, search: _Search) -> tuple[_Found, np.ndarray]:
     """Run the beam search without the spikes, and detect the spikes again on the residual of the best fit."""
-    spikes = spikes_of(fit_baseline(replace(data, rows=usable), structure, start))
-    clean = replace(data, rows=usable & ~spikes)
-    levels, path = search_effects(clean, structure, start, most, progress)
-    again = spikes_of(path[-1])
+    data, usable = screened.data, screened.usable
+    spikes = screened.spikes_of(fit_baseline(replace(data, rows=usable), search.structure, search.start))
+    found = search.on(replace(data, rows=usable & ~spikes))
+    again = screened.spikes_of(found.path[-1])
     hidden, made = (again & ~spikes).sum(), (spikes & ~again).sum()  # because of the baseline's error
     if hidden > 0.2 * max(again.sum(), 10) or made > MAX_FALSE_SPIKES * data.samples:
         clean = replace(data, rows=usable & ~again)
-        levels, path = _search_again(clean, structure, start, most, progress) or (levels, path)
-        spikes, again = again, spikes_of(path[-1])
+        found = search.again_on(clean) or replace(found, data=clean)
+        spikes, again = again, screened.spikes_of(found.path[-1])
     if (again ^ spikes).any():
         clean = replace(data, rows=usable & ~again)
-        new = {fit: refit(clean, fit) for level in levels for fit in level.values()}
-        levels = tuple({names: new[fit] for names, fit in level.items()} for level in levels)
-        return clean, again, levels, best_path(clean, levels)
-    return clean, spikes, levels, path
+        new = {fit: refit(clean, fit) for level in found.levels for fit in level.values()}
+        levels = tuple({names: new[fit] for names, fit in level.items()} for level in found.levels)
+        return _Found(clean, levels, best_path(clean, levels)), again
+    return found, spikes
 
 
-def _search_again(
-    data: Data, structure: Hypothesis, start: FloatArray | None, most: int, progress: Progress | None
-) -> tuple[Levels, tuple[Fit, ...]] | None:
-    """Another search; None if it spends the budget of runs, for its result is then less complete than the first one."""
-    try:
-        found = search_effects(data, structure, start, most, progress)
-    except BudgetSpentError:
-        return None
-    return None if structure.plant.simulation.meter.exhausted else found
+def _by_free_run(found: _Found, search: _Search) -> _Found:
+    """What a search by the error of the free run finds, where the residual is slow and it halves the error."""
+    clean, path = found.data, found.path
+    if not residual_is_slow(clean, path[-1]):
+        return found
+    if not (halved_by_drift(clean, path) or halved_inside(clean, found.levels, path)):
+        return found
+    briefly = replace(search, most=min(search.most, 2))
+    other = briefly.again_on(replace(clean, by_free_run=True)) or replace(found, path=path[:1])
+    steps = other.path
+    if mean_square(clean, steps[-1]) > COLOUR_RATIO**2 * steps[-1].noise.sigma2:
+        steps = cross_validated(clean, steps)  # an explanation with nearly white residuals needs no validation
+    better = len(steps) > 1 and mean_square(clean, steps[-1]) < 0.5 * mean_square(clean, path[-1])
+    return _Found(clean, other.levels, steps) if better else found
+
+
+def _large_enough(found: _Found) -> tuple[Fit, ...]:
+    """The path with the effects that are large enough to be named, or with a set of them."""
+    clean, path = found.data, found.path
+    shorter = without_small_steps(clean, path)
+    path = path if shorter == path else rather_a_set(clean, found.levels, shorter)
+    is_small = len(path) == 2 and is_nuisance(clean, found.levels[1], path)
+    return path[:1] if is_small or (len(path) > 1 and is_rounding_of_log(clean, path[0], path[-1])) else path
 
 
 def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, ...]) -> bool:

@@ -13,7 +13,7 @@ from labsid.gap.reports.traces import extreme_samples
 from labsid.gap.signals.preparation import Prepared
 from labsid.gap.signals.roles import Signals
 from labsid.gap.signals.search import ExplainedOutput
-from labsid.gap.verdict.scores import NO_GAP, closed_share
+from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, closed_share
 
 MOST_RIVALS = 3
 MIN_CLOSED = 0.2  # share of the gap of an output, from which an effect in another one is said to change it
@@ -199,7 +199,7 @@ def _gap(last: dict[str, Part]) -> dict[str, Any]:
         for name, one in own.items()
     ]
     unsure = any(size and not one["ci95"] for one, size in zip(own.values(), open_gap, strict=True))
-    closed = closed_share(before**2, after**2, 1.0) if before**2 > NO_GAP and any(open_gap) else None
+    closed = closed_share(before**2, after**2, 1.0) if before**2 > NO_GAP_MEAN_SQUARE and any(open_gap) else None
     return {
         "before": before,
         "after": after,

@@ -10,7 +10,7 @@ from labsid.gap.search.beam_search import BIC_MARGIN
 from labsid.gap.signals.given import Coupling, find_couplings
 from labsid.gap.signals.input_responses import linear_parts
 from labsid.gap.signals.roles import Signals, make_role
-from labsid.gap.verdict.scores import NO_GAP, closed_share
+from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, closed_share
 
 COUPLING = "coupling"
 BESIDE_OTHERS = 0.9  # largest probability of a coupling where something else is left
@@ -53,7 +53,7 @@ def with_couplings(report: dict[str, Any], signals: Signals, j: int, before: Fit
     own = [_effect(one, signals, j, report, alone=not effects) for one in found]
     verdict = "effect" if report["verdict"] in ("none", "effect") else "partial"
     gap = report["gap"]
-    if gap["closed"] is None and gap["before"] ** 2 > NO_GAP * gap["noise_floor"] ** 2:
+    if gap["closed"] is None and gap["before"] ** 2 > NO_GAP_MEAN_SQUARE * gap["noise_floor"] ** 2:
         gap = gap | {"closed": closed_share(*(gap[key] ** 2 for key in ("before", "after", "noise_floor")))}
     return report | {"verdict": verdict, "effects": [*own, *effects], "gap": gap}
 
@@ -72,6 +72,6 @@ def _effect(one: Coupling, signals: Signals, j: int, report: dict[str, Any], alo
         "parameters": {"gain": {"value": one.gain, "stderr": None, "unit": "y/u"}},
         "probability": probability,
         "chance": chance(probability, report["reference"]),
-        "closed": closed_share(before, one.left * before, floor) if before > NO_GAP * floor else None,
+        "closed": closed_share(before, one.left * before, floor) if before > NO_GAP_MEAN_SQUARE * floor else None,
         "evidence": None,
     }

@@ -25,7 +25,7 @@ from labsid.gap.signals.search import ExplainedOutput, Through, explain_outputs
 from labsid.gap.simulations.baseline import AnySimulation, Baseline
 from labsid.gap.system_file import Actuator, ExportedOutput, ExportedSystem
 from labsid.gap.verdict.answer import Answer, answer_from
-from labsid.gap.verdict.scores import NO_GAP, GapScore, closed_share
+from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, GapScore, closed_share
 from labsid.records.record import Record
 from labsid.simulators.meter import SEARCH_SHARE
 
@@ -48,7 +48,7 @@ def diagnose_signals(
     ----------
     record : Record
         Of several inputs or outputs.
-    simulation : callable, Simulator or system of python-control, optional
+    simulation : AnySimulation, optional
         A simulation of all of them; see `as_system`.
     free : sequence of str
         Numbers of it that may be fitted.
@@ -201,7 +201,7 @@ def _simulated_together(
     for j, (part, score) in enumerate(zip(parts, scores, strict=True)):
         errors = [float(np.sqrt(np.mean((signals.y[:, j] - y[:, j])[score.scored] ** 2))) for y in (before, together)]
         own, floor = part.report["gap"], part.report["gap"]["noise_floor"]
-        gap = named and errors[0] ** 2 > NO_GAP * floor**2
+        gap = named and errors[0] ** 2 > NO_GAP_MEAN_SQUARE * floor**2
         own = own | {
             "before": errors[0],
             "after": errors[1] if named else errors[0],

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
-from labsid.gap.dynamics.inside import PREFIX, InsidePort
+from labsid.gap.dynamics.inside_parts import PREFIX, InsidePort
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.effects.restarts import Restarts

@@ -35,13 +35,19 @@ from labsid.gap.verdict.decision import (
 from labsid.gap.verdict.held_out_errors import HeldOut, hold_out
 from labsid.gap.verdict.held_out_search import HeldOutSearch, search_held_out
 from labsid.gap.verdict.novelty import Novelty, measure_novelty
-from labsid.gap.verdict.scores import ErrorElsewhere, GapScore, closed_share, error_elsewhere, score_fits
+from labsid.gap.verdict.scores import (
+    NO_GAP_RMS,
+    ErrorElsewhere,
+    GapScore,
+    closed_share,
+    error_elsewhere,
+    score_fits,
+)
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
 COLOURED = 2.0  # samples: correlation time of a residual that is more than the colour of a sensor
 MOSTLY = 0.5  # of the mean square error on a holdout: an offset that is more is most of the gap
-NO_GAP = 1.1  # rms error over that of the noise, up to which a discarded explanation leaves no gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +139,7 @@ class Answer:
         Rms of what the correction of an unstable rig moves the output, over that of what the input moves it.
     steps : DecisionSteps
         What the verdict was decided from.
-    on_other : tuple of Data and two Fits, or None
+    on_other : tuple of (Data, Fit, Fit), or None
         If the record shows no gap and the holdout does: the holdout, with the simulations before and after. `remaining`
         and `left` are then those on the holdout.
     """
@@ -252,7 +258,8 @@ def answer_from(
     if explanation.data.pieces and fitted is not None:
         given = fitted.output  # of several records; nothing but their offsets and initial states is fitted
     setting = _Setting(record, base, fitted, other, given, rng, measured, start, further)
-    whole, complete = _complete(setting, explanation)
+    whole = _whole(setting, explanation)
+    complete = _complete(setting, whole)
     decision = decide(whole.explanation, whole.left, setting.given, complete.confidence)
     outside = _error_elsewhere(setting, explanation) if decision.verdict == "none" and other is not None else None
     elsewhere = outside is not None and outside.is_gap
@@ -272,23 +279,35 @@ def answer_from(
     return _answer(whole, complete, steps)
 
 
-def _complete(setting: _Setting, explanation: Explanation) -> tuple[_Comparison, Complete]:
-    """The explanation as a whole, and the probability that it is right; without effects if they gain nothing."""
+def _whole(setting: _Setting, explanation: Explanation) -> _Comparison:
+    """The explanation as a whole, compared with the simulation before; without effects if they gain nothing."""
+    before, score = _scored(setting, explanation)
+    discarded = None
+    if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
+        explanation, discarded = replace(explanation, path=explanation.path[:1]), score
+        before, score = _scored(setting, explanation)
+    left = measure_residual(explanation.data, explanation.best)
+    return _Comparison(explanation, before, score, left, discarded)
+
+
+def _scored(setting: _Setting, explanation: Explanation) -> tuple[_Before, GapScore]:
+    """The simulation before, and the score of the explanation after it."""
     before = _before(setting, explanation, explanation.best.onset)
     unchanged = before.linear is not None and len(explanation.path) == 1
     after = before.fit if unchanged else before.held_out.refit(explanation.best)
-    score = score_fits(before.held_out, before.output, after, setting.rng)
-    if len(explanation.path) > 1 and score.after >= score.before and _acts_in_every_record(explanation):
-        found, without = _complete(setting, replace(explanation, path=explanation.path[:1]))
-        gap = not setting.base.given and found.score.before > NO_GAP * found.score.floor
-        return replace(found, discarded=score), replace(without, confidence=0.0) if gap else without
-    found = _Comparison(explanation, before, score, measure_residual(explanation.data, explanation.best))
+    return before, score_fits(before.held_out, before.output, after, setting.rng)
+
+
+def _complete(setting: _Setting, whole: _Comparison) -> Complete:
+    """The probability that nothing else acts; 0 if effects are discarded and a gap is left without them."""
+    explanation, score = whole.explanation, whole.score
     outputs = _outputs(explanation.data, setting.given or explanation.path[0], explanation.best)
     rows = explanation.data.rows
     plateau = plateau_gap(setting.record.u, setting.record.y, *outputs, rows) if setting.one_input else None
     unrepeated = plateau.left if plateau is not None and plateau.matters else 0.0
-    evidence = evidence_in(explanation, found.left, score.closed, _predictable(explanation), unrepeated)
-    return found, Complete(explanation.names, confidence_in(evidence), evidence)
+    evidence = evidence_in(explanation, whole.left, score.closed, _predictable(explanation), unrepeated)
+    gap = whole.discarded is not None and not setting.base.given and score.before > NO_GAP_RMS * score.floor
+    return Complete(explanation.names, 0.0 if gap else confidence_in(evidence), evidence)
 
 
 def _predictable(explanation: Explanation) -> float:

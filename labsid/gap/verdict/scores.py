@@ -14,8 +14,8 @@ DRAWS = 400  # resamplings of the blocks
 PERCENTILES = (2.5, 97.5)  # of the resampled closed shares: the ends of the interval
 RESAMPLED_BLOCKS = 20  # of the scored samples
 SPREAD_FACTOR = 1.2  # widens the interval: few blocks underestimate the spread
-NO_GAP = 1.02  # mean square error over that of the noise, up to which there is no gap
-NO_GAP_ELSEWHERE = 1.1  # rms error on another record over that of the noise, up to which there is no gap
+NO_GAP_MEAN_SQUARE = 1.02  # mean square error over that of the noise, up to which there is no gap to close
+NO_GAP_RMS = 1.1  # rms error over that of the noise, up to which an error is said to be noise
 CERTAIN = 4.0  # standard errors of the mean square of the noise, by which the error there must exceed it
 CORRELATION_TIMES = 4.0  # of the noise, in a block whose mean square is taken for independent
 LEAST_BLOCKS = 4  # whose mean squares give the spread of the noise, and samples in each
@@ -71,7 +71,7 @@ def score_fits(held_out: HeldOut, before: FloatArray, after: Fit, rng: np.random
     fitted = (data.y - after.output)[data.rows]
     floor = noise_power(data, after)
     m0, m1 = float(np.mean(e0[scored] ** 2)), float(np.mean(e1[scored] ** 2))
-    closed = None if m0 <= NO_GAP * floor else closed_share(m0, m1, floor)
+    closed = None if m0 <= NO_GAP_MEAN_SQUARE * floor else closed_share(m0, m1, floor)
     return GapScore(
         before=float(np.sqrt(m0)),
         after=float(np.sqrt(m1)),
@@ -93,7 +93,7 @@ class ErrorElsewhere:
     error, noise : float
         Mean squares, scaled.
     limit : float
-        The largest mean square that is no gap: `NO_GAP_ELSEWHERE` of the noise, or `CERTAIN` standard errors above it.
+        The largest mean square that is no gap: `NO_GAP_RMS` of the noise, or `CERTAIN` standard errors above it.
     """
 
     error: float
@@ -127,7 +127,7 @@ def error_elsewhere(held_out: HeldOut, before: FloatArray, fit: Fit) -> ErrorEls
     noise = max(held_out.expected(fit) or 0.0, noise_power(data, fit))
     error = float(np.mean((held_out.measured - before)[held_out.scored] ** 2))
     spread = float(np.std(power, ddof=1)) * np.sqrt(1.0 / power.size + e.size / power.size / scored)
-    return ErrorElsewhere(error, noise, float(max(NO_GAP_ELSEWHERE**2 * noise, noise + CERTAIN * spread)))
+    return ErrorElsewhere(error, noise, float(max(NO_GAP_RMS**2 * noise, noise + CERTAIN * spread)))
 
 
 def closed_share(before: float, after: float, floor: float) -> float | None:

@@ -16,7 +16,7 @@ from labsid.gap.record.data import Data, Scale, scaled
 from labsid.gap.record.readings import readings_alone
 from labsid.gap.record.record_findings import PlateauGap, filtered_input, findings_from_record, plateau_gap
 from labsid.gap.verdict.baseline_choice import fit_first_order
-from labsid.gap.verdict.scores import NO_GAP, GapScore, closed_share
+from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, GapScore, closed_share
 from labsid.lab.findings import Finding
 from labsid.records.record import Record
 
@@ -171,7 +171,7 @@ def score_by_record(
         at = np.flatnonzero(score.scored[start:stop]) + start
         before, after = (float(np.mean((data.y - output)[at] ** 2)) for output in score.outputs)
         floor = correct * float(fitted[start:stop].sum()) / max(int(data.rows[start:stop].sum()), 1)
-        gap = score.closed is not None and before > NO_GAP * floor
+        gap = score.closed is not None and before > NO_GAP_MEAN_SQUARE * floor
         found.append(
             {
                 "name": name,

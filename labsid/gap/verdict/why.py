@@ -11,7 +11,6 @@ import numpy as np
 from labsid._texts import joined
 from labsid.gap.effects.inside import MISMATCH
 from labsid.gap.fits import unstable_poles
-from labsid.gap.verdict import answer as answers
 from labsid.gap.verdict import decision, held_out_errors, novelty, scores
 from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.decision import Evidence, PartialEvidence
@@ -52,7 +51,7 @@ def _whole_truth(answer: Answer) -> Stage:
                 "rms error on held-out samples with the effects over that without",
                 steps.discarded.after / max(steps.discarded.before, 1e-300),
                 "<",
-                Threshold(1.0, "verdict/answer._complete"),
+                Threshold(1.0, "verdict/answer._whole"),
                 "If it fails, the effects of the search are discarded, and no effect is examined as the whole truth.",
             )
         )
@@ -62,7 +61,7 @@ def _whole_truth(answer: Answer) -> Stage:
                     "rms error without effects over the noise",
                     steps.whole.before / max(steps.whole.floor, 1e-300),
                     "<=",
-                    threshold_of(answers, "NO_GAP"),
+                    threshold_of(scores, "NO_GAP_RMS"),
                     "If it fails, a gap is left without an explanation: the next probability is set to 0.",
                 )
             )
@@ -118,9 +117,9 @@ def _elsewhere(answer: Answer) -> Stage:
     """Whether the holdout shows a gap, where the record shows none."""
     found = answer.steps.elsewhere
     assert found is not None
-    certain = found.limit > scores.NO_GAP_ELSEWHERE**2 * found.noise
+    certain = found.limit > scores.NO_GAP_RMS**2 * found.noise
     limit = float(np.sqrt(found.limit / max(found.noise, 1e-300)))
-    name = "CERTAIN" if certain else "NO_GAP_ELSEWHERE"
+    name = "CERTAIN" if certain else "NO_GAP_RMS"
     gate = Gate(
         "rms error on the holdout over the noise",
         float(np.sqrt(found.error / max(found.noise, 1e-300))),

@@ -1,4 +1,4 @@
-"""Random draws of the effects of GAP.md's table for a given rig and input: one function per effect, in its order.
+"""Random draws of the effects that the diagnosis names, for a rig and an input: one function per effect.
 
 Each draw returns ``apply(setup, strength) -> setup``. Strength 0 changes nothing and strength 1 is the strongest that
 occurs in a laboratory; the drawn parameters do not depend on the strength.

@@ -1,4 +1,4 @@
-"""The unmodelled effects of GAP.md's table, drawn for a rig and an input and applied at any strength."""
+"""The unmodelled effects that the diagnosis names, drawn for a rig and an input and applied at any strength."""
 
 import numpy as np
 
@@ -32,20 +32,20 @@ def effect_context(setup: Setup, v: FloatArray, rounding: float = 0.0) -> Effect
 
     Returns
     -------
-    Situation
+    EffectContext
     """
     return EffectContext(setup=setup, v=v, y=plant_output(setup, v), time=time_scale(setup), rounding=rounding)
 
 
 def draw_effect(rng: np.random.Generator, name: str, context: EffectContext) -> ApplyEffect:
-    """Draw an effect of GAP.md's table.
+    """Draw an effect that the diagnosis names.
 
     Parameters
     ----------
     rng : Generator
     name : str
         Name of the effect.
-    context : Situation
+    context : EffectContext
 
     Returns
     -------

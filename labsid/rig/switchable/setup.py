@@ -59,7 +59,7 @@ class Actuator:
         `valve_hold` samples.
     zero : float
         True zero of the input, about which a gain change acts.
-    gain_change, gain_profile : float, Course
+    gain_change, gain_profile : float, Profile
         Relative change of the gain along the record.
     step : float
         Step in which the command acts.
@@ -111,7 +111,7 @@ class Load:
         Rise time of the load in samples.
     amplitude, frequency, phase : float
         Periodic load; frequency in cycles per sample.
-    pole_change, pole_profile : float, Course
+    pole_change, pole_profile : float, Profile
         Relative change of the slower pole along the record.
     """
 
@@ -136,7 +136,7 @@ class Sensor:
         Static curve ``y + c2 y^2 + c3 y^3``.
     fold : float
         Level from which the sensor shows the absolute value; minus infinity if it shows the sign.
-    drift, drift_profile : float, Course
+    drift, drift_profile : float, Profile
         Drift of the zero.
     amplitude, frequency, phase : float
         Additive sinusoid; frequency in cycles per sample.
@@ -261,7 +261,7 @@ def profile_values(profile: Profile, x: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    profile : Course
+    profile : Profile
         ``ramp``; ``settle``, an exponential with time constant `number`; ``half-sine``; ``sine`` with `number`
         cycles; ``wander``, a smoothed random walk.
     x : ndarray

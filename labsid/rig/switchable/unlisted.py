@@ -1,4 +1,4 @@
-"""Effects outside GAP.md's table, to which the correct verdict is "unknown".
+"""Effects that the diagnosis has no name for, to which the correct verdict is "unknown".
 
 Each of them depends on the input. An unmeasured additive input is not among them: in a single record it is
 indistinguishable from coloured noise or a periodic disturbance, which are in the table.
@@ -23,7 +23,7 @@ def draw_unlisted_effect(rng: np.random.Generator, name: str, context: EffectCon
     rng : Generator
     name : str
         One of `UNLISTED_EFFECTS`.
-    context : Situation
+    context : EffectContext
 
     Returns
     -------

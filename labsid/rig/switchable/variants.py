@@ -1,4 +1,4 @@
-"""Other forms of effects of GAP.md's table: the same names, with a behaviour that the usual draw does not have."""
+"""Other forms of the effects that the diagnosis names, with a behaviour that the usual draw does not have."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -163,26 +163,26 @@ def csv_bytes(record: Record) -> bytes:
 
 def _with_effect(effect: str, plain: Setup, v: FloatArray, draws: list[float]) -> Setup:
     """Add one effect to the plain rig, clearly visible above the noise for an input like `v`."""
-    one, other, third = draws
+    first, second, third = draws
     sign = 1.0 if third < 0.5 else -1.0
     shown = plant_output(plain, v)
     match effect:
         case "input-delay":
-            return replace(plain, actuator=Actuator(delay=float(12 + int(7 * one))))
+            return replace(plain, actuator=Actuator(delay=float(12 + int(7 * first))))
         case "input-saturation":
-            return replace(plain, actuator=Actuator(low=-0.35 - 0.25 * one, high=0.35 + 0.25 * other))
+            return replace(plain, actuator=Actuator(low=-0.35 - 0.25 * first, high=0.35 + 0.25 * second))
         case "input-dead-zone":
-            return replace(plain, actuator=Actuator(dead_low=-0.25 - 0.25 * one, dead_high=0.25 + 0.25 * other))
+            return replace(plain, actuator=Actuator(dead_low=-0.25 - 0.25 * first, dead_high=0.25 + 0.25 * second))
         case "input-nonlinearity":
-            return replace(plain, actuator=Actuator(c2=sign * (0.25 + 0.15 * one)))
+            return replace(plain, actuator=Actuator(c2=sign * (0.25 + 0.15 * first)))
         case "sqrt-outflow":
-            return replace(plain, motion=plain.motion._replace(outflow_curvature=0.75 + 0.15 * one))
+            return replace(plain, motion=plain.motion._replace(outflow_curvature=0.75 + 0.15 * first))
         case "overflow":
-            return replace(plain, motion=plain.motion._replace(brim_lower=(0.3 + 0.25 * one) * float(shown.max())))
+            return replace(plain, motion=plain.motion._replace(brim_lower=(0.3 + 0.25 * first) * float(shown.max())))
         case "output-saturation":
             low, high = float(shown.min()), float(shown.max())
-            return replace(plain, sensor=Sensor(low=(0.35 + 0.25 * one) * low, high=(0.35 + 0.25 * other) * high))
-    return replace(plain, sensor=Sensor(c2=sign * (0.22 + 0.1 * one)))
+            return replace(plain, sensor=Sensor(low=(0.35 + 0.25 * first) * low, high=(0.35 + 0.25 * second) * high))
+    return replace(plain, sensor=Sensor(c2=sign * (0.22 + 0.1 * first)))
 
 
 def _parameters(effect: str, setup: Setup, scales: Scales) -> dict[str, float]:

@@ -103,7 +103,7 @@ def test_output_measured_and_other_layouts(labsid, tank, write_text, staircase, 
     s = staircase
     results = []
     for arguments in (
-        [tank, "--output", "measured"],
+        [tank, "--LogData", "measured"],
         [write_text(as_csv(s["t"], s["u"], s["measured"]))],
         [write_text(as_csv(s["t"], s["u"], s["measured"]), "b.txt"), "--columns", "2,y", "--Ts", "0.75"],
     ):
@@ -114,12 +114,23 @@ def test_output_measured_and_other_layouts(labsid, tank, write_text, staircase, 
     assert (tmp_path / "out.json").read_text() != results[0]
 
 
+def test_the_former_name_of_an_option_works_and_says_the_new_one(labsid, tank, tmp_path):
+    results = []
+    for option in ("--LogData", "--output"):
+        status, _, error = labsid("identify", tank, option, "measured", "--json", tmp_path / "out.json")
+        assert status == 0
+        results.append((tmp_path / "out.json").read_text())
+    assert results[0] == results[1]
+    assert error == "note: --output is now --LogData\n"
+    assert "--output" not in labsid("identify", "--help")[1].replace("--outputs", "")
+
+
 @pytest.mark.parametrize(
     ("record", "options", "status"),
     [
         ("unsw-water-tank/SysIdenData_StudentVersion.mat", [], 0),
         ("unsw-water-tank/SysIdenData_4.mat", [], 0),
-        ("unsw-water-tank/SysIdenData_8.mat", ["--output", "measured"], 0),
+        ("unsw-water-tank/SysIdenData_8.mat", ["--LogData", "measured"], 0),
         ("unsw-water-tank/SFControlData_0.mat", [], 0),
         ("hair-dryer/dryer.dat", ["--columns", "u,y", "--Ts", "0.08"], 0),
         ("hair-dryer/dryer.dat", ["--columns", "1,2", "--Ts", "0.08"], 0),
@@ -260,7 +271,11 @@ def test_what_only_identify_refuses(labsid, refused, write_text, staircase):
         (["identify", "tank.mat", "--order", "0"], "order must be at least 1; got 0"),
         (["identify", "tank.mat", "--start", "-1"], "start must be 0 or more"),
         (["identify", "tank.mat", "--start", "299"], "got start 299 and 300 samples there"),
-        (["identify", "tank.mat", "--output", "smooth"], "'--output'"),
+        (["identify", "tank.mat", "--LogData", "smooth"], "'--LogData'"),
+        (
+            ["identify", "tank.mat", "--output", "out.json"],
+            "--output names no file: it is the former name of --LogData",
+        ),
         (["identify", "tank.mat", "--Ts", "-1"], "Ts must be a positive number"),
         (["identify", "tank.mat", "--Ts", "1"], "Ts = 1 s disagrees with the times"),
         (["identify", "tank.mat", "--columns", "t,u"], "there is no variable 't' in it; it holds LogData"),

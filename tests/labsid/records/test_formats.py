@@ -209,7 +209,7 @@ def test_a_mat_file_is_known_by_its_first_bytes_too(write_log):
 def test_one_output_column_is_the_measured_one(write_log):
     path = write_log(T[:, None], MEASURED[:, None], U[:, None])
     assert_columns(read_raw(path, Reading(output="measured")), y=MEASURED)
-    with pytest.raises(ValueError, match=r"has one column, the measured output.*--output measured"):
+    with pytest.raises(ValueError, match=r"has one column, the measured output.*--LogData measured"):
         read_raw(path)
 
 

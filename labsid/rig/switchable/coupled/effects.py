@@ -1,4 +1,4 @@
-"""Effects of GAP.md's table on rigs of several signals, each at one signal or at one place in the dynamics."""
+"""The effects that the diagnosis names, on rigs of several signals: each at one signal or place in the dynamics."""
 
 from dataclasses import replace
 

@@ -199,7 +199,7 @@ def test_nonlinear_dynamics_are_simulated_anew_in_each_record(keys: tuple[str, .
         np.testing.assert_array_equal(whole, alone)
 
 
-@pytest.mark.exhaustive  # `test_reactions.py` names friction on several records; above, play starts elsewhere in each
+@pytest.mark.exhaustive  # `test_reaction_forces.py` names friction on several records; above, play starts elsewhere
 @searched("input-backlash", "coulomb-friction", "output-backlash")
 def test_a_mass_with_friction_rests_elsewhere_before_each_record() -> None:
     records = []

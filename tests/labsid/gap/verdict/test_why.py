@@ -144,7 +144,7 @@ def test_the_gap_on_a_holdout_is_a_gate(on_holdout: Diagnosis) -> None:
     assert why is not None
     assert gate_at(why, "verdict/decision.MIN_CONFIDENCE").passed
     (gate,) = why.stages[2].gates
-    assert gate.threshold.place in ("verdict/scores.NO_GAP_ELSEWHERE", "verdict/scores.CERTAIN")
+    assert gate.threshold.place in ("verdict/scores.NO_GAP_RMS", "verdict/scores.CERTAIN")
     assert (gate.passed, why.verdict) == (False, on_holdout.verdict)
 
 

@@ -8,7 +8,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.dynamics.reactions import Reaction, is_collocated, output_with
+from labsid.gap.dynamics.reaction_forces import Reaction, is_collocated, output_with
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record
 
