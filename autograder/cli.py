@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from autograder.console import open_course, open_course_if_any, progress, warn
+from autograder.export_command import course_export
 from autograder.feedback_texts import make_feedback_texts
 from autograder.solutions_command import course_solutions
 from autograder.writing_commands import new_command, preview_command
@@ -255,52 +256,7 @@ def course_feedback(out: Out, solutions: Solutions = None) -> None:
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
-@course.command("export")
-def course_export(
-    out: Out,
-    format: Annotated[
-        str | None,
-        typer.Option("--format", help="csv or moodle; default csv, with lms in course.toml and --worksheet moodle."),
-    ] = None,
-    worksheet: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Moodle's grading worksheet, as downloaded.")
-    ] = None,
-    assignment: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="Assignment of the worksheet; may be repeated. Default: all graded assignments, added up.",
-        ),
-    ] = None,
-    scale: Annotated[bool, typer.Option("--scale", help="Convert the marks to the worksheet's maximum.")] = False,
-    zero: Annotated[
-        bool, typer.Option("--zero", help="Give 0 marks in the rows of the worksheet without a hand-in.")
-    ] = False,
-    solutions: Solutions = None,
-) -> None:
-    """Export the grades, including manual grades, as CSV or to Moodle."""
-    from autograder.export.grades_csv import export_csv
-    from autograder.export.moodle import export_moodle
-    from autograder.intake.worksheet import read_worksheet
-
-    here, settings = open_course_if_any()
-    if format is None:
-        format = settings.lms or "csv" if worksheet is not None else "csv"
-    if format not in ("csv", "moodle"):
-        raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
-    if format == "csv":
-        if worksheet is not None or assignment or scale or zero:
-            raise ValueError("--worksheet, --assignment, --scale and --zero are for --format moodle.")
-        print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
-        return
-    if worksheet is None:
-        raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
-    weights = settings.weights
-    sheet, texts = read_worksheet(worksheet), make_feedback_texts(here, settings, out, solutions)
-    done = export_moodle(out, sheet, *(assignment or ()), weights=weights, scale=scale, zero=zero, texts=texts)
-    for remark in done.remarks:
-        print(remark)
-    print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
+course.command("export")(course_export)
 
 
 @course.command("report")

@@ -88,8 +88,13 @@ def csv_text(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([f"'{value}" if _is_formula(value) else value for value in row] for row in rows)
+    writer.writerows([as_text_cell(value) for value in row] for row in rows)
     return text.getvalue()
+
+
+def as_text_cell(text: str) -> str:
+    """A value of a table; text that a spreadsheet would evaluate as a formula gets an apostrophe."""
+    return f"'{text}" if _is_formula(text) else text
 
 
 def without_apostrophe(text: str) -> str:
