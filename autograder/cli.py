@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from autograder.console import open_course, open_course_if_any, progress, warn
-from autograder.export_command import course_export
+from autograder.export_command import course_export, course_package
 from autograder.feedback_texts import make_feedback_texts
 from autograder.solutions_command import course_solutions
 from autograder.writing_commands import new_command, preview_command
@@ -21,6 +21,8 @@ from autograder.writing_commands import new_command, preview_command
 if TYPE_CHECKING:
     from autograder.course.settings import CourseSettings
     from autograder.course.students import Student
+    from autograder.intake.canvas_gradebook import CanvasGradebook
+    from autograder.intake.worksheet import Worksheet
     from autograder.results.extensions import Extensions
     from autograder.results.late import LateRules
 
@@ -119,30 +121,42 @@ def course_release(
 
 @course.command("collect")
 def course_collect(
-    hand_ins: Annotated[Path, typer.Argument(metavar="MOODLE.zip", help="Zip file of 'Download all submissions'.")],
+    hand_ins: Annotated[
+        Path, typer.Argument(metavar="DOWNLOAD.zip", help="All submissions, as Moodle, Canvas or Gradescope pack them.")
+    ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Receives <student>/<assignment>/<assignment>.ipynb.")],
     worksheet: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Moodle's grading worksheet, for IDs and times."),
+        typer.Option(metavar="FILE", help="Moodle's grading worksheet or the gradebook of Canvas, for IDs and times."),
     ] = None,
     timezone: Annotated[
         str | None, typer.Option(metavar="ZONE", help="Time zone of the worksheet; default this machine's.")
     ] = None,
     assignment: Assignments = None,
+    system: Annotated[
+        str | None,
+        typer.Option("--from", help="moodle, canvas or gradescope; default the one whose names most files have."),
+    ] = None,
 ) -> None:
-    """Extract submissions from Moodle's zip file."""
+    """Extract submissions from the zip file of Moodle, Canvas or Gradescope."""
     from autograder.batch.selection import handed_in_by, suggested_assignments
     from autograder.course.settings import read_settings, time_zone
+    from autograder.intake.canvas_gradebook import is_gradebook, read_gradebook
     from autograder.intake.collect import collect_submissions
+    from autograder.intake.other_downloads import SYSTEMS
     from autograder.intake.worksheet import read_worksheet
 
+    if system not in (None, *SYSTEMS):
+        raise typer.BadParameter(f"got {system!r}, expected {', '.join(SYSTEMS)}", param_hint="--from")
     here = open_course()
     settings = read_settings(here)
     zone_name = timezone or settings.timezone
     zone = None if zone_name is None else time_zone(zone_name)
-    sheet = None if worksheet is None else read_worksheet(worksheet)
     known = _who_is_who(settings, here.students_file)
-    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known):
+    sheet: Worksheet | CanvasGradebook | None = None
+    if worksheet is not None:
+        sheet = read_gradebook(worksheet) if is_gradebook(worksheet) else read_worksheet(worksheet)
+    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known, system):
         print(line)
     owners = handed_in_by(here, out)
     counts = ", ".join(f"{name} {len(students)}" for name, students in owners.items() if students)
@@ -257,6 +271,7 @@ def course_feedback(out: Out, solutions: Solutions = None) -> None:
 
 
 course.command("export")(course_export)
+course.command("package")(course_package)
 
 
 @course.command("report")

@@ -1,4 +1,4 @@
-"""The command ``labsid course export``: the marks as CSV, and for Moodle, Canvas and Gradescope."""
+"""The commands ``labsid course export`` and ``package``: marks for other systems, and checks that run on them."""
 
 from pathlib import Path
 from typing import Annotated
@@ -93,3 +93,28 @@ def course_export(
 def _print_all(remarks: tuple[str, ...]) -> None:
     for remark in remarks:
         print(remark)
+
+
+def course_package(
+    out: Annotated[Path, typer.Option(metavar="FILE.zip", help="The zip file to write.")],
+    system: Annotated[str, typer.Option("--for", help="gradescope or github.")],
+    assignment: Annotated[str, typer.Option("--assignment", metavar="NAME", help="The assignment.")],
+) -> None:
+    """Write an autograder package for Gradescope or GitHub Classroom: the checks of the notebook, without any secret.
+
+    It can judge what the checks in the notebook can, and says so in each result.
+    """
+    from autograder.console import open_course
+    from autograder.course.settings import read_settings
+    from autograder.export.autograder_package import write_package
+
+    here = open_course()
+    is_individual = read_settings(here).secret is not None
+    files = write_package(here, out, system, assignment, is_individual)
+    print(f"Wrote {out}: {len(files)} files, with nothing that students do not have.")
+    if is_individual:
+        print("The data are individual: each hand-in needs the student's data file beside the notebook.")
+    if system == "gradescope":
+        print("In Gradescope, upload it under Configure Autograder, with a base image that has Python 3.11 to 3.13.")
+    else:
+        print("Unpack it in the template repository of the assignment, beside the notebook, and commit it.")

@@ -7,19 +7,20 @@ A file has the columns Student, ID, SIS User ID, SIS Login ID and Section, then 
 import csv
 import io
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from autograder.course.plain_text import one_line
 from autograder.course.students import Student, described
-from autograder.intake.worksheet import folder_name
+from autograder.intake.worksheet import EMAIL, FULL_NAME, ID_COLUMNS, IDENTIFIER, USERNAME, Worksheet
 from labsid._files import as_text_cell
 
 STUDENT, USER, SIS_USER, LOGIN, SECTION = "Student", "ID", "SIS User ID", "SIS Login ID", "Section"
 IDENTITY = (STUDENT, USER, SIS_USER, LOGIN, SECTION)
 _OTHER_IDENTITY = ("Integration ID", "Root Account", "Notes")
 POINTS = "Points Possible"
+_COLUMNS = (IDENTIFIER, FULL_NAME, EMAIL, ID_COLUMNS[0], USERNAME)
 _READ_ONLY = "(read only)"
 _TEST_STUDENT = "student, test"
 _NUMBER = re.compile(r"\s*\(\d{1,18}\)$", re.ASCII)
@@ -115,6 +116,15 @@ def read_gradebook(path: Path) -> CanvasGradebook:
     return CanvasGradebook(columns, above, students, separator, line_end, bom, path)
 
 
+def is_gradebook(path: Path) -> bool:
+    """Whether the first line of a file is that of a gradebook of Canvas."""
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            return re.match(rf"\"?{STUDENT}\"?[,;]", file.readline(1000)) is not None
+    except OSError:
+        return False
+
+
 def gradebook_text(book: CanvasGradebook, rows: Iterable[Sequence[str]]) -> str:
     """Text of the gradebook with other rows, in its own format; a name that is a formula gets an apostrophe."""
     text = io.StringIO(newline="")
@@ -168,18 +178,18 @@ def find_students(book: CanvasGradebook, known: Iterable[Student]) -> dict[int, 
     return found
 
 
-def students_by_number(book: CanvasGradebook) -> Mapping[str, Student]:
-    """The students by their ID in Canvas, which is in the names of downloaded files.
+def as_worksheet(book: CanvasGradebook, known: Iterable[Student] = ()) -> Worksheet:
+    """Who is who, with the number that Canvas gives each user and puts into the names of downloaded files.
 
-    The ID of the course is the first usable of the login ID, the SIS user ID and the ID in Canvas.
+    The ID is the login ID, or the SIS user ID if that is the ID of more of the known students.
     """
-    students: dict[str, Student] = {}
+    ids = {student.id.casefold() for student in known}
+    counts = {name: sum(book.value(row, name).casefold() in ids for row in book.rows) for name in (LOGIN, SIS_USER)}
+    id_column = SIS_USER if counts[SIS_USER] > counts[LOGIN] else LOGIN
+    rows = []
     for row in book.rows:
-        number = book.value(row, USER)
-        values = (book.value(row, column) for column in (LOGIN, SIS_USER, USER))
-        chosen = next((name for value in values if (name := folder_name(value)) is not None), None)
-        if number and chosen is not None:
-            last, comma, first = one_line(book.value(row, STUDENT)).partition(",")
-            name = f"{first.strip()} {last.strip()}" if comma else last.strip()
-            students[number] = Student(chosen, name, username=book.value(row, LOGIN), participant=number)
-    return students
+        login, (last, comma, first) = book.value(row, LOGIN), one_line(book.value(row, STUDENT)).partition(",")
+        values = (f"Participant {book.value(row, USER)}", f"{first.strip()} {last.strip()}" if comma else last.strip())
+        email = login if "@" in login else ""
+        rows.append(dict(zip(_COLUMNS, (*values, email, book.value(row, id_column), login), strict=True)))
+    return Worksheet(_COLUMNS, tuple(rows), "", book.path)

@@ -10,7 +10,7 @@ import pytest
 from autograder.course.students import Student, write_students
 from autograder.export.canvas import CanvasExport, export_canvas
 from autograder.export.gradescope import export_gradescope
-from autograder.intake.canvas_gradebook import CanvasGradebook, read_gradebook, students_by_number
+from autograder.intake.canvas_gradebook import CanvasGradebook, as_worksheet, read_gradebook
 from autograder.judge.outcome import QuestionResult
 from autograder.results import result_files
 from autograder.results.result_files import StoredResult
@@ -175,9 +175,10 @@ def test_a_column_that_is_not_there_or_cannot_be_filled_in_is_refused(out: Path,
 
 
 def test_the_ids_of_canvas_are_those_of_the_course(book: CanvasGradebook) -> None:
-    found = students_by_number(book)
-    assert (found["501"].id, found["501"].name) == ("ada", "Ada Lovelace")
-    assert found["502"].id == "BEN@x.edu"
+    found = as_worksheet(book).rows
+    assert tuple(found[0].values()) == ("Participant 501", "Ada Lovelace", "", "ada", "ada")
+    assert tuple(found[1].values()) == ("Participant 502", "Ben O'Neil", "BEN@x.edu", "BEN@x.edu", "BEN@x.edu")
+    assert as_worksheet(book, [Student("s-ada")]).rows[0]["ID number"] == "s-ada"
 
 
 def test_marks_in_the_columns_of_gradescope(out: Path) -> None:
