@@ -3,8 +3,9 @@
 Nothing is shown that is of fewer than `SMALLEST_GROUP` students, and no text that fewer have in common.
 """
 
-import ast
+import io
 import re
+import tokenize
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,10 +14,9 @@ from statistics import StatisticsError, correlation, fmean
 
 from autograder.results.hard_questions import SMALLEST_GROUP
 from autograder.results.result_files import StoredResult
-from autograder.results.similar import MAX_PARSED_CHARACTERS
 from labsid._files import csv_text
-from labsid.checks.cell_names import parse_python
 from labsid.checks.cells import is_stub
+from labsid.checks.given_lines import MAX_CHARACTERS
 
 COLUMNS = (
     "assignment", "question", "answers", "difficulty", "discrimination", "not_right", "without_a_name", "kind", "count",
@@ -176,12 +176,18 @@ def _common_code(answers: Sequence[str]) -> str:
 
 
 def _without_comments(answer: str) -> str:
-    if len(answer) > MAX_PARSED_CHARACTERS:
+    """Code without comments and empty lines; empty if it is too long, or no Python."""
+    if len(answer) > MAX_CHARACTERS:
         return ""
+    lines = answer.splitlines()
     try:
-        return ast.unparse(parse_python(answer))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        for token in tokenize.generate_tokens(io.StringIO("\n".join(lines)).readline):
+            if token.type == tokenize.COMMENT:
+                row, column = token.start
+                lines[row - 1] = lines[row - 1][:column]
+    except (tokenize.TokenError, SyntaxError):
         return ""
+    return "\n".join(line.rstrip() for line in lines if line.strip())
 
 
 def _enough(count: int) -> int | None:

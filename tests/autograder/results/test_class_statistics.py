@@ -88,7 +88,7 @@ def test_no_text_of_fewer_than_five_is_shown() -> None:
 def test_answers_that_are_none_and_code_that_is_none_count_for_nothing() -> None:
     rows = wrong(*["Not answered."] * 5, answer="# Your code here\npass")
     assert figures(rows)["a"].not_right is None
-    (kind,) = figures(wrong(*["No."] * 5, answer="a = = 1"))["a"].kinds
+    (kind,) = figures(wrong(*["No."] * 5, answer="a = (1"))["a"].kinds
     assert kind.code == ""
 
 

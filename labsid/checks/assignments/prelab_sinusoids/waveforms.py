@@ -164,6 +164,15 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
         data = np.column_stack([start + Ts * np.arange(rows), signals])
         n = min(int(share * rows) + int(ask.rng.integers(5)), rows - 1) if share else 0
         yield _try_cut_off(ask, data, n)
+    if ask.changes("cut_off", data[:, :3].copy(), 3):
+        yield Verdict(
+            False,
+            "`cut_off` returns the right rows, and changes the matrix `data` that it is given: whoever calls it loses "
+            "the times of the data. (A slice such as `data[n:]` is a view: what is subtracted from it is subtracted "
+            "from `data`.)",
+            "changes its argument",
+            "Begin with a copy: `rest = data[n:].copy()`.",
+        )
 
 
 def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
