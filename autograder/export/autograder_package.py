@@ -104,5 +104,5 @@ def write_package(course: Course, out: Path, system: str, assignment: str, is_in
     else:
         files = {f".github/labsid/{path}": content for path, content in own.items()}
         files[".github/workflows/classroom.yml"] = _WORKFLOW.format(wheel=wheel).encode()
-    write_file(out, zip_bytes(files))
+    write_file(out, zip_bytes(files, ("setup.sh", "run_autograder")))
     return sorted(files)

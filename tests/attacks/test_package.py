@@ -46,6 +46,8 @@ def package(course: Course, tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_package(course, folder / "p.zip", "gradescope", NAME)
     with zipfile.ZipFile(folder / "p.zip") as archive:
         archive.extractall(folder / "source")
+        modes = {info.filename: info.external_attr >> 16 for info in archive.infolist()}
+    assert [name for name, mode in modes.items() if mode & 0o100] == ["run_autograder", "setup.sh"]
     (wheel,) = (folder / "source").glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder / "site")

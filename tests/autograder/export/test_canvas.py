@@ -14,6 +14,7 @@ from autograder.intake.canvas_gradebook import CanvasGradebook, as_worksheet, re
 from autograder.judge.outcome import QuestionResult
 from autograder.results import result_files
 from autograder.results.result_files import StoredResult
+from labsid.cli.commands import main
 
 HEADER = (
     "Student,ID,SIS User ID,SIS Login ID,Section,Notes,Pre-lab: Sinusoids (9001),Lab 1 (9002),Essay (9003),"
@@ -196,3 +197,16 @@ def test_marks_in_the_columns_of_gradescope(out: Path) -> None:
     assert remarks == ("ben: 8 marks of lab-x not yet graded by hand",)
     with pytest.raises(ValueError, match="holds no results of 'x'"):
         export_gradescope(out, "x")
+
+
+def test_the_command_fills_in_and_says_what_to_import(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    book = str(book_of(tmp_path / "g.csv"))
+    assert main(["course", "export", "--out", str(out), "--format", "canvas", "--worksheet", book]) == 0
+    said = capsys.readouterr().out
+    assert f"Marks of 4 students in 'Pre-lab: Sinusoids (9001)'. Import {out / 'canvas' / 'gradebook.csv'}." in said
+    assert main(["course", "export", "--out", str(out), "--format", "gradescope"]) == 0
+    assert f"Wrote {out / 'gradescope' / 'grades.csv'}" in capsys.readouterr().out
+    assert main(["course", "export", "--out", str(out), "--format", "canvas", "--scale"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith("labsid: error: --scale needs --worksheet")
