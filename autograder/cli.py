@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from autograder.console import open_course, open_course_if_any, progress, warn
+from autograder.export_command import course_export, course_package
 from autograder.feedback_texts import make_feedback_texts
 from autograder.solutions_command import course_solutions
 from autograder.writing_commands import new_command, preview_command
@@ -20,6 +21,8 @@ from autograder.writing_commands import new_command, preview_command
 if TYPE_CHECKING:
     from autograder.course.settings import CourseSettings
     from autograder.course.students import Student
+    from autograder.intake.canvas_gradebook import CanvasGradebook
+    from autograder.intake.worksheet import Worksheet
     from autograder.results.extensions import Extensions
     from autograder.results.late import LateRules
 
@@ -118,30 +121,42 @@ def course_release(
 
 @course.command("collect")
 def course_collect(
-    hand_ins: Annotated[Path, typer.Argument(metavar="MOODLE.zip", help="Zip file of 'Download all submissions'.")],
+    hand_ins: Annotated[
+        Path, typer.Argument(metavar="DOWNLOAD.zip", help="All submissions, as Moodle, Canvas or Gradescope pack them.")
+    ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Receives <student>/<assignment>/<assignment>.ipynb.")],
     worksheet: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Moodle's grading worksheet, for IDs and times."),
+        typer.Option(metavar="FILE", help="Moodle's grading worksheet or the gradebook of Canvas, for IDs and times."),
     ] = None,
     timezone: Annotated[
         str | None, typer.Option(metavar="ZONE", help="Time zone of the worksheet; default this machine's.")
     ] = None,
     assignment: Assignments = None,
+    system: Annotated[
+        str | None,
+        typer.Option("--from", help="moodle, canvas or gradescope; default the one whose names most files have."),
+    ] = None,
 ) -> None:
-    """Extract submissions from Moodle's zip file."""
+    """Extract submissions from the zip file of Moodle, Canvas or Gradescope."""
     from autograder.batch.selection import handed_in_by, suggested_assignments
     from autograder.course.settings import read_settings, time_zone
+    from autograder.intake.canvas_gradebook import is_gradebook, read_gradebook
     from autograder.intake.collect import collect_submissions
+    from autograder.intake.other_downloads import SYSTEMS
     from autograder.intake.worksheet import read_worksheet
 
+    if system not in (None, *SYSTEMS):
+        raise typer.BadParameter(f"got {system!r}, expected {', '.join(SYSTEMS)}", param_hint="--from")
     here = open_course()
     settings = read_settings(here)
     zone_name = timezone or settings.timezone
     zone = None if zone_name is None else time_zone(zone_name)
-    sheet = None if worksheet is None else read_worksheet(worksheet)
     known = _who_is_who(settings, here.students_file)
-    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known):
+    sheet: Worksheet | CanvasGradebook | None = None
+    if worksheet is not None:
+        sheet = read_gradebook(worksheet) if is_gradebook(worksheet) else read_worksheet(worksheet)
+    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known, system):
         print(line)
     owners = handed_in_by(here, out)
     counts = ", ".join(f"{name} {len(students)}" for name, students in owners.items() if students)
@@ -255,52 +270,8 @@ def course_feedback(out: Out, solutions: Solutions = None) -> None:
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
-@course.command("export")
-def course_export(
-    out: Out,
-    format: Annotated[
-        str | None,
-        typer.Option("--format", help="csv or moodle; default csv, with lms in course.toml and --worksheet moodle."),
-    ] = None,
-    worksheet: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Moodle's grading worksheet, as downloaded.")
-    ] = None,
-    assignment: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="Assignment of the worksheet; may be repeated. Default: all graded assignments, added up.",
-        ),
-    ] = None,
-    scale: Annotated[bool, typer.Option("--scale", help="Convert the marks to the worksheet's maximum.")] = False,
-    zero: Annotated[
-        bool, typer.Option("--zero", help="Give 0 marks in the rows of the worksheet without a hand-in.")
-    ] = False,
-    solutions: Solutions = None,
-) -> None:
-    """Export the grades, including manual grades, as CSV or to Moodle."""
-    from autograder.export.grades_csv import export_csv
-    from autograder.export.moodle import export_moodle
-    from autograder.intake.worksheet import read_worksheet
-
-    here, settings = open_course_if_any()
-    if format is None:
-        format = settings.lms or "csv" if worksheet is not None else "csv"
-    if format not in ("csv", "moodle"):
-        raise typer.BadParameter(f"got {format!r}, expected csv or moodle", param_hint="--format")
-    if format == "csv":
-        if worksheet is not None or assignment or scale or zero:
-            raise ValueError("--worksheet, --assignment, --scale and --zero are for --format moodle.")
-        print(f"Wrote {export_csv(out)} and {out / 'grades.csv'}.")
-        return
-    if worksheet is None:
-        raise ValueError("--format moodle needs --worksheet: Moodle's offline grading worksheet, as downloaded.")
-    weights = settings.weights
-    sheet, texts = read_worksheet(worksheet), make_feedback_texts(here, settings, out, solutions)
-    done = export_moodle(out, sheet, *(assignment or ()), weights=weights, scale=scale, zero=zero, texts=texts)
-    for remark in done.remarks:
-        print(remark)
-    print(f"Filled in {done.filled} rows. Upload {done.worksheet} and {done.feedback}.")
+course.command("export")(course_export)
+course.command("package")(course_package)
 
 
 @course.command("report")

@@ -5,7 +5,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -88,8 +88,13 @@ def csv_text(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([f"'{value}" if _is_formula(value) else value for value in row] for row in rows)
+    writer.writerows([as_text_cell(value) for value in row] for row in rows)
     return text.getvalue()
+
+
+def as_text_cell(text: str) -> str:
+    """A value of a table; text that a spreadsheet would evaluate as a formula gets an apostrophe."""
+    return f"'{text}" if _is_formula(text) else text
 
 
 def without_apostrophe(text: str) -> str:
@@ -101,14 +106,22 @@ def _is_formula(text: str) -> bool:
     return text.lstrip()[:1] in ("=", "@", "+", "-") and not re.fullmatch(r"-?\d+(\.\d+)?", text)
 
 
-def zip_bytes(files: Mapping[str, bytes]) -> bytes:
-    """Zip files in the order of their names, with a fixed time; the same content gives the same bytes."""
+def zip_bytes(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
+    """Zip files in the order of their names, with a fixed time; the same content gives the same bytes.
+
+    Parameters
+    ----------
+    files : mapping
+        Content by path.
+    programs : collection of str
+        Those that can be executed.
+    """
     import zipfile  # not at the top: every command imports this module
 
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
             info = zipfile.ZipInfo(name, _ZIP_TIME)
-            info.external_attr = 0o644 << 16
+            info.external_attr = (0o755 if name in programs else 0o644) << 16
             archive.writestr(info, files[name], zipfile.ZIP_DEFLATED)
     return packed.getvalue()

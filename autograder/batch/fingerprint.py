@@ -16,6 +16,7 @@ from autograder.results.result_files import StoredResult
 from labsid.checks.cells import Template
 
 JUDGING = (
+    "autograder.intake.alignment",
     "autograder.intake.submission",
     "autograder.judge.judging",
     "labsid.checks.other_records.other_tanks",

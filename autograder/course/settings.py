@@ -33,7 +33,7 @@ from zoneinfo import ZoneInfo
 from autograder.course.layout import SETTINGS_FILE, Course
 
 LATE_KEYS = ("grace", "per-day", "most")
-LEARNING_PLATFORMS = ("moodle",)
+LEARNING_PLATFORMS = ("moodle", "canvas")
 _KEYS = ("title", "timezone", "secret", "students", "extensions", "lms", "late", "assignments")
 _ASSIGNMENT_KEYS = ("due", "weight", "late", "second-record")
 

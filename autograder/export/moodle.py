@@ -8,11 +8,12 @@ feedback is a zip file with a folder ``Full Name_123456_assignsubmission_file_``
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
 from autograder.course.plain_text import one_line, plain_decimal
 from autograder.course.students import known_students
+from autograder.export.sums import factors_of, rounded, sum_totals
 from autograder.intake.identity import identify
 from autograder.intake.worksheet import (
     CHANGEABLE,
@@ -30,7 +31,6 @@ from autograder.results.grades import Totals, write_grades
 from autograder.results.result_files import StoredResult
 from labsid._files import write_file, zip_bytes
 
-_CENT = Decimal("0.01")
 _NOTHING = "Nothing was handed in."
 
 
@@ -102,7 +102,7 @@ def export_moodle(
     if absent:
         raise ValueError(f"{out} holds no results of {absent[0]!r}.")
     stored = [one for one in everything if not assignments or one.assignment in assignments]
-    factors = _factors(stored, weights or {})
+    factors = factors_of(stored, weights or {})
     maximum = sum((most * factor for most, factor in factors.values()), Decimal(0))
     who = identify(sheet, known_students(out, {one.student for one in everything}))
     if not scale:
@@ -126,7 +126,7 @@ def export_moodle(
             rows.append({**row, GRADE: "0", FEEDBACK: _NOTHING} if zero and is_empty else row)
             continue
         found.add(student)
-        marks = _sum_totals([(grades.totals(one, manual), factors[one.assignment][1]) for one in by_student[student]])
+        marks = sum_totals([(grades.totals(one, manual), factors[one.assignment][1]) for one in by_student[student]])
         filled, remark = _fill_in(row, replace(marks, max_score=maximum), by_student[student])
         rows.append(filled)
         remarks += [f"{student}: {remark}"] if remark else []
@@ -145,16 +145,6 @@ def export_moodle(
     write_file(target / "feedback.zip", zip_bytes(files))
     write_grades(out)
     return MoodleExport(target / "worksheet.csv", target / "feedback.zip", len(found), tuple(map(one_line, remarks)))
-
-
-def _factors(stored: Sequence[StoredResult], weights: Mapping[str, Decimal]) -> dict[str, tuple[Decimal, Decimal]]:
-    """All marks of each assignment in its notebook, and their factor in the sum."""
-    most: dict[str, Decimal] = {}
-    for one in stored:
-        most[one.assignment] = max(grades.totals(one, {}).max_score, most.get(one.assignment, Decimal(0)))
-    if len(most) == 1:
-        return {name: (marks, Decimal(1)) for name, marks in most.items()}
-    return {name: (marks, weights.get(name, marks) / marks if marks else Decimal(1)) for name, marks in most.items()}
 
 
 def _require_maximum(
@@ -181,14 +171,6 @@ def _require_maximum(
     )
 
 
-def _sum_totals(totals: Sequence[tuple[Totals, Decimal]]) -> Totals:
-    """The sum of marks, each multiplied by its factor; rounded to cents if a factor is not 1."""
-    parts = ([marks * factor for marks in (t.score, t.max_score, t.waiting, t.penalty)] for t, factor in totals)
-    summed = [sum(column, Decimal(0)) for column in zip(*parts, strict=True)]
-    exact = all(factor == 1 for _, factor in totals)
-    return Totals(*(summed if exact else (value.quantize(_CENT, ROUND_HALF_UP) for value in summed)))
-
-
 def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResult]) -> tuple[dict[str, str], str]:
     """A row with its grade on the worksheet's scale, and a remark."""
     if _is_locked(row):
@@ -197,7 +179,7 @@ def _fill_in(row: Mapping[str, str], marks: Totals, stored: Sequence[StoredResul
     score, remark = marks.score, ""
     total = f"{plain_decimal(marks.score)} of {plain_decimal(marks.max_score)}"
     if maximum is not None and maximum != marks.max_score and marks.max_score:
-        score = (marks.score * maximum / marks.max_score).quantize(_CENT, ROUND_HALF_UP)
+        score = rounded(marks.score * maximum / marks.max_score)
         remark = f"{total} is {plain_decimal(score)} of {maximum}"
     if marks.waiting:
         waiting = f"{plain_decimal(marks.waiting)} marks not yet graded by hand"

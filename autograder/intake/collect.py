@@ -1,4 +1,4 @@
-"""Extract submissions from the zip file of Moodle's "Download all submissions".
+"""Extract submissions from the zip file that Moodle, Canvas or Gradescope makes of all of them.
 
 Who is who is decided first, by `autograder.intake.identity`, and stored beside the submissions. Then the files of one
 participant after another are read, within a budget of work; what cannot be read is a remark on that participant.
@@ -6,7 +6,9 @@ participant after another are read, within a budget of work; what cannot be read
 File names in the zip are never used as output paths: these consist of a validated ID and the name of an assignment.
 """
 
+import zipfile
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import tzinfo
 from pathlib import Path
 
@@ -14,8 +16,10 @@ from autograder.course.archive import Budget, Pool, open_archive
 from autograder.course.layout import Course, read_template
 from autograder.course.plain_text import one_line, shortened
 from autograder.course.students import STUDENTS_FILE, Student, merge_students, read_students, write_students
+from autograder.intake.canvas_gradebook import CanvasGradebook, as_worksheet
 from autograder.intake.download import HandIn, Participant, list_participants, read_hand_in
 from autograder.intake.identity import identify
+from autograder.intake.other_downloads import Download, list_canvas, list_gradescope, which_system
 from autograder.intake.submission import NOT_READ_FILE, UNTOUCHED, UNTOUCHED_FILE, VERSIONS_FILE
 from autograder.intake.versions import MAX_DOUBTS, Version, newest_version
 from autograder.intake.worksheet import Worksheet, participant_number, submission_time, utc_timestamp
@@ -31,17 +35,25 @@ In bytes unpacked, of which a core does 200 million a second; honest hand-ins ta
 
 TIMESTAMP_FILE = "timestamp.txt"
 
+_EXPECTED = {
+    "moodle": "folders such as 'Full Name_123456_assignsubmission_file_', as Moodle's 'Download all submissions' makes "
+    "them, files such as 'lovelaceada_12345_67890_lab.ipynb' of Canvas, or an export of Gradescope",
+    "canvas": "files such as 'lovelaceada_12345_67890_lab.ipynb', as 'Download Submissions' of Canvas makes them",
+    "gradescope": "folders such as 'submission_12345' with files, as Gradescope's 'Export Submissions' makes them",
+}
+
 
 def collect_submissions(
     course: Course,
     path: Path,
     out: Path,
-    sheet: Worksheet | None = None,
+    sheet: Worksheet | CanvasGradebook | None = None,
     zone: tzinfo | None = None,
     assignments: Sequence[str] = (),
     known: Sequence[Student] = (),
+    system: str | None = None,
 ) -> Iterator[str]:
-    """Extract submissions from Moodle's zip file.
+    """Extract submissions from the zip file of a learning platform.
 
     Parameters
     ----------
@@ -54,14 +66,16 @@ def collect_submissions(
         worksheet has the time, and the tries that the student chose to send, which no line mentions; also
         `STUDENTS_FILE`. Existing files are replaced if the zip contains a new version.
         Notebooks as they were released are not written.
-    sheet : Worksheet, optional
-        Grading worksheet of the same assignment.
+    sheet : Worksheet or CanvasGradebook, optional
+        Moodle's grading worksheet of the same assignment, or the gradebook of Canvas.
     zone : tzinfo, optional
         Time zone of the worksheet; default this machine's.
     assignments : sequence of str, optional
         The assignments to collect; default all.
     known : sequence of Student
         Students whose IDs are known; those in `out` are added.
+    system : {"moodle", "canvas", "gradescope"}, optional
+        Where it is from; default the one whose names most of its files have.
 
     Yields
     ------
@@ -71,7 +85,7 @@ def collect_submissions(
     Raises
     ------
     ValueError
-        If it is not a zip file, or not from Moodle, there is no such assignment, or it is not clear who is who; nothing
+        If it is not a zip file, or not from there, there is no such assignment, or it is not clear who is who; nothing
         is written then.
     """
     wanted = course.select(assignments)
@@ -79,39 +93,90 @@ def collect_submissions(
         raise ValueError(f"{out} is a file; give --out another name.")
     templates = {name: read_template(course, name) for name in course.assignments()}
     with path.open("rb") as content, open_archive(content, path.name) as archive:
-        participants, strays = list_participants(archive)
+        found_system = system or which_system(archive)
+        download, of_whom = _read_download(archive, path, found_system, sheet, zone, known)
+        participants, strays = download.participants, download.strays
         if not participants:
-            raise ValueError(
-                f"{path} contains no submission: expected folders such as "
-                "'Full Name_123456_assignsubmission_file_', as Moodle's 'Download all submissions' makes them."
-            )
+            raise ValueError(f"{path} contains no submission: expected {_EXPECTED[found_system]}.")
         table = out / STUDENTS_FILE
         before = read_students(table) if table.is_file() else []
+        decided = merge_students(before, known)
         names = {number: one.name for number, one in participants.items()}
-        who = identify(sheet, merge_students(before, known), names)
-        times = {} if sheet is None else _times(sheet, zone)
-        in_sheet = {participant_number(row) for row in (sheet.rows if sheet is not None else ())}
-        write_students(table, merge_students(before, list(who.students.values())))
+        if found_system == "canvas":  # whose names are one word
+            spelled = ((one.participant, one.name) for one in decided if one.participant in names)
+            names |= {number: name for number, name in spelled if _letters(name) == _letters(names[number])}
+        if found_system == "gradescope":  # it has no number of a person that a later export has, too
+            decided = merge_students([replace(one, participant="") for one in decided])
+        who = identify(of_whom, decided, names)
+        in_sheet = {participant_number(row) for row in (of_whom.rows if of_whom is not None else ())}
+        new = [replace(one, participant=_lasting(one.participant, found_system)) for one in who.students.values()]
+        write_students(table, merge_students(before, new))
         pool = Pool(POOL)
         for one in sorted(participants.values(), key=lambda one: (one.name, int(one.number))):
             found = read_hand_in(archive, one, templates, Budget(SHARE, MOST, pool))
             student = who.students[one.number].id
-            remarks = _write_hand_in(out / student, found, wanted, times.get(one.number))
-            if sheet is not None and one.number not in in_sheet:
-                remarks.append(f"not in the worksheet: {_described(student, one)} is the ID")
+            remarks = _write_hand_in(out / student, found, wanted, download.times.get(one.number))
+            remarks += download.remarks.get(one.number, [])
+            if of_whom is not None and one.number not in in_sheet:
+                in_what = "gradebook" if found_system == "canvas" else "worksheet"
+                remarks.append(f"not in the {in_what}: {_described(student, one)} is the ID")
             yield one_line(f"{student} ({one.name}): {'; '.join(remarks)}")
     if strays:
         yield one_line(f"files of no participant: {', '.join(strays[:10])}{' ...' if len(strays) > 10 else ''}")
+
+
+def _read_download(
+    archive: zipfile.ZipFile,
+    path: Path,
+    system: str,
+    sheet: Worksheet | CanvasGradebook | None,
+    zone: tzinfo | None,
+    known: Sequence[Student],
+) -> tuple[Download, Worksheet | None]:
+    """What a download says before any file is read, and the table of who is who.
+
+    Raises
+    ------
+    ValueError
+        If the table is not that of the system, or the download cannot be read.
+    """
+    if sheet is not None and isinstance(sheet, CanvasGradebook) != (system == "canvas"):
+        table = "a gradebook of Canvas" if isinstance(sheet, CanvasGradebook) else "a worksheet of Moodle"
+        raise ValueError(
+            f"{sheet.path} is {table}, but {path} is a download of {system.capitalize()}; --from tells it."
+        )
+    if isinstance(sheet, CanvasGradebook):
+        of_whom = as_worksheet(sheet, known)
+        return list_canvas(archive, {str(participant_number(row)) for row in of_whom.rows}), of_whom
+    if system == "canvas":
+        return list_canvas(archive), None
+    if system == "gradescope":
+        try:
+            found = list_gradescope(archive)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        return found, Worksheet(tuple(found.rows[0]) if found.rows else (), tuple(found.rows), "", path)
+    participants, strays = list_participants(archive)
+    return Download(participants, strays, {} if sheet is None else _times(sheet, zone)), sheet
+
+
+def _letters(name: str) -> list[str]:
+    return sorted(filter(str.isalnum, name.casefold()))
+
+
+def _lasting(number: str, system: str) -> str:
+    """The number of a participant as it is stored; Gradescope has none."""
+    return "" if system == "gradescope" else number
 
 
 def _described(student: str, participant: Participant) -> str:
     return "the participant number" if student == participant.number else student
 
 
-def _times(sheet: Worksheet, zone: tzinfo | None) -> dict[str | None, str]:
+def _times(sheet: Worksheet, zone: tzinfo | None) -> dict[str, str]:
     """Submission times as in ``timestamp.txt``, by participant number, where the worksheet has them."""
     found = ((participant_number(row), submission_time(row)) for row in sheet.rows)
-    return {number: utc_timestamp(time.replace(tzinfo=zone)) for number, time in found if time is not None}
+    return {number: utc_timestamp(time.replace(tzinfo=zone)) for number, time in found if number and time is not None}
 
 
 def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp: str | None) -> list[str]:

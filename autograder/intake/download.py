@@ -85,6 +85,11 @@ class HandIn:
     problem: str = ""
 
 
+def is_of_moodle(path: str) -> bool:
+    """Whether a path is that of a file or folder of a participant in a download from Moodle."""
+    return _match_owner(path)[0] is not None
+
+
 def list_participants(archive: zipfile.ZipFile) -> tuple[dict[str, Participant], list[str]]:
     """The participants of a download by number, and the files of none."""
     participants: dict[str, Participant] = {}

@@ -10,6 +10,7 @@ from typing import Any
 import nbformat
 
 from autograder.course.plain_text import one_line
+from autograder.intake.alignment import AmbiguousError, align_by_text
 from autograder.intake.untrusted_json import read_json
 from labsid.checks.cells import Template, has_work
 from labsid.checks.given_lines import put_back
@@ -113,7 +114,16 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     except Exception as error:  # of what students hand in, no list of errors is complete
         return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")
     if not {cell["id"] for cell in cells} & {cell.id for cell in template.cells}:
-        return quarantined_submission(student, template.assignment, f"{name} contains no cell of {template.assignment}")
+        if any(cell["id"] is not None for cell in cells):
+            why = f"{name} contains no cell of {template.assignment}"
+            return quarantined_submission(student, template.assignment, why)
+        try:
+            found_by_text = align_by_text(cells, template)
+        except AmbiguousError as error:
+            why = f"{name} contains no cell of {template.assignment}: {error}"
+            return quarantined_submission(student, template.assignment, why)
+        cells = found_by_text.cells
+        notes.append(found_by_text.note)
     if not has_work(((cell["id"], cell["source"]) for cell in cells), template):
         return Submission(student, template.assignment, "missing", (), (UNTOUCHED,))
     aligned, repairs = _align_cells(cells, template)

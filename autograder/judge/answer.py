@@ -84,6 +84,11 @@ class Answer:
         """The values with which later steps start: the student's own where there are any."""
         return {**self.right, **self.own}
 
+    def follow_right(self, right: Mapping[str, Value]) -> None:
+        """Take right values, and the student's of these names as far as they were judged."""
+        self.right = right
+        self.own = {name: self.asked.values[name] for name in right if name in self.asked.values}
+
     def reads(self, name: str) -> bool:
         """Whether its code reads a name."""
         return any(name in read_names(done.cell.source) for done in self.asked.cells)

@@ -102,6 +102,13 @@ class ProcessAsk:
             raise NoAnswer(f"There is no function `{name}`: it is not defined.")
         return redact(reply.value, self._source)
 
+    def changes(self, name: str, *arguments: Value) -> bool:
+        """Whether the function changes an array that it is given."""
+        if self._defer_calls:
+            raise CallDeferred
+        reply = self._process().changes(name, *arguments)
+        return reply.ok and reply.value is True
+
     def known(self, name: str) -> Value:
         """A value of an earlier step."""
         return self._known[name]

@@ -11,7 +11,7 @@ from autograder.judge.attempt import Attempt, judged
 from autograder.judge.execution import ExecutedCell, Execution
 from autograder.sandbox.isolation import Limits, MachineError, StudentProcess, StudentProcessError
 from labsid.checks.question import Question
-from labsid.checks.values import Value
+from labsid.checks.values import Value, in_double_precision
 from labsid.checks.verdict import NoAnswer, Verdict
 
 
@@ -99,7 +99,7 @@ class Examiner:
         found: dict[str, Value] = {}
         for name in names:
             try:
-                found[name] = ask.value(name)
+                found[name] = in_double_precision(ask.value(name))
             except NoAnswer:
                 continue
             except StudentProcessError:

@@ -246,7 +246,11 @@ class _NotebookJudge:
             if wrong and not answer.crashed:
                 answer.is_sound = _judge_beside_wrong(answer, wrong, right, examiner)
             else:
+                if any(attempt.broken for attempt in answer.attempts) and not answer.crashed:
+                    answer.attempts = [examiner.judge_later(answer.asked, right)]  # the student's own lack a value
                 answer.is_sound = answer.is_right
+            if not answer.right:  # none followed from the student's own, some of which no check had judged by then
+                answer.follow_right(examiner.right_values(answer.asked, right))
             right.update(answer.accepted if answer.is_right else examiner.right_values(answer.asked, right))
             answer.seconds += time.monotonic() - start
 

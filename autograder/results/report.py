@@ -10,6 +10,7 @@ from urllib.parse import quote
 from autograder.course.plain_text import plain_decimal
 from autograder.course.students import STUDENTS_FILE, read_students
 from autograder.results import gradebook, grades, result_files
+from autograder.results.class_statistics import question_figures, statistics_csv
 from autograder.results.feedback import FeedbackTexts, load_template, printable, unique_headings, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.hard_questions import HardAssignment, hard_csv, what_was_hard
@@ -23,13 +24,15 @@ from labsid.checks.timetable import in_course_order
 BINS = 10
 MAX_MISTAKES = 12
 HARD_TABLE = "what-was-hard.csv"
+STATISTICS_TABLE = "questions.csv"
 _FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
 def write_report(out: Path, texts: FeedbackTexts | None = None) -> Path:
-    """Write ``OUT/report.html``, the feedback pages to which it links, and ``OUT/what-was-hard.csv``.
+    """Write ``OUT/report.html``, the feedback pages to which it links, and two tables without names.
 
-    The last one has the statistics of the tries that students sent, without names, if enough of them did.
+    ``OUT/questions.csv`` has the figures of the questions and, if enough students sent their tries,
+    ``OUT/what-was-hard.csv`` the statistics of these.
 
     Parameters
     ----------
@@ -52,6 +55,7 @@ def write_report(out: Path, texts: FeedbackTexts | None = None) -> Path:
     names = {student: name for student, name in listed.items() if name} | gradebook.read_names(out)
     page = report_page(stored, gradebook.read_manual_grades(out), names, texts.title, sent, tuple(listed))
     write_text(path, load_template("report.html.j2").render(page=page))
+    write_text(out / STATISTICS_TABLE, statistics_csv({one["name"]: one["figures"] for one in page["assignments"]}))
     table = out / HARD_TABLE
     if page["hard"]:
         write_text(table, hard_csv(page["hard"]))
@@ -230,7 +234,13 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
         "bars": _bars(scores, max_score),
         "questions": _questions(handed_in, manual),
         "slips": _slips(handed_in),
+        "figures": question_figures(handed_in, manual.scores, _headings(handed_in)),
+        "figures_table": STATISTICS_TABLE,
     }
+
+
+def _headings(stored: Sequence[StoredResult]) -> dict[str, str]:
+    return {question: printable(heading) for one in stored for question, heading in unique_headings(one).items()}
 
 
 def _median(scores: Sequence[Decimal]) -> Decimal:

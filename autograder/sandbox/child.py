@@ -5,6 +5,7 @@ without fork it is a new Python process, which connects to the judge on a loopba
 """
 
 import contextlib
+import copy
 import importlib
 import io
 import json
@@ -32,7 +33,7 @@ from autograder.sandbox.served_calls import ServedCalls
 from labsid.checks.grading_rules import follow_rules
 from labsid.checks.permitted import is_reference
 from labsid.checks.stops import packed, stop_of
-from labsid.checks.values import plain
+from labsid.checks.values import plain, unchanged
 
 _CALLS: list[ServedCalls] = []  # one, once the channel is open
 _SAVED: dict[int, tuple[dict[str, Any], dict[str, int]]] = {}
@@ -202,17 +203,31 @@ def _value(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def _call(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
-    function = shell.user_ns.get(request["name"])
-    if not callable(function):
+    if not callable(shell.user_ns.get(request["name"])):
         return {"ok": False}
     arguments = [_CALLS[0].argument(argument) for argument in request["arguments"]]
     keywords = {name: _CALLS[0].argument(argument) for name, argument in request.get("keywords", {}).items()}
+    return _call_with(shell, request["name"], arguments, keywords)
+
+
+def _call_with(shell: Any, name: str, arguments: list[Any], keywords: dict[str, Any]) -> dict[str, Any]:
+    function = shell.user_ns.get(name)
+    if not callable(function):
+        return {"ok": False}
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             value = in_event_loop(lambda: function(*arguments, **keywords))
     finally:
         sys.modules["matplotlib.pyplot"].close("all")  # figures of hidden inputs must not reach the next cell
     return {"ok": True, "value": encode(plain(value))}
+
+
+def _changes(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
+    """Call a function, and say whether it has changed an array that it was given."""
+    given = [_CALLS[0].argument(argument) for argument in request["arguments"]]
+    before = copy.deepcopy(given)
+    called = _call_with(shell, request["name"], given, {})
+    return {"ok": called["ok"], "value": not unchanged(given, before)}
 
 
 def _call_back(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
@@ -253,6 +268,7 @@ _HANDLERS = {
     "run": _run,
     "value": _value,
     "call": _call,
+    "changes": _changes,
     "call back": _call_back,
     "set": _set,
     "save": _save,

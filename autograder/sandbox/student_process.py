@@ -110,6 +110,11 @@ class StudentProcess:
         encoded = [encode(argument) for argument in arguments]
         return self._ask({"op": "call", "name": name, "arguments": encoded}, self._limits.call_seconds)
 
+    def changes(self, name: str, *arguments: Value) -> Reply:
+        """Call one of the student's functions, and say whether it has changed an array that it was given."""
+        encoded = [encode(argument) for argument in arguments]
+        return self._ask({"op": "changes", "name": name, "arguments": encoded}, self._limits.call_seconds)
+
     def call_encoded(self, name: str, arguments: list[Any], keywords: Mapping[str, Any]) -> Reply:
         """Call a function with arguments that another process has sent, some of which may be its functions."""
         request = {"op": "call", "name": name, "arguments": arguments, "keywords": dict(keywords)}

@@ -55,6 +55,23 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
+class Place:
+    """One cell of a released notebook, in its place.
+
+    Attributes
+    ----------
+    cell_id : str
+        Its grade_id; empty for a text without one.
+    code : bool
+    text : str
+    """
+
+    cell_id: str
+    code: bool
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Template:
     """A released assignment, with which submissions are compared.
 
@@ -66,12 +83,15 @@ class Template:
         The cells with nbgrader metadata, in order.
     texts : frozenset of str
         The texts of all other cells, without surrounding blanks.
+    places : tuple of Place
+        All cells, in order.
     """
 
     assignment: str
     title: str
     cells: tuple[Cell, ...]
     texts: frozenset[str] = frozenset()
+    places: tuple[Place, ...] = ()
 
     @property
     def questions(self) -> tuple[Cell, ...]:
@@ -93,6 +113,7 @@ def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template
     """The template of an assignment from the cells of its notebook; their source is text, not a list of lines."""
     found: list[Cell] = []
     texts: set[str] = set()
+    places: list[Place] = []
     title = heading = part = ""
     for raw in cells:
         for level, text in _HEADING.findall(raw["source"] if raw["cell_type"] == "markdown" else ""):
@@ -104,7 +125,8 @@ def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template
             found.append(cell)
         else:
             texts.add(raw["source"].strip())
-    return Template(assignment, title or assignment, tuple(found), frozenset(texts))
+        places.append(Place("" if cell is None else cell.id, raw["cell_type"] == "code", raw["source"]))
+    return Template(assignment, title or assignment, tuple(found), frozenset(texts), tuple(places))
 
 
 def functions_asked_for(template: Template, question_id: str) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from labsid.checks.values import StateSpaceValue, TransferFunctionValue, Unreadable, Value
-from labsid.checks.verdict import NoAnswer
+from labsid.checks.verdict import SINGLE_PRECISION, NoAnswer
 from labsid.plots.figure_values import FigureValue
 
 FloatArray = NDArray[np.float64]
@@ -240,7 +240,7 @@ def _real_array(name: str, value: Value, wanted: str) -> FloatArray:
         raise NoAnswer(
             f"`{name}` has the type {value.dtype}, which keeps only {np.finfo(value.dtype).precision + 1} digits, and "
             "the comparison needs more. Compute in double precision, numpy's own `float`: leave the type out.",
-            "single precision",
+            SINGLE_PRECISION,
         )
     array = value.astype(np.float64)
     if not np.all(np.isfinite(array)):

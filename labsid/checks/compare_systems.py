@@ -25,6 +25,10 @@ def as_system(name: str, value: Value) -> SystemValue:
         order, inputs, outputs = value.A.shape[0], value.B.shape[1], value.C.shape[0]
         if (inputs, outputs) != (1, 1):
             raise NoAnswer(f"`{name}` should have one input and one output; it has {inputs} and {outputs}.")
+        fitting = (order, order), (order, 1), (1, order), (1, 1)
+        if tuple(matrix.shape for matrix in (value.A, value.B, value.C, value.D)) != fitting:
+            shapes = ", ".join(f"{part} {getattr(value, part).shape}" for part in "ABCD")
+            raise NoAnswer(f"The matrices of `{name}` do not fit together: {shapes}.")
     else:
         order = max(value.num.size, value.den.size) - 1
     if order > MAX_ORDER:

@@ -12,7 +12,7 @@ from labsid.checks.function_reads import length_beside, reads_beside
 from labsid.checks.python_errors import told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
-from labsid.checks.values import Value, plain
+from labsid.checks.values import Value, plain, unchanged
 from labsid.checks.verdict import PYTHON_ERROR, NoAnswer
 from labsid.records.record import Record
 
@@ -82,6 +82,19 @@ class NotebookAsk:
             counts = {thing.value for thing in stop.things.values()}
             cause = "" if self.beside else length_beside(name, function, self._variables, arguments, counts)
             raise NoAnswer(told(stop, f"`{name}`", cause=cause), PYTHON_ERROR) from error
+
+    def changes(self, name: str, *arguments: Value) -> bool:
+        """Whether the function of that name changes an array that it is given."""
+        function = self._variables.get(name)
+        if not callable(function):
+            return False
+        given = [np.array(one) if isinstance(one, np.ndarray) else one for one in arguments]
+        try:
+            with limit_time(CALL_SECONDS):
+                function(*given)
+        except (Exception, OutOfTime, KeyboardInterrupt):
+            return False
+        return not unchanged(given, arguments)
 
     def _near(self, name: str, functions: Iterable[str] = ()) -> str:
         """A variable that is spelt alike but for capitals and underscores, and belongs to no earlier step.

@@ -92,6 +92,9 @@ class _PracticeAsk:
             raise NoAnswer(_LATER)
         return plain(self._reference(*arguments))
 
+    def changes(self, name: str, *arguments: Value) -> bool:
+        return False  # there are results alone
+
     def known(self, name: str) -> Value:
         return self.known_values[name]
 

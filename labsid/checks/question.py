@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 
 from labsid.checks.compare import kind_of
-from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.checks.values import Value, in_double_precision
+from labsid.checks.verdict import SINGLE_PRECISION, NoAnswer, Verdict
 from labsid.records.record import Record
 
 
@@ -68,8 +68,30 @@ class Ask(Protocol):
     def call(self, name: str, *arguments: Value) -> Value:
         """The result of the student's function; raises `NoAnswer` if the function is missing or fails."""
 
+    def changes(self, name: str, *arguments: Value) -> bool:
+        """Whether the student's function changes an array that it is given; False if it cannot be called."""
+
     def known(self, name: str) -> Value:
         """A value of an earlier step: the student's if it was right, otherwise the reference's."""
+
+
+class _InDoublePrecision:
+    """Asks the same, with every number of single precision in double precision."""
+
+    def __init__(self, ask: Ask) -> None:
+        self._ask = ask
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._ask, name)
+
+    def value(self, name: str) -> Value:
+        return in_double_precision(self._ask.value(name))
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        return in_double_precision(self._ask.call(name, *arguments))
+
+    def known(self, name: str) -> Value:
+        return in_double_precision(self._ask.known(name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,11 +147,21 @@ class Question:
     judge_first: Callable[[Ask], Verdict] | None = None
 
     def verdict(self, ask: Ask) -> Verdict:
-        """Judge the answer; a missing or unreadable answer fails."""
+        """Judge the answer; a missing or unreadable answer fails.
+
+        Single precision is the reason only where it leaves too few digits for the tolerance of the question.
+        """
         try:
             return self.judge(ask)
         except NoAnswer as nothing:
-            return Verdict(False, str(nothing), nothing.slip)
+            refused = Verdict(False, str(nothing), nothing.slip)
+        if refused.slip != SINGLE_PRECISION:
+            return refused
+        try:
+            verdict = self.judge(cast(Ask, _InDoublePrecision(ask)))
+        except NoAnswer:
+            return refused
+        return verdict if verdict.passed else refused
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +241,7 @@ def given_values(question: Question, ask: Ask, passed: bool) -> Mapping[str, Val
     kept: dict[str, Value] = {}
     for name, value in right.items():
         try:
-            kept[name] = ask.value(name)
+            kept[name] = in_double_precision(ask.value(name))
         except NoAnswer:
             kept[name] = value
     return kept

@@ -27,6 +27,10 @@ class ReferenceAsk:
         """There is no function."""
         raise NoAnswer(f"there is no function `{name}`")
 
+    def changes(self, name: str, *arguments: Value) -> bool:
+        """There is no function."""
+        return False
+
     def known(self, name: str) -> Value:
         """A right value of an earlier step."""
         return self._known[name]

@@ -4,7 +4,7 @@ Lists, arrays, transfer functions of python-control or scipy, and figures become
 below. Anything else becomes `Unreadable`, with the name of its type.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,6 +109,24 @@ def as_student_object(value: Value) -> Any:
     if isinstance(value, TransferFunctionValue):
         return control.tf(value.num, value.den, value.dt)
     return control.ss(value.A, value.B, value.C, value.D, value.dt)
+
+
+def unchanged(now: Iterable[Any], before: Iterable[Any]) -> bool:
+    """Whether arrays among these are what they were."""
+    pairs = zip(now, before, strict=True)
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in pairs if isinstance(b, np.ndarray))
+
+
+def in_double_precision(value: Value) -> Value:
+    """A value with its numbers of single or half precision in double precision."""
+    if isinstance(value, np.ndarray):
+        wider = {"f": np.float64, "c": np.complex128}.get(value.dtype.kind)
+        return value if wider is None or value.dtype.itemsize >= np.dtype(wider).itemsize else value.astype(wider)
+    if isinstance(value, tuple | list):
+        return tuple(map(in_double_precision, value))
+    if isinstance(value, Mapping):
+        return {name: in_double_precision(one) for name, one in value.items()}
+    return value
 
 
 def _plain(value: object, depth: int) -> Value:

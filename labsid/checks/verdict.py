@@ -17,6 +17,9 @@ P = ParamSpec("P")
 PYTHON_ERROR = "Python error"
 """The slip of an answer that Python stopped."""
 
+SINGLE_PRECISION = "single precision"
+"""The slip of an answer whose numbers have too few digits to be compared."""
+
 
 @dataclass(frozen=True, slots=True)
 class Verdict:

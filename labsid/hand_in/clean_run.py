@@ -196,7 +196,8 @@ class _Runner:
             return
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
         outcome = self._run(step.source, step.cell_id, min(left, allowed))
-        self.found.update((one["question"], one["state"]) for one in outcome.outcomes)
+        found = ((one.get("question"), one.get("state")) for one in outcome.outcomes)
+        self.found.update((question, str(state)) for name, state in found if question and name == question)
         if kind != "question":
             self.remarks += map(_remark_on_skipped, skipped_lines(step.source))
         if step.known is None and outcome.error:

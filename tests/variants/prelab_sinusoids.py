@@ -394,7 +394,14 @@ VARIANTS: list[Right | Wrong] = [
             "return np.array(rows)"
         ),
     ),
-    right(FUNCTION, "in place", function("data = data[n:]\ndata[:, 0] -= data[0, 0]\nreturn data")),
+    right(FUNCTION, "a copy under its name", function("data = data[n:].copy()\ndata[:, 0] -= data[0, 0]\nreturn data")),
+    wrong(
+        FUNCTION,
+        "in place",
+        function("data = data[n:]\ndata[:, 0] -= data[0, 0]\nreturn data"),
+        "changes its argument",
+        "changes the matrix `data` that it is given",
+    ),
     wrong(
         FUNCTION,
         "time not shifted",

@@ -90,7 +90,7 @@ def test_nothing_is_needed(settings: Callable[[str], CourseSettings], tmp_path: 
         ("name = 'x'", "the file has the unknown key 'name'; expected one of title, timezone,"),
         ("title = 1", "title must be text in quotation marks, got 1."),
         ("title = ''", "title must be text in quotation marks, got ''."),
-        ("lms = 'canvas'", "lms must be moodle, got 'canvas'."),
+        ("lms = 'blackboard'", "lms must be moodle or canvas, got 'blackboard'."),
         ("timezone = 'Mars/Base'", "the time zone Mars/Base is not known"),
         ("assignments = 3", "assignments must be tables such as [assignments.NAME], got 3."),
         ("[assignments.four]", "[assignments] has the unknown key 'four'; expected one of one, three, two."),

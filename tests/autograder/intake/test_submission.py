@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
@@ -398,3 +399,134 @@ def test_what_collect_noted_on_copies_is_a_note(tmp_path: Path) -> None:
     hand_in(tmp_path / "a", cells())
     (tmp_path / "a" / VERSIONS_FILE).write_text("x.ipynb has a\nlater time", encoding="utf-8")
     assert read_submission(tmp_path / "a", "s", TEMPLATE).notes == ("x.ipynb has a later time",)
+
+
+def stripped(raw: dict[str, Any], **changed: str) -> dict[str, Any]:
+    """A notebook as another program writes it: without metadata and ids, with other line ends and blanks."""
+    cells = []
+    for one in raw["cells"]:
+        source = changed.get(one["id"].replace("-", "_"), "".join(one["source"]))
+        text = "\r\n".join(f"{line}  " for line in source.split("\n")) + "\n\n"
+        outputs = {"outputs": [], "execution_count": None} if one["cell_type"] == "code" else {}
+        cells.append({"cell_type": one["cell_type"], "metadata": {}, "source": text, **outputs})
+    return {"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": cells}
+
+
+def built(course: Course, name: str, folder: str = "release") -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((getattr(course, folder) / name / f"{name}.ipynb").read_bytes())
+    return found
+
+
+def read_back(course: Course, tmp_path: Path, name: str, raw: dict[str, Any]) -> Submission:
+    folder = tmp_path / "s" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.ipynb").write_text(json.dumps(raw), encoding="utf-8")
+    return read_submission(folder, "s", read_template(course, name))
+
+
+def test_a_notebook_without_its_metadata_is_aligned_by_the_given_cells(course: Course, tmp_path: Path) -> None:
+    for name in course.assignments():
+        solved = built(course, name, "source")
+        expected = read_back(course, tmp_path / "with", name, solved)
+        found = read_back(course, tmp_path / "without", name, stripped(solved))
+        assert found.status == "ready", found.notes
+        assert found.notes[0].startswith("the notebook had lost its metadata: its cells were told apart by")
+        own = [(one.id, one.source.split()) for one in expected.cells if one.kind in ("answer", "manual")]
+        assert [(one.id, one.source.split()) for one in found.cells if one.kind in ("answer", "manual")] == own
+        given = [(one.id, one.source) for one in expected.cells if one.kind not in ("answer", "manual", "extra")]
+        assert [(one.id, one.source) for one in found.cells if one.kind not in ("answer", "manual", "extra")] == given
+        assert not [one for one in found.cells if one.kind == "extra" and one.code]
+
+
+PRELAB = "prelab-sinusoids"
+
+
+def test_without_metadata_and_without_an_answer_it_is_as_released(course: Course, tmp_path: Path) -> None:
+    found = read_back(course, tmp_path, PRELAB, stripped(built(course, PRELAB)))
+    assert (found.status, found.notes) == ("missing", (UNTOUCHED,))
+
+
+def test_a_given_cell_that_was_altered_is_restored_and_named(course: Course, tmp_path: Path) -> None:
+    raw = built(course, PRELAB, "source")
+    setup = next(one for one in raw["cells"] if one["id"].endswith("setup"))
+    text = "".join(setup["source"])
+    for altered in (text.replace("globals()", "dict()"), "check = print"):
+        found = read_back(course, tmp_path, PRELAB, stripped(raw, **{setup["id"].replace("-", "_"): altered}))
+        assert found.status == "ready"
+        assert f"the cell {setup['id']} was restored to the released version" in found.notes
+        assert next(one.source for one in found.cells if one.id == setup["id"]) == text
+
+
+def test_an_answer_that_is_not_there_counts_as_none(course: Course, tmp_path: Path) -> None:
+    raw = built(course, PRELAB, "source")
+    raw["cells"] = [one for one in raw["cells"] if one["id"] != "prelab-3-cut-answer"]
+    found = read_back(course, tmp_path, PRELAB, stripped(raw))
+    assert "the cell prelab-3-cut-answer is missing: it counts as not answered" in found.notes
+    assert next(one.source for one in found.cells if one.id == "prelab-3-cut-answer") == ""
+
+
+def test_the_cell_that_keeps_what_the_release_gives_is_the_answer(course: Course, tmp_path: Path) -> None:
+    raw = stripped(built(course, PRELAB, "source"))
+    at = next(i for i, one in enumerate(raw["cells"]) if "def cut_off" in one["source"])
+    raw["cells"].insert(at, {"cell_type": "code", "metadata": {}, "source": "x = 3", "outputs": []})
+    found = read_back(course, tmp_path, PRELAB, raw)
+    assert found.status == "ready"
+    assert "def cut_off" in next(one.source for one in found.cells if one.id == "prelab-4-function-answer")
+    assert [one.source for one in found.cells if one.kind == "extra" and one.code] == ["x = 3"]
+
+
+def without(raw: dict[str, Any], *ids: str) -> dict[str, Any]:
+    return {**raw, "cells": [one for one in raw["cells"] if one["id"] not in ids]}
+
+
+def moved(raw: dict[str, Any]) -> dict[str, Any]:
+    """The answers to two questions below one another, where nothing tells whose they are."""
+    cells = {one["id"]: one for one in raw["cells"]}
+    return without({**raw, "cells": list(cells.values())}, "prelab-1-time", *between(raw))
+
+
+def between(raw: dict[str, Any]) -> list[str]:
+    ids = [one["id"] for one in raw["cells"]]
+    return ids[ids.index("prelab-1-time") : ids.index("prelab-2-noise-answer")]
+
+
+def doubled(raw: dict[str, Any]) -> dict[str, Any]:
+    cells = list(raw["cells"])
+    at = next(i for i, one in enumerate(cells) if one["id"] == "prelab-3-cut-answer")
+    return {
+        **raw,
+        "cells": [*cells[:at], {**cells[at], "source": [*cells[at]["source"], "\nx = 1"], "id": "more"}, *cells[at:]],
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (moved, "it is not clear which cell is the answer to prelab-1-time-answer, prelab-2-noise-answer"),
+        (doubled, "it is not clear which cell is the answer to prelab-3-cut-answer: several stand where one is"),
+        (
+            lambda raw: {**raw, "cells": raw["cells"][:20]},
+            r"and only \d+ of \d+ given cells are in it",
+        ),
+        (lambda raw: {**raw, "cells": raw["cells"][::-1]}, r"and only \d+ of \d+ given cells are in it"),
+    ],
+)
+def test_where_it_is_not_clear_which_cell_is_which_nothing_is_graded(
+    course: Course, tmp_path: Path, change: Callable[[dict[str, Any]], dict[str, Any]], said: str
+) -> None:
+    found = read_back(course, tmp_path, PRELAB, stripped(change(built(course, PRELAB, "source"))))
+    assert found.status == "quarantined"
+    assert re.search(said, found.notes[0]), found.notes
+
+
+def test_metadata_of_another_assignment_are_none_that_were_lost(course: Course, tmp_path: Path) -> None:
+    raw = stripped(built(course, PRELAB, "source"))
+    raw["cells"][0]["metadata"] = {"nbgrader": {"grade_id": "lab-1a-extract"}}
+    assert read_back(course, tmp_path, PRELAB, raw).status == "quarantined"
+
+
+def test_aligning_is_fast_for_whatever_is_handed_in(course: Course, tmp_path: Path) -> None:
+    raw = stripped(built(course, PRELAB))
+    noise = [{"cell_type": "markdown", "metadata": {}, "source": f"{i} " + "x y " * 500} for i in range(3000)]
+    with limit_time(20):
+        assert read_back(course, tmp_path, PRELAB, {**raw, "cells": raw["cells"][:3] + noise}).status == "quarantined"

@@ -20,6 +20,7 @@ from labsid.checks.cells import Cell, Template
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.notebook import NotebookAsk
 from labsid.checks.question import Ask, Assignment, Question
+from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, judge
 
 
@@ -630,3 +631,49 @@ def test_a_right_value_that_was_carried_forward_is_not_told(forked: ProcessLaunc
         told = second.output + second.reason.replace("line 1", "")
         assert shown in told
         assert ("3" in told) == (answer == "a = 3")
+
+
+def _later(ask: Ask, name: str, right: float) -> Verdict:
+    return judge(as_number(name, ask.value(name)), right, close(1e-9), "Right.", "Not right.")
+
+
+def _doubled(ask: Ask) -> dict[str, Value]:
+    a = as_number("a", ask.known("a"))
+    if a > 100:
+        raise ValueError("nothing follows from such a value")
+    return {"b": 2 * a}
+
+
+CHAIN = (
+    Question("q-fit", lambda ask: _later_call(ask), lambda ask: {"a": 3.0}),
+    Question("q-double", lambda ask: _later(ask, "b", 2 * as_number("a", ask.known("a"))), _doubled, uses=("q-fit",)),
+    Question("q-next", lambda ask: _later(ask, "c", as_number("b", ask.known("b")) + 1), uses=("q-double",)),
+)
+
+
+def _later_call(ask: Ask) -> Verdict:
+    return judge(as_number("fit()", ask.call("fit")), 3.0, close(1e-9), "Right.", "Not the fit.")
+
+
+@pytest.mark.parametrize(
+    ("second", "score"), [("b = 6.0", "0.1"), ("b = 2 * a", "0.1"), ("b = 'x'", "0"), ("pass", "0")]
+)
+def test_values_from_which_nothing_follows_leave_no_later_question_without_right_ones(
+    forked: ProcessLauncher, tmp_path: Path, second: str, score: str
+) -> None:
+    """The function of the first is judged after the last cell; until then its wrong value stands for the right one."""
+    texts = {"q-fit": "def fit():\n    return 300.0\na = fit()", "q-double": second, "q-next": "c = 7.0"}
+    cells = [
+        cell
+        for name in texts
+        for cell in (
+            Cell(f"{name}-answer", "answer", "...", True, None),
+            Cell(name, "question", f'check("{name}")', True, Decimal("0.1")),
+        )
+    ]
+    template = Template("tiny", "Tiny", tuple(cells))
+    steps = tuple(NotebookCell(one.id, one.kind, texts.get(one.id[:-7], one.source), one.code) for one in cells)
+    assets = Assets(template, Assignment("tiny", CHAIN), None, b"secret")
+    results = judge_submission(Submission("s", "tiny", "ready", steps, ()), assets, forked, tmp_path).results
+    assert not [one.reason for one in results if "could not be judged" in one.reason]
+    assert [one.score for one in results] == [0, Decimal(score), Decimal("0.1")]

@@ -72,6 +72,9 @@ class Answers:
         except Exception as error:
             raise NoAnswer(str(error)) from error
 
+    def changes(self, name: str, *arguments: Value) -> bool:
+        return False
+
     def known(self, name: str) -> Value:
         return self.value(name)
 

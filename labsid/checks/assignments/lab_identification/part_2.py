@@ -219,7 +219,8 @@ def check_state_space(ask: Ask) -> Verdict:
 
     def are(*matrices: FloatArray) -> bool:
         own = (got.A, got.B, got.C, got.D)
-        return all(np.allclose(m, w, atol=1e-9) for m, w in zip(own, matrices, strict=True))
+        pairs = zip(own, matrices, strict=True)
+        return all(m.shape == w.shape and np.allclose(m, w, atol=1e-9) for m, w in pairs)
 
     def slip(
         short: str, hint: str, A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, elsewhere: str = ""
@@ -250,7 +251,7 @@ def check_state_space(ask: Ask) -> Verdict:
             f"{other} a1 and a2 swapped.",
         ),
         slip("B and C exchanged", "The matrices B and C are exchanged: B is H, a column of 0 and 1.", G, C.T, H.T, D)
-        if np.allclose(got.A, G, atol=1e-9)
+        if got.A.shape == G.shape and np.allclose(got.A, G, atol=1e-9)
         else slip(
             "transposed matrix",
             "The matrix G is transposed: its last *row* contains the parameters.",

@@ -91,7 +91,9 @@ def check_cut(ask: Ask) -> Verdict:
                 f"`{name}` should be `{name[:2]}` without its first 200 samples: see step 3.",
                 new_signal_slips(name, y, other),
             )
-    if verdict.passed and not _same(_vector(ask.value("t")), t):
+    now = ask.value("t")
+    is_kept = isinstance(now, np.ndarray) and now.dtype.kind in "biuf" and _same(_vector(now), t)
+    if verdict.passed and not is_kept:
         return Verdict(
             False,
             "`t` has changed in this step, and Fig. 1(a) needs it as it was. Take the time off `t_new` alone, and run "
@@ -164,6 +166,15 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
         data = np.column_stack([start + Ts * np.arange(rows), signals])
         n = min(int(share * rows) + int(ask.rng.integers(5)), rows - 1) if share else 0
         yield _try_cut_off(ask, data, n)
+    if ask.changes("cut_off", data[:, :3].copy(), 3):
+        yield Verdict(
+            False,
+            "`cut_off` returns the right rows, and changes the matrix `data` that it is given: whoever calls it loses "
+            "the times of the data. (A slice such as `data[n:]` is a view: what is subtracted from it is subtracted "
+            "from `data`.)",
+            "changes its argument",
+            "Begin with a copy: `rest = data[n:].copy()`.",
+        )
 
 
 def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
