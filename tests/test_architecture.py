@@ -318,6 +318,7 @@ FOREIGN_TYPES = {
 FILES_ELSEWHERE = {
     *("course.toml", "students.csv", "extensions.csv"),  # an instructor's
     *("timestamp.txt", "nbgrader_config.py", "meta/info.json"),  # nbgrader's, LeRobot's
+    "submission_metadata.yml",  # Gradescope's
     *("grades.csv", "summary.csv", "summary.html", "told.json"),  # what commands write
     *("rig.py", "better.py"),  # a user's simulation, a corrected one
 }

@@ -83,7 +83,7 @@ def identification_text(identification: "Identification") -> str:
     record, model, fit = identification.record, identification.model, identification.fit
     offsets, rows, runs = identification.offsets, identification.regression, identification.verification
     symbols = [f"-a{i + 1}" for i in range(model.order)] + [f"b{i + 1}" for i in range(model.order)]
-    theta = estimates(fit.theta, fit.stderr)
+    theta = theta_texts(fit.theta, fit.stderr)
     lines = [
         f"{record.name}: {len(record)} samples, Ts = {record.Ts:.9g} s",
         *(textwrap.fill(f"Read: {note}.", 90) for note in reading_notes(record)),
@@ -112,7 +112,7 @@ def identification_text(identification: "Identification") -> str:
     return "\n".join(lines)
 
 
-def estimates(values: "FloatArray", errors: "FloatArray") -> list[str]:
+def theta_texts(values: "FloatArray", errors: "FloatArray") -> list[str]:
     """Estimates with their standard errors, the signs ± in one column; those within two errors of zero are marked.
 
     Parameters

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labsid.cli.console import estimates
+from labsid.cli.console import theta_texts
 
 if TYPE_CHECKING:  # a slow import
     from labsid.lab.system_identification import SystemIdentification
@@ -57,7 +57,7 @@ def _thetas(identification: "SystemIdentification") -> list[str]:
     model, lines = identification.model, []
     for i, (name, equation) in enumerate(zip(model.outputs, identification.equations, strict=True)):
         rows, fit = equation.regression, equation.fit
-        theta = estimates(fit.theta, fit.stderr)
+        theta = theta_texts(fit.theta, fit.stderr)
         others = [m for m in range(len(model.outputs)) if m != i]
         of_outputs = [i, *others] if fit.theta.size > model.order * (1 + len(model.inputs)) else [i]
         blocks = [("-a", model.outputs[m]) for m in of_outputs] + [("b", name) for name in model.inputs]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from labsid._files import write_file, write_json
-from labsid.cli.console import estimates, identification_text, print_check
+from labsid.cli.console import identification_text, print_check, theta_texts
 from labsid.lab.identification import identify
 from labsid.lab.record_check import check_record
 from labsid.records.formats import RawRecord
@@ -113,7 +113,7 @@ def test_nan_is_no_json(tmp_path):
 
 def test_signs_stand_in_one_column():
     values, errors = np.array([1.36612, -0.40211, 0.00012, -12.0]), np.array([0.0381, 0.0362, 0.0011, 0.0])
-    assert estimates(values, errors) == [
+    assert theta_texts(values, errors) == [
         " 1.366  ± 0.038",
         "-0.402  ± 0.036",
         " 0.0001 ± 0.0011  not told from zero",
