@@ -16,6 +16,7 @@ from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
+from labsid.gap.fits.unknown_input import about_unknown_input, after_unknown_input
 from labsid.gap.fits.unstable_poles import MOST_CORRECTED
 from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.smallest_sizes import find_smallest_sizes
@@ -31,7 +32,6 @@ from labsid.gap.record.record_findings import (
     findings_from_record,
     plateau_gap,
 )
-from labsid.gap.record.unknown_input import about_unknown_input, after_unknown_input
 from labsid.gap.reports.layout import listed_findings
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook

@@ -17,12 +17,12 @@ DRAWS = 8  # of the digits that the log of the input has lost
 SEED = 0  # of these draws
 
 
-def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None) -> float:
+def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None, leaves_noise: bool = False) -> float:
     """Mean square error of a fit that the rounding of the log of its input explains; zero if the log is fine.
 
     The rounding errors are drawn at random, one for each stretch of constant input. No simulation foretells them where
     the input jumps: an error that is much smaller then shows that the values of the log acted, as set points in whole
-    numbers do. Of an input that moves smoothly an effect may imitate a part of them.
+    numbers do. Of an input that moves smoothly an effect may imitate a part of them, and all but noise in none.
 
     Parameters
     ----------
@@ -30,6 +30,8 @@ def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None) -> float:
     fit : Fit
     best : Fit, optional
         The one with the smallest error; by default `fit`.
+    leaves_noise : bool
+        Whether that leaves nothing but noise.
     """
     u = data.u
     step = lattice_step(u)
@@ -43,7 +45,7 @@ def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None) -> float:
     lengths = runs(u)[1]
     powers = [_power(data, fit, np.repeat(rng.uniform(-0.5, 0.5, lengths.size) * step, lengths)) for _ in range(DRAWS)]
     power, left = float(np.mean(powers)), (best or fit).output - data.y
-    refuted = REFUTED if at_random else REFUTED_SMOOTH
+    refuted = REFUTED if at_random else REFUTED_SMOOTH if leaves_noise else np.inf
     return 0.0 if power > refuted * float(np.var(left[data.rows])) else power
 
 

@@ -35,6 +35,7 @@ from labsid.gap.search.beam_search import (
     best_path,
     differ,
     rather_a_set,
+    residual_is_white,
     rms_difference,
     search_effects,
 )
@@ -294,7 +295,7 @@ def is_nuisance(data: Data, level: dict[tuple[str, ...], Fit], path: tuple[Fit, 
 
 def is_rounding_of_log(data: Data, before: Fit, after: Fit) -> bool:
     """Whether the rounding of the log of the input leaves all of an error but the noise `after` the effects found."""
-    logged = log_rounding_error(data, before, after)
+    logged = log_rounding_error(data, before, after, residual_is_white(data, after))
     return logged > 0.0 and mean_square(data, before) < logged + after.noise.sigma2
 
 
