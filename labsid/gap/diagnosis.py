@@ -37,7 +37,7 @@ from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.quantities import with_units
 from labsid.gap.reports.replay_data import replay_content
-from labsid.gap.reports.report import build_report, fit_of_limits, record_limits
+from labsid.gap.reports.report import about_shift, build_report, fit_of_limits, record_limits
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.sentences import is_probable, number_sentences
 from labsid.gap.reports.traces import figure_traces
@@ -541,7 +541,7 @@ def _report(
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
     report["record_findings"] = [asdict(finding) for finding in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
-    report["screen"] = [*prepared.notes, *report["screen"]]
+    report["screen"] = [*prepared.notes, *about_shift(base, answer), *report["screen"]]
     report["findings"] = listed_findings(findings, report["screen"])
     report["holdout_traces"], there = None, None
     if holdout is not None:

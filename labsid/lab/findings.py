@@ -168,15 +168,15 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
     k0, n = offsets.settled
     length = f"{n} samples" + (f" ({n * Ts:g} s)" if Ts else "")
     if n == 1:
-        text = "the input changes at sample 1: there is no first period at rest from which to take the offsets."
+        text = "the input changes at sample 1: no samples before it show the rest from which to take the offsets."
         return Finding("refused", "rest", text)
     if offsets.status == "too short":
-        text = f"the first input period has only {length}, too few to see whether the output is settled."
+        text = f"only {length} come before the first change of the input, too few to see whether the output is settled."
         return Finding("warning", "rest", text)
     if offsets.status == "not settled":
         text = (
-            f"the output does not settle in the first input period of {length}. The mean of its last quarter, "
-            f"{offsets.y_offset:.5g}, is the best available offset, but biased."
+            f"the output does not settle in the {length} before the input first changes. The mean of their last "
+            f"quarter, {offsets.y_offset:.5g}, is the best available offset, but biased."
         )
         return Finding("warning", "rest", text)
     noise = float(np.std(y[k0:n]))
@@ -187,8 +187,8 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
     first = digits_of(y[0], np.ptp(y), 3)
     text = (
         f"not settled at the start: y comes from {first} and is at rest only in samples {k0} to {n - 1} of the "
-        f"first period of {length}. Average these: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. The mean of "
-        f"the whole period would be {mean_of_first_period(u, y):.5g}."
+        f"{length} before the input first changes. Average these: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. "
+        f"The mean of all of them would be {mean_of_first_period(u, y):.5g}."
     )
     return Finding("warning", "rest", text)
 

@@ -36,6 +36,7 @@ from labsid.records.signal_quality import lattice_step
 LAGS = 20
 MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
 NOISELESS = 0.9  # rms of the added noise over the error that is left, from which it is nearly all of it
+LEAST_SHIFT = 3.0  # standard deviations of the noise, from which the shift of a simulated output is said
 MIN_FLOOR = 0.5  # rms of the added noise over the error that is left, from which it is said
 
 
@@ -339,6 +340,21 @@ def _experiment(
     }
 
 
+def about_shift(base: Baseline, answer: Answer) -> list[str]:
+    """That the level of a simulated output is not that of the record, in a sentence; none for models of deviations."""
+    before, unit = answer.before, answer.explanation.data.y_scale.unit
+    closed = before.hypothesis.plant.kind == "given" and before.hypothesis.plant.simulation.port is None
+    if not (base.output is not None or base.is_run) or not closed or not before.gains.size:
+        return []
+    shift = float(before.gains[0]) * unit
+    if abs(shift) < LEAST_SHIFT * answer.score.floor * unit:
+        return []
+    return [
+        f"The output of your simulation is {number(abs(shift))} {'above' if shift < 0.0 else 'below'} that of the "
+        "record throughout. It was shifted to it: a zero of the sensor is no part of the gap."
+    ]
+
+
 def screen_sentences(explanation: Explanation) -> list[str]:
     """Faults found in the samples, and a response without delay, in sentences."""
     faults = explanation.faults
@@ -360,8 +376,8 @@ def screen_sentences(explanation: Explanation) -> list[str]:
         added = number(explanation.floor * explanation.data.y_scale.unit)
         own = explanation.floor < NOISELESS * rms(explanation.data, explanation.best)
         texts.append(
-            f"{'' if own else 'The record has hardly any noise of its own. '}Noise of {added} rms, which is what "
-            "printed digits and simulators leave, was added to the output, and is part of all errors."
+            f"{'' if own else 'The record has hardly any noise of its own. '}White noise of {added} rms, below which "
+            "printed digits and simulators may leave anything, was added to the output, and is part of all errors."
         )
     if only_switches(explanation.data, explanation.best):
         texts.append(

@@ -207,3 +207,17 @@ def test_a_pole_that_a_simulation_of_first_order_lacks_is_no_mismatch(poles, cau
     assert [one["name"] for one in report["effects"]] == ([cause] if cause else [])
     if cause == "extra-lag":
         assert report["effects"][0]["parameters"]["tau"]["value"] == pytest.approx(-0.1 / np.log(0.8), rel=0.1)
+
+
+def test_a_simulated_output_at_another_level_is_shifted_and_that_is_said():
+    rng = np.random.default_rng(6)
+    u = np.repeat(rng.uniform(0.0, 10.0, 45), 20)
+    simulated = lfilter([0.0, 0.04], [1.0, -0.95], u)
+    y = simulated + 3.0 + 0.02 * rng.standard_normal(u.size)
+    run = Record(0.1 * np.arange(u.size), u, y, 0.1)
+    report = diagnose(run, simulated).report
+    assert report["verdict"] == "none"
+    (said,) = [text for text in report["screen"] if "shifted" in text]
+    assert said.startswith("The output of your simulation is 3.00 below that of the record")
+    level = diagnose(Record(run.t, u, y - 3.0, 0.1), simulated).report
+    assert not [text for text in level["screen"] if "shifted" in text]
