@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -166,12 +167,20 @@ def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, 
     if given is not None and not simulated and is_improvement(explanation.data, given, explanation.path[0]):
         names = (MISMATCH, *names)
         probability[MISMATCH] = confidence * mismatch_probability(given, explanation.path[0])
+        ambiguous = _ahead(explanation)
     named = names if confidence >= MIN_CONFIDENCE else ()
     ambiguous = [*(name for name in names if name not in named), *ambiguous]
     verdict = "effect" if named else "unknown" if confidence < MIN_CONFIDENCE else "none"
     weights = {combination: confidence * weight for combination, weight in weights.items()}
     closed = closed_on_fit(explanation, left, added)
     return Decision(verdict, named, probability, tuple(ambiguous[:MAX_RIVALS]), weights, closed)
+
+
+def _ahead(explanation: Explanation) -> list[str]:
+    """Single effects that explain more than other parameters alone, by too small a change to be found, best first."""
+    singles = explanation.levels[1].values() if len(explanation.levels) > 1 else ()
+    ahead = [fit for fit in singles if fit.bic < explanation.path[0].bic - BIC_MARGIN]
+    return [name for fit in sorted(ahead, key=attrgetter("bic")) for name in fit.hypothesis.names]
 
 
 def limit_claims(
