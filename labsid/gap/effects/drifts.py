@@ -35,6 +35,7 @@ from labsid.gap.effects.disturbance import best_onsets, is_within
 from labsid.gap.effects.sketch import Seen, Sketch, nothing, step
 
 MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
+MIN_MOTION = 0.15  # standard deviation of the input before and after a change of a gain, over that of all samples
 STEP_COSINE = 0.15  # the same of a change at an instant: 6.6 scaled units, a range beyond the record
 SETTLED = 5.0  # slowest time constants after which the response to a pulse is over
 MOST_AT_ONCE = 0.9  # energy of what a lasting change does up to then, over all of it: a pulse has 0.99
@@ -78,9 +79,15 @@ class _GainOnce(_Once):
         return (ONSET, Parameter("step", -3.0, 3.0), Parameter("angle", -2.0 * np.pi, 2.0 * np.pi, 1e-3))
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject instants near an end of the record, and a neutral value far outside it: a shift does the same."""
+        """Reject instants near an end of the record, and what a shift does as well.
+
+        That is a change about a neutral value far outside the record, or of an input that rests before or after it.
+        """
         onset, _, angle = fit.theta_of(self)
-        return is_within(fit, float(onset)) and bool(abs(np.cos(angle)) > STEP_COSINE)
+        u = fit.data.u
+        at = int(np.clip(onset * u.size, 1, u.size - 1))
+        moves = min(np.std(u[:at]), np.std(u[at:])) > MIN_MOTION * np.std(u)
+        return is_within(fit, float(onset)) and bool(moves and abs(np.cos(angle)) > STEP_COSINE)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`drift`: relative change of the gain; `onset`: its instant."""
