@@ -17,6 +17,7 @@ EXACT = 0.9999  # share of the changes of the input that the law explains, of a 
 MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
 MOST_STILL = 0.5  # of the samples, at which the input keeps its value or its slope: one that does is designed
 STILL = 1e-4  # of its largest second difference: rounding
+ONE_LINE = 1e-6  # one less the size of the correlation of input and output, of a line without noise
 STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
 SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed
 PAST = 8  # samples
@@ -34,6 +35,16 @@ def has_controller(u: FloatArray, y: FloatArray) -> bool:
     u, y : ndarray, shape (N,)
     """
     return feedback_statistic(u, y) > FEEDBACK_F or is_relay(u, y) or find_control_law(u, y) is not None
+
+
+def is_one_line(u: FloatArray, y: FloatArray) -> bool:
+    """Whether input and output are one straight line: a static rig, or a gain as a controller, with no noise.
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (N,)
+    """
+    return bool(1.0 - abs(np.corrcoef(u, y)[0, 1]) < ONE_LINE)
 
 
 def is_relay(u: FloatArray, y: FloatArray) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.record.controllers import FEEDBACK_F, find_control_law, is_relay
+from labsid.gap.record.controllers import FEEDBACK_F, find_control_law, is_one_line, is_relay
 from labsid.lab.findings import Finding, about_clipping, about_filter, about_plateaus, about_rest
 from labsid.lab.offset import find_offsets
 from labsid.lab.plateaus import repeated_plateaus
@@ -229,6 +229,14 @@ def about_controller(u: FloatArray, y: FloatArray) -> list[Finding]:
         )
     else:
         return []
+    if law is not None and law.has_constant_reference and is_one_line(u, y):
+        text = (
+            "input and output follow from each other without delay, by one straight line: as from a static rig with a "
+            f"gain of {1.0 / law.gain:.3g}, or from a controller with a gain of {abs(law.gain):.3g} whose reference "
+            "does not move. Such a record does not tell which. Move the reference, or the input beside the controller, "
+            "and log that."
+        )
+        return [Finding("warning", "feedback", text)]
     if law is not None and law.has_constant_reference:
         text = (
             f"{how} whose reference does not move. Nothing but disturbances and noise moves such a record, and their "

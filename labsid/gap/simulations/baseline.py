@@ -25,7 +25,7 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.noise_model import noise_of
 from labsid.gap.fits.unstable_poles import find_stabilising_feedback
 from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
-from labsid.gap.record.controllers import find_control_law, is_relay
+from labsid.gap.record.controllers import find_control_law, is_one_line, is_relay
 from labsid.gap.record.data import Data
 from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
 from labsid.gap.simulations.opened import fit_as_it_is, opened_structure, simulate_other
@@ -135,7 +135,7 @@ def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
         start = {"log_c": np.log(feedback.closed[0]), "log_k": np.log(feedback.closed[1]), GAIN: gain}
         theta = np.array([start.get(parameter.name, parameter.start) for parameter in structure.parameters])
         return Baseline(None, structure, start=theta, regulated=regulated)
-    if not direct and (law is not None or is_relay(u, y)):
+    if not direct and not is_one_line(u, y) and (law is not None or is_relay(u, y)):
         return Baseline(None, structure, regulated=regulated)
     term = estimate_direct_term(data)
     if direct or term.present:

@@ -195,3 +195,13 @@ def test_a_rig_that_follows_a_switched_input_is_no_relay(direct: float, held: in
     u = np.repeat(rng.choice([0.0, 1.0], 900), held)[:900]
     y = lfilter([0.0, 0.1], [1.0, -0.9], u) + direct * u
     assert not switches_on_output(u, y + noise * np.std(y) * rng.standard_normal(900))
+
+
+def test_one_straight_line_is_a_static_rig_or_a_controller() -> None:
+    rng = np.random.default_rng(8)
+    u = np.cumsum(rng.standard_normal(600))
+    run = Record(0.1 * np.arange(600), u, -1.7 * u + 12.0, 0.1)
+    (said,) = about_controller(run.u, run.y)
+    assert "a static rig with a gain of -1.7, or from a controller with a gain of 0.588" in said.text
+    report = diagnose(run).report
+    assert (report["verdict"], report["effects"]) == ("none", [])
