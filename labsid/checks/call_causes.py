@@ -202,6 +202,26 @@ def text_in_a_computation(stop: Stop, _: re.Match[str]) -> str | None:
     return "A text is no number: a number stands without quotes." if is_text else None
 
 
+def number_function(stop: Stop, _: re.Match[str]) -> str | None:
+    """A function of Python's `math`, for one number, that is handed an array."""
+    for node in stop.expressions():
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and ast.unparse(node.func.value) == "math"
+        ):
+            name = node.func.attr
+            of_arrays = f"`np.{name}` takes arrays, entry by entry." if hasattr(np, name) else "numpy's take arrays."
+            return f"`math.{name}` takes one number; {of_arrays}"
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in ("float", "int", "complex")
+        ):
+            return f"`{node.func.id}(...)` makes one number of one number, and is handed an array of several."
+    return None
+
+
 def without_entries(stop: Stop, _: re.Match[str]) -> str | None:
     """Square brackets after a function or a number."""
     for node in stop.expressions():

@@ -4,6 +4,7 @@ import ast
 import re
 
 from labsid.checks.line_values import parsed_line
+from labsid.checks.matrix_causes import unfit_blocks
 from labsid.checks.stops import Stop
 from labsid.checks.tables import zeros_of_one_size
 
@@ -131,7 +132,7 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     """Columns of different lengths side by side."""
     said = "Side by side, all need the same number of rows."
     if "block(" in stop.line:
-        return (
+        return unfit_blocks(stop) or (
             f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
             "corner is `np.zeros((rows, columns))`."
         )

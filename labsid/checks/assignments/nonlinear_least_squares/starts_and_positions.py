@@ -76,6 +76,13 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
         return Verdict(
             False, "`fit_frequency` returns Hz: asked for is the angular frequency in rad/s.", "Hz for rad/s"
         )
+    if _is_in_hertz(w, fit, t, y, low, high):
+        return Verdict(
+            False,
+            "`fit_frequency` searches in hertz: its waves are sin and cos of 2 pi f t, with f between low and high. "
+            "`low` and `high`, and the frequency that is asked for, are angular, in rad/s: sin(w t).",
+            "searched in hertz",
+        )
     if not low <= abs(w) <= high and w == int(w):
         return Verdict(
             False,
@@ -114,9 +121,22 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
         )
     return Verdict(
         False,
-        "`fit_frequency` returns a frequency at which the SSE is far larger than it could be: how many frequencies do "
-        "you compare, and do A and B have their best values at each?",
+        f"`fit_frequency` returns {w:.4g} rad/s. With the best A and B for it, the SSE is {_profile(t, y, w):.4g}, and "
+        f"{fit.sse:.4g} is possible: compute it by your own lines at w = {w:.4g}, and at frequencies far from it.",
     )
+
+
+def _is_in_hertz(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, low: float, high: float) -> bool:
+    """Whether it is the best of the frequencies f between low and high for waves of 2 pi f t, and not for those of f t.
+
+    Of samples in equal steps some of these waves are the same as slower ones, which then are found.
+    """
+    step = 0.5 * np.pi / (t[-1] - t[0]) / (2 * np.pi)
+    if not low - step <= w <= high + step or _profile(t, y, w) < 1.5 * _profile(t, y, 2 * np.pi * w):
+        return False
+    grid = np.arange(low, high, step / 4)
+    best = float(grid[np.argmin([_profile(t, y, 2 * np.pi * f) for f in grid])])
+    return abs(w - best) < step
 
 
 def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley: float) -> float:
@@ -162,8 +182,10 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     ).theta[:2]
     differences = _less_their_mean(beacons - centre, ranges) + centre
     no_step = (
-        "`locate` returns the centre of the beacons. If your search starts there, it has made no step: does it get an "
-        "error for each beacon? (`np.linalg.norm` without `axis=1` is one number for all.)"
+        "`locate` returns the centre of the beacons, and a search that starts there has made no step. Print what it is "
+        "handed at its start: one distance, and one error, for each beacon. (`np.linalg.norm` of a table is one number "
+        "for "
+        "all of it, and with `axis=1` one for each row.)"
     )
     linear = (
         "`locate` solves the linear equations of the *squared* ranges: another criterion, which trusts far beacons "
@@ -174,8 +196,8 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
         fix.position,
         within(fix.fit.stderr),
         "",
-        "`locate` does not return the position with the smallest sum of (range - distance)^2: what is that sum at "
-        "yours, and what from another start?",
+        "`locate` does not return the position with the smallest sum of (range - distance)^2: at yours it is "
+        f"{np.sum((ranges - ranges_from(beacons, got)) ** 2):.4g}, and {fix.fit.sse:.4g} is possible.",
         [
             Slip("coordinates swapped", "`locate` returns the second coordinate first.", lambda: fix.position[::-1]),
             Slip("squared ranges", linear, lambda: squares),

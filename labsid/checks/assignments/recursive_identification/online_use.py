@@ -208,8 +208,8 @@ def _one_error(ask: Ask) -> Verdict:
             ),
             Slip(
                 "lag upside down",
-                "the lag of `tracking_mse` is upside down: for lambda = 1/2 both are s, but the longer the memory, the "
-                "larger the lag.",
+                "the lag of `tracking_mse` is upside down: yours gets smaller as lambda goes to 1, and the longer the "
+                "memory, the larger the lag is. (For lambda = 1/2 both are s.)",
                 lambda: (slope * (1 - lam) / lam) ** 2 + variance,
             ),
             Slip("lag forgotten", "`tracking_mse` leaves the lag out.", lambda: variance),
