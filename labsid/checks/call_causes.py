@@ -189,7 +189,7 @@ def not_iterable(stop: Stop, _: re.Match[str]) -> str | None:
     head = re.match(r"for\s+\w+\s+in\s+(.+?)\s*:", stop.line)
     if head is not None:
         return f"A loop goes through the parts of something: `range({head[1]})` counts from 0 and leaves out {head[1]}."
-    return "It is one number, and what should have parts is a list or an array. (Does a list lack its `[...]`?)"
+    return "It is one number, and what should have parts is a list or an array."
 
 
 def text_in_a_computation(stop: Stop, _: re.Match[str]) -> str | None:

@@ -249,7 +249,7 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "TypeError",
         "is not subscriptable",
-        ("It has no entries, so it takes no `[...]`: is it one number, or a function without its `(...)`?"),
+        "It has no entries, so it takes no `[...]`, as one number and a function have none.",
     ),
     Translation("TypeError", r"([\w.<>]+)\(\) (?:missing|takes|got)", wrong_arguments),
     Translation(

@@ -89,7 +89,7 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             return f"{said} Is `{turned} @ {right}` meant?"
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
         return f"{said} Is `{right} @ {left}` meant?" if is_swapped else said
-    return "In `A @ B` the columns of A must be as many as the rows of B. Is a transpose, `.T`, missing or too many?"
+    return "In `A @ B` the columns of A must be as many as the rows of B."
 
 
 def unfit_blocks(stop: Stop) -> str:
@@ -175,7 +175,7 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                             f"`{ast.unparse(inner.left)} @ {b}`."
                         )
                 return said
-    return "`solve(A, b)` needs as many entries in b as A has rows: is the right-hand side of the equations complete?"
+    return "`solve(A, b)` needs as many entries in b as A has rows."
 
 
 def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:

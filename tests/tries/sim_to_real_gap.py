@@ -162,13 +162,13 @@ TRIES = (
         SIM,
         "interp of record (replay y)",
         "def simulate_better(u_act):\n    return y_act.copy()\n",
-        "replay the record",
+        "argument is ignored",
     ),
     Try(
         SIM,
         "no argument used",
         "def simulate_better(u_act):\n    return y_offset + y_lin\n",
-        "does what the linear model does|as your record has|same whatever",
+        "output of the linear model on your record, whatever it is handed: its argument is ignored",
     ),
     Try(
         SIM,
@@ -280,7 +280,7 @@ TRIES = (
         "needs `max",
     ),
     Try(CLOSED, "no root", closed(body="1 - max(mse_after - sigma**2, 0) / (mse_before - sigma**2)"), "take the root"),
-    Try(SIM, "record cut", "def simulate_better(u_act):\n    return y_act[: len(u_act)]\n", "replay the record"),
+    Try(SIM, "record cut", "def simulate_better(u_act):\n    return y_act[: len(u_act)]\n", "argument is ignored"),
     Try(
         SIM,
         "volts clipped as deviations",
@@ -303,7 +303,9 @@ TRIES = (
     Try(SIZE, "with the offset", "gap_before = np.sqrt(np.mean((y_act - y_lin)[half:]**2))", "compares `y_act`"),
     Try(SIZE, "over N", "gap_before = np.sqrt(np.sum(e[half:]**2) / N)", "divides by N"),
     Try(TIME, "means", time("return np.mean(e.reshape(parts, -1)**2, axis=1)"), "adds up to"),
-    Try(TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers.*Is it an index"),
+    Try(
+        TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers.*the whole number"
+    ),
     Try(
         TIME, "largest error", time(RIGHT, worst="t[np.argmax(np.abs(e))] + np.array([0, Ts])"), "largest single error"
     ),
@@ -352,14 +354,14 @@ TRIES = (
         CLOSED,
         "sigma",
         closed(body="1 - np.sqrt(max(mse_after - sigma, 0)) / np.sqrt(mse_before - sigma)"),
-        "is sigma squared",
+        "sigma is not squared",
     ),
     Try(
         CLOSED,
         "no max",
         closed(body="1 - np.sqrt(mse_after - sigma**2) / np.sqrt(mse_before - sigma**2)"),
         "needs `max",
-        never="is sigma squared",
+        never="sigma is not squared",
     ),
     Try(REST, "half", rest(sd="np.std(y_act[:half])"), "whole record, or of half"),
     Try(REST, "last sample", rest("y_act[n - 1]"), "value of one sample"),

@@ -214,7 +214,7 @@ TRIES = (
         MIN,
         "elementwise",
         fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T * Phi) * Phi.T * Y"),
-        "A table comes of",
+        "It comes of eq. .8. with `.` between its parts",
     ),
     Try(
         MIN,
@@ -274,7 +274,10 @@ TRIES = (
     Try(FUN, "a third for 28.3 %", reader().replace("0.283", "1 / 3"), "from 33.3 % to 63.2 %"),
     Try(FUN, "exact shares", reader().replace("0.283", "1 - np.exp(-1 / 3)"), "", ACCEPTED),
     Try(
-        MODEL, "amplitude of part A", "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)", "handed over"
+        MODEL,
+        "amplitude of part A",
+        "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)",
+        "K is the change over 2, and this step has the amplitude",
     ),
     Try(LOSS, "1//2", fun("loss", A, "return 1 // 2 * (Y - Phi @ theta) @ (Y - Phi @ theta)"), "`1//2` is 0"),
     Try(

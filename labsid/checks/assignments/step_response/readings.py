@@ -223,10 +223,7 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     )
     for other in (2.0, 1.0):
         if abs(a) > 0 and abs(abs(a) - other) > 0.1:
-            fixed = (
-                f"K is the change over {other:g}, and this step has the amplitude {a:.3g}: is that what it is divided "
-                "by, or what is handed over?"
-            )
+            fixed = f"K is the change over {other:g}, and this step has the amplitude {a:.3g}."
             yield _Suspect("amplitude of another step", "K", change / other, 0, fixed)
     absolute = "K is the absolute value: with its sign it tells whether the output falls when the input rises."
     if right.K < 0:
