@@ -42,9 +42,7 @@ FILTERS = "[scipy.signal.lfilter(np.r_[0, theta[n + j * n : n + (j + 1) * n]], n
 
 TRIES = (
     Try(READ, "no columns named", read(""), "which columns are inputs and which outputs"),
-    Try(
-        READ, "one name each", read(', inputs="Q1", outputs="T1"'), "flat.*if both columns were named"
-    ),
+    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "flat.*if both columns were named"),
     Try(READ, "swapped", read(', inputs="T1,T2", outputs="Q1,Q2"'), "powers are inputs"),
     Try(READ, "alternating", read(', inputs="Q1,T1", outputs="Q2,T2"'), "alternate"),
     Try(

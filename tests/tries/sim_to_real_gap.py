@@ -303,9 +303,7 @@ TRIES = (
     Try(SIZE, "with the offset", "gap_before = np.sqrt(np.mean((y_act - y_lin)[half:]**2))", "compares `y_act`"),
     Try(SIZE, "over N", "gap_before = np.sqrt(np.sum(e[half:]**2) / N)", "divides by N"),
     Try(TIME, "means", time("return np.mean(e.reshape(parts, -1)**2, axis=1)"), "adds up to"),
-    Try(
-        TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers.*the whole number"
-    ),
+    Try(TIME, "a number", time(RIGHT, worst="np.argmax(share_t)"), "should hold 2 numbers.*the whole number"),
     Try(
         TIME, "largest error", time(RIGHT, worst="t[np.argmax(np.abs(e))] + np.array([0, Ts])"), "largest single error"
     ),

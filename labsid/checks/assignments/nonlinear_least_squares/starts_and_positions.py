@@ -126,17 +126,22 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
     )
 
 
-def _is_in_hertz(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, low: float, high: float) -> bool:
-    """Whether it is the best of the frequencies f between low and high for waves of 2 pi f t, and not for those of f t.
+_AMONG_THE_BEST = 0.2
+"""Of the range of the SSE over a scan: below it is only the valley around a lowest point."""
 
-    Of samples in equal steps some of these waves are the same as slower ones, which then are found.
+
+def _is_in_hertz(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, low: float, high: float) -> bool:
+    """Whether it is one of the best f between low and high for waves of 2 pi f t, and not for those of f t.
+
+    Of samples in equal steps, waves of several frequencies are the same, so that several are the best.
     """
     step = 0.5 * np.pi / (t[-1] - t[0]) / (2 * np.pi)
     if not low - step <= w <= high + step or _profile(t, y, w) < 1.5 * _profile(t, y, 2 * np.pi * w):
         return False
     grid = np.arange(low, high, step / 4)
-    best = float(grid[np.argmin([_profile(t, y, 2 * np.pi * f) for f in grid])])
-    return abs(w - best) < step
+    sse = np.array([_profile(t, y, 2 * np.pi * f) for f in grid])
+    best = grid[sse <= np.min(sse) + _AMONG_THE_BEST * np.ptp(sse)]
+    return bool(np.min(np.abs(w - best)) < step)
 
 
 def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley: float) -> float:
