@@ -131,17 +131,11 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "ri-5-forgetting",
             "product of phi",
             edited("ri-5-forgetting", (_STEP, "np.outer(P_phi, phi)")),
-            "`rls",
+            "does not give the estimates of RLS, with lambda = 1",
             never="entry by entry",
         ),
     ),
     "postlab-model-order": (
-        Try(
-            "postlab-2-fit-order",
-            "a column of ones",
-            edited("postlab-2-fit-order", (f"({_COLUMNS})", f"({_COLUMNS} + [np.ones(N - n)])")),
-            "it fits a constant, with a column of ones",
-        ),
         Try(
             "postlab-2-fit-order",
             "one more number",
@@ -187,15 +181,15 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "prelab-2-noise",
             "cut to the amplitude",
             edited("prelab-2-noise", (_NOISY, f"np.clip(1.6 * ({_NOISY}), -1, 1)")),
-            "`y1`",
-            never="brackets",
+            "strongest oscillation has a period of 100 s, amplitude 1.2",
+            never="brackets|angle",
         ),
         Try(
             "prelab-6-cut-off",
             "no legend called",
             edited("prelab-6-cut-off", (_LEGEND, "")),
-            "2 curves have a `label`, but the axes show no legend",
-            never="give each",
+            "legend should name.*The other panel has that",
+            never="give each|each curve needs",
         ),
         Try(
             "prelab-6-cut-off",
@@ -222,7 +216,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "gap-7-simulation",
             "output of the record",
             f"{_SIMULATION}y_lin + y_offset",
-            "whatever it is handed: its argument is ignored",
+            "output of the linear model on your record, whatever it is handed: its argument is ignored",
             never="out of the range",
         ),
         Try(

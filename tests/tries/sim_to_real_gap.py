@@ -121,7 +121,7 @@ TRIES = (
         TIME,
         "float",
         time("n = len(e) / parts\n    return np.array([np.sum(e[i*n:(i+1)*n]**2) for i in range(parts)])"),
-        "whole number",
+        "`//` a whole number",
     ),
     Try(TIME, "of y", time(RIGHT, "time_shares(y, 16)"), "shares of the output"),
     Try(TIME, "samples", time(RIGHT, worst="(i * N // 16, (i + 1) * N // 16)"), "times `Ts`"),

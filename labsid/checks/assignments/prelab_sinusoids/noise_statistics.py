@@ -147,8 +147,7 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
         slip, text, _ = _WRONG_WAVES[nearest]
         raise NoAnswer(f"`{name}`: {text}.", slip)
     raise NoAnswer(
-        f"`{name}` is not a sinusoid of amplitude 1 and period 100 s about zero, with noise on it: {_seen(t, y)} Print "
-        "the angle at t = 0 and at t = 100: it should grow by 2 pi."
+        f"`{name}` is not a sinusoid of amplitude 1 and period 100 s about zero, with noise on it: {_seen(t, y)}"
     )
 
 
