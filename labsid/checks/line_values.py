@@ -207,10 +207,10 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
         sizes = {_shape(one) for one in listed[:_MOST_ITEMS]} if type(listed) is list else set()
         return _Shaped((len(listed), *sizes.pop()) if len(sizes) == 1 else _shape(listed))
     if called in ("zeros", "ones", "eye") and len(node.args) == 1:
-        sizes = _value(node.args[0], names)
-        sizes = (sizes, sizes)[: 1 + (called == "eye")] if type(sizes) is int else sizes
-        if type(sizes) is tuple and all(type(size) is int for size in sizes):
-            return _Shaped(sizes)
+        given = _value(node.args[0], names)
+        made = (given, given)[: 1 + (called == "eye")] if type(given) is int else given
+        if type(made) is tuple and all(type(size) is int for size in made):
+            return _Shaped(made)
     if called in ("transpose", "pinv") and node.args:
         return _Shaped(_shape(_value(node.args[0], names))[::-1])
     if called in ("inv", "abs", "sqrt", "exp") and len(node.args) == 1:
