@@ -291,15 +291,21 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
         ),
     ]
     got = as_estimate("fit_output_error(u, y)", returned(ask, "fit_output_error", u, y), 2)
-    with np.errstate(all="ignore"):
-        e = y - _run(got, u)
     return judge(
         got,
         right,
         within(fit.stderr),
         "the model whose own run is nearest to the record.",
         "`fit_output_error` does not return the [a, b] whose run on u alone is nearest to y. The SSE of the run with "
-        "yours "
-        f"is {e @ e:.4g}, and {fit.sse:.4g} is possible.",
+        f"yours is {_sse_of_run(got, u, y):.4g}, and {fit.sse:.4g} is possible.",
         slips,
     )
+
+
+@np.errstate(all="ignore")
+def _sse_of_run(theta: FloatArray, u: FloatArray, y: FloatArray) -> float:
+    """The SSE of a run, which may leave the range of numbers."""
+    try:
+        return float(np.sum((y - _run(theta, u)) ** 2))
+    except ValueError:
+        return np.inf
