@@ -85,7 +85,7 @@ ARRAY_ERRORS: tuple[Translation, ...] = (
         "ValueError",
         r"filter coefficient a\[0\]",
         "`lfilter(b, a, x)` has the numerator first; the denominator begins with a number other "
-        "than zero. Are they swapped?",
+        "than zero. Here it begins with zero, as a numerator with a delay does.",
     ),
     Translation("ValueError", r"mismatch in its core dimension|not aligned", unfit_product),
     Translation("LinAlgError", "[Ss]ingular matrix", product_without_inverse),

@@ -189,7 +189,7 @@ def not_iterable(stop: Stop, _: re.Match[str]) -> str | None:
     head = re.match(r"for\s+\w+\s+in\s+(.+?)\s*:", stop.line)
     if head is not None:
         return f"A loop goes through the parts of something: `range({head[1]})` counts from 0 and leaves out {head[1]}."
-    return "It is one number, and what should have parts is a list or an array. (Does a list lack its `[...]`?)"
+    return "It is one number, and what should have parts is a list or an array."
 
 
 def text_in_a_computation(stop: Stop, _: re.Match[str]) -> str | None:
@@ -200,6 +200,26 @@ def text_in_a_computation(stop: Stop, _: re.Match[str]) -> str | None:
                 return f"`{ast.unparse(side)}` is a text, and no number: a number stands without quotes."
     is_text = re.search("'str'|to str|<U", stop.text)
     return "A text is no number: a number stands without quotes." if is_text else None
+
+
+def number_function(stop: Stop, _: re.Match[str]) -> str | None:
+    """A function of Python's `math`, for one number, that is handed an array."""
+    for node in stop.expressions():
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and ast.unparse(node.func.value) == "math"
+        ):
+            name = node.func.attr
+            of_arrays = f"`np.{name}` takes arrays, entry by entry." if hasattr(np, name) else "numpy's take arrays."
+            return f"`math.{name}` takes one number; {of_arrays}"
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in ("float", "int", "complex")
+        ):
+            return f"`{node.func.id}(...)` makes one number of one number, and is handed an array of several."
+    return None
 
 
 def without_entries(stop: Stop, _: re.Match[str]) -> str | None:

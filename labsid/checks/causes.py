@@ -4,6 +4,7 @@ import ast
 import re
 
 from labsid.checks.line_values import parsed_line
+from labsid.checks.matrix_causes import unfit_blocks
 from labsid.checks.stops import Stop
 from labsid.checks.tables import zeros_of_one_size
 
@@ -31,9 +32,9 @@ def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
     if re.search(r"(zeros|ones)\([^()]*\) \+|\+ np\.(zeros|ones)\(", stop.line):
         return "`+` adds entry by entry. To put one array behind the other, join them: `np.concatenate([a, b])`."
     if "axis=0" in stop.line:
-        return "`axis=0` makes one number of each column, `axis=1` one of each row: which are asked for?"
+        return "`axis=0` makes one number of each column, `axis=1` one of each row."
     if "axis=1" in stop.line:
-        return "`axis=1` makes one number of each *row*, `axis=0` one of each column: which are asked for?"
+        return "`axis=1` makes one number of each *row*, `axis=0` one of each column."
     joined = re.search(r"np\.convolve\((\w+), (\w+)\)", " ".join((stop.line, *stop.made.values())))
     if joined is not None:
         a, b = joined.groups()
@@ -74,11 +75,15 @@ def too_many_indices(stop: Stop, found: re.Match[str]) -> str | None:
             if shape is not None and len(shape) < len(node.slice.elts):
                 owner, said = ast.unparse(node.value), f"`{ast.unparse(node.value)}` has shape {shape}"
                 counted = re.search(r"\[(\d+)\](?!.*\[\d+\])", owner)
-                asked = f" Is `[{counted[1]}]` counted from 1, as in MATLAB? The first is `[0]`." if counted else ""
+                asked = _from_zero(counted[1]) if counted else ""
                 zeros = zeros_of_one_size(stop, owner)
                 takes = f"{said}: it is flat, and takes one index, not {len(node.slice.elts)}."
                 return f"{takes}{asked or ' ' * bool(zeros) + zeros}"
     return "The array has fewer axes than indices in the brackets: look at its `.shape`."
+
+
+def _from_zero(index: str) -> str:
+    return f" (Python counts from 0: `[{index}]` is entry number {int(index) + 1}, and the first is `[0]`.)"
 
 
 def called_array(stop: Stop, _: re.Match[str]) -> str | None:
@@ -92,7 +97,7 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                     key = ast.unparse(node.args[0]) if node.args else '"key"'
                     return f"`{name}` is a dictionary: a key stands in square brackets, `{name}[{key}]`."
                 if thing.kind == "number":
-                    return f"`{name}` is a number: is a `*` missing before the bracket?"
+                    return f"`{name}` is a number, and a bracket after it calls it: a product is `{name} * (...)`."
                 said = f"`{name}` is no function: round brackets call, square ones take entries, "
                 entry = _entry_from_one(node)
                 if entry:
@@ -105,7 +110,7 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 f"`{ast.unparse(handed[0])}` is what that call returns. Where a function is asked for, hand over its "
                 f"name alone, `{handed[0].func.id}`."
             )
-    return "Round brackets call a function; entries are taken with square ones, `y[0]`. (Or has a variable its name?)"
+    return "Round brackets call a function; entries are taken with square ones, `y[0]`."
 
 
 def _entry_from_one(call: ast.Call) -> str:
@@ -131,7 +136,7 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     """Columns of different lengths side by side."""
     said = "Side by side, all need the same number of rows."
     if "block(" in stop.line:
-        return (
+        return unfit_blocks(stop) or (
             f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
             "corner is `np.zeros((rows, columns))`."
         )

@@ -43,7 +43,7 @@ def as_number(name: str, value: Value) -> float:
     array = _real_array(name, value, "one number")
     if array.size != 1:
         more = (
-            " Which of them is meant, their number, their sum or their mean?"
+            ""
             if array.size
             else " It is empty, as `x[condition]` is where no entry meets the condition. (Numbers of many digits are "
             "hardly ever equal, `==`.)"
@@ -88,9 +88,7 @@ def as_matrix(
         beside = ""
         if array.ndim == 2 and shape[1] is not None and abs(array.shape[1] - shape[1]) == 1:
             much = "too many" if array.shape[1] > shape[1] else "too few"
-            beside = _odd_column(array, right) or (
-                f" One column {much}: does a `range` begin or end elsewhere? (It leaves out its end.)"
-            )
+            beside = _odd_column(array, right) or (f" One column {much}. (A `range` leaves out its end.)")
         raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.{beside}")
     return array
 
@@ -129,7 +127,7 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
         )
     if array.ndim == 0 and size is not None and size > 1:
         is_index = isinstance(value, int) and not isinstance(value, bool)
-        index = f", {value}. Is it an index, as `np.argmin` and `np.argmax` return it?" if is_index else "."
+        index = f", the whole number {value}." if is_index else "."
         raise NoAnswer(
             f"`{name}` should hold {size} numbers; it is one number{index}", "one number in place of a vector"
         )
@@ -142,11 +140,11 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
 
 
 def _off(got: int, wanted: int) -> str:
-    """Where elements that are a few too many or too few usually come from, as a question."""
+    """How many elements are too many or too few, if they are few."""
     few = abs(got - wanted)
     if 0 < few <= _FEW and wanted > _FEW:
         more = "too many" if got > wanted else "too few"
-        return f" {few} {more}: does a slice begin or end elsewhere? (It leaves out its second index.)"
+        return f" {few} {more}. (A slice leaves out its second index.)"
     return ""
 
 
@@ -264,7 +262,10 @@ def _imaginary(value: NDArray[np.complex128]) -> str:
     largest = float(np.max(np.abs(value.imag)))
     if largest <= _ROUNDING * np.max(np.abs(value)):
         return "Its imaginary part is only rounding: take the real part with `np.real`."
-    return f"Its imaginary part is no rounding, it goes up to {largest:.3g}: is a part of it asked for, or `np.abs`?"
+    return (
+        f"Its imaginary part is no rounding, it goes up to {largest:.3g}. Asked for are real numbers: `np.abs` is the "
+        "size, `np.real` the real part."
+    )
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:

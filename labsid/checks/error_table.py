@@ -9,6 +9,7 @@ from labsid.checks.call_causes import (
     no_count,
     no_steps,
     not_iterable,
+    number_function,
     own_function_of_python,
     text_for_an_index,
     text_in_a_computation,
@@ -227,7 +228,12 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "TypeError",
         "only .*length-1 arrays|only 0-dimensional arrays",
-        "The function takes one number; numpy's, `np.sin` for example, takes arrays.",
+        number_function,
+    ),
+    Translation(
+        "TypeError",
+        "only .*length-1 arrays|only 0-dimensional arrays",
+        "One number is needed where an array stands; numpy's functions take arrays.",
     ),
     Translation(
         "TypeError",
@@ -243,7 +249,7 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "TypeError",
         "is not subscriptable",
-        ("It has no entries, so it takes no `[...]`: is it one number, or a function without its `(...)`?"),
+        "It has no entries, so it takes no `[...]`, as one number and a function have none.",
     ),
     Translation("TypeError", r"([\w.<>]+)\(\) (?:missing|takes|got)", wrong_arguments),
     Translation(

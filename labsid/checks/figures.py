@@ -100,7 +100,7 @@ def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice:
         )
         return NoAnswer(text, "rows drawn")
     related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
-    related += " Such a constant is an offset: is one still in it?" if "constant added" in related else ""
+    related += " Such a constant is an offset." if "constant added" in related else ""
     near = f"In {where} no curve shows {what}, but one is near to it. {related}"
     return NoAnswer(near if related else f"In {where} no curve shows {what}. {advice}", "no curve")
 
@@ -171,11 +171,24 @@ def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim:
 
 def require_legend(axes: AxesValue, where: str, entries: int) -> None:
     """Require a legend with at least `entries` entries."""
-    if len([text for text in axes.legend if text.strip()]) < entries:
+    named = len([text for text in axes.legend if text.strip()])
+    labels = len([curve for curve in axes.curves if curve.label.strip() and not curve.label.startswith("_")])
+    if named >= entries:
+        return
+    if not named and labels >= entries:
         raise NoAnswer(
-            f"In {where} the legend should name {entries} curves: give each a `label` and call `legend`.",
+            f"In {where} the legend should name {entries} curves. {labels} curves have a `label`, but the axes show no "
+            "legend: `legend` of these axes is to be called after the curves are drawn.",
             "no legend",
         )
+    if named:
+        raise NoAnswer(
+            f"In {where} the legend should name {entries} curves, and it names {named}: each curve needs a `label`.",
+            "no legend",
+        )
+    raise NoAnswer(
+        f"In {where} the legend should name {entries} curves: give each a `label` and call `legend`.", "no legend"
+    )
 
 
 def legend_text(axes: AxesValue, curve: CurveValue) -> str:

@@ -132,6 +132,8 @@ def _value(node: ast.AST | None, names: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Attribute):
         if node.attr == "T":
             return _Shaped(_shape(_value(node.value, names))[::-1])
+        if node.attr == "shape":
+            return _shape(_value(node.value, names))
         owner = _value(node.value, names)
         if isinstance(owner, ModuleType) and owner.__name__.partition(".")[0] in ("numpy", "scipy"):
             return vars(owner)[node.attr]
@@ -146,6 +148,8 @@ def _value(node: ast.AST | None, names: Mapping[str, Any]) -> Any:
         raise _Unknown
     if isinstance(node, ast.List):
         return [_as_array(_value(one, names)) for one in node.elts]
+    if isinstance(node, ast.Tuple):
+        return tuple(_value(one, names) for one in node.elts)
     if isinstance(node, ast.BinOp):
         return _operation(node, _value(node.left, names), _value(node.right, names))
     if isinstance(node, ast.Call):
@@ -202,6 +206,11 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
         listed = _value(node.args[0], names)
         sizes = {_shape(one) for one in listed[:_MOST_ITEMS]} if type(listed) is list else set()
         return _Shaped((len(listed), *sizes.pop()) if len(sizes) == 1 else _shape(listed))
+    if called in ("zeros", "ones", "eye") and len(node.args) == 1:
+        given = _value(node.args[0], names)
+        made = (given, given)[: 1 + (called == "eye")] if type(given) is int else given
+        if type(made) is tuple and all(type(size) is int for size in made):
+            return _Shaped(made)
     if called in ("transpose", "pinv") and node.args:
         return _Shaped(_shape(_value(node.args[0], names))[::-1])
     if called in ("inv", "abs", "sqrt", "exp") and len(node.args) == 1:

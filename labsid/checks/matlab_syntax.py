@@ -125,7 +125,8 @@ _MESSAGES: tuple[Spelling, ...] = (
     Spelling(r"'return' outside function", "`return` stands indented, inside a function."),
     Spelling(
         r"unterminated string",
-        "A text that is begun is not ended on its line: look at the quotes. (Is MATLAB's transpose meant? It is `.T`.)",
+        "A text that is begun is not ended on its line: look at the quotes. (MATLAB's transpose, an apostrophe, is "
+        "`.T`.)",
     ),
     Spelling(r"forgot a comma", "Between two items a comma is missing, or between two factors a `*`."),
     Spelling(r"", "Look at the end of the line before, too: a bracket that is not closed shows one line late."),

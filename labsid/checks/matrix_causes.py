@@ -89,7 +89,70 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             return f"{said} Is `{turned} @ {right}` meant?"
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
         return f"{said} Is `{right} @ {left}` meant?" if is_swapped else said
-    return "In `A @ B` the columns of A must be as many as the rows of B. Is a transpose, `.T`, missing or too many?"
+    return "In `A @ B` the columns of A must be as many as the rows of B."
+
+
+def unfit_blocks(stop: Stop) -> str:
+    """The widths of the rows of `np.block`, and the shape that an empty corner must have; "" if it is not known."""
+    for node in stop.expressions():
+        if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("block") and len(node.args) == 1):
+            continue
+        rows = (
+            [row.elts for row in node.args[0].elts if isinstance(row, ast.List)]
+            if isinstance(node.args[0], ast.List)
+            else []
+        )
+        shapes = [[_of_block(stop, part) for part in row] for row in rows]
+        known = [[shape for shape in row if shape is not None] for row in shapes]
+        if not known or known != shapes:
+            continue
+        parts = [
+            f"row {i} of blocks is {' + '.join(str(width) for _, width in row)} = {sum(width for _, width in row)} wide"
+            for i, row in enumerate(known)
+        ]
+        uneven = [i for i, row in enumerate(known) if len({height for height, _ in row}) > 1]
+        said = "In `np.block` "
+        if uneven:
+            heights = " and ".join(str(height) for height, _ in known[uneven[0]])
+            said += f"row {uneven[0]} of blocks (counted from 0) has blocks of {heights} rows, which must be equal."
+        elif len({sum(width for _, width in row) for row in known}) > 1:
+            said += f"{', '.join(parts)} (counted from 0): these must be equal."
+        else:
+            continue
+        return f"{said}{_empty_corner(rows, known)}"
+    return ""
+
+
+def _of_block(stop: Stop, part: ast.expr) -> tuple[int, int] | None:
+    """The shape of a block: a number is one of 1 by 1, a flat array one row."""
+    thing = stop.things.get(ast.unparse(part))
+    if isinstance(part, ast.Constant) or (thing is not None and thing.kind == "number"):
+        return 1, 1
+    shape = stop.shape(part)
+    if shape is None or len(shape) > 2:
+        return None
+    return shape if len(shape) == 2 else (1, *shape) if shape else (1, 1)  # type: ignore[return-value]
+
+
+def _empty_corner(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]]) -> str:
+    """What shape the one block of zeros must have, among two by two; "" if there is no such block."""
+    empty = [
+        (i, j)
+        for i, row in enumerate(rows)
+        for j, part in enumerate(row)
+        if (isinstance(part, ast.Constant) and part.value == 0) or re.match(r"[\w.]*zeros\(", ast.unparse(part))
+    ]
+    if [len(row) for row in rows] != [2, 2] or len(empty) != 1:
+        return ""
+    ((i, j),) = empty
+    fits = (shapes[i][1 - j][0], shapes[1 - i][j][1])
+    corner, beside, over = (ast.unparse(rows[k][m]) for k, m in ((i, j), (i, 1 - j), (1 - i, j)))
+    if fits == shapes[i][j]:
+        return ""
+    return (
+        f" The empty corner `{corner}` has shape {shapes[i][j]}. It needs as many rows as `{beside}` has and as many "
+        f"columns as `{over}`: shape {fits}."
+    )
 
 
 def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
@@ -112,7 +175,7 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                             f"`{ast.unparse(inner.left)} @ {b}`."
                         )
                 return said
-    return "`solve(A, b)` needs as many entries in b as A has rows: is the right-hand side of the equations complete?"
+    return "`solve(A, b)` needs as many entries in b as A has rows."
 
 
 def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:

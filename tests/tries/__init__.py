@@ -36,6 +36,7 @@ _KINDS = (
     "causes_in_the_lab",
     "causes_on_lectures",
     "terms_and_factors",
+    "causes_and_numbers",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0

@@ -96,7 +96,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "as the rank of a flat array is",
             "def excitation(u, largest):\n    return np.linalg.matrix_rank(u)",
         ),
-        ("ms-8-order", "the best order", "Is it an index", (("return np.array(V)", "return np.argmin(V)"),)),
+        (
+            "ms-8-order",
+            "the best order",
+            "one number, the whole number",
+            (("return np.array(V)", "return np.argmin(V)"),),
+        ),
         (
             "ms-8-order",
             "rolled",
@@ -126,7 +131,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "ri-10-careless",
             "an index for the asymmetry",
-            "is it an index, of `np.argmax`",
+            "divided by max.P., both of the same P",
             (("np.max(np.abs(P - P.T))", "np.argmax(np.abs(P - P.T))"),),
         ),
         (
@@ -178,7 +183,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "nl-7-locate",
             "the index of the best",
-            "Is it an index",
+            "one number, the whole number",
             (("min(fits, key=lambda fit: fit.cost).x", "np.argmin([fit.cost for fit in fits])"),),
         ),
         (

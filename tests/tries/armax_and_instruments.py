@@ -162,7 +162,7 @@ TRIES = (
     Try(F14, "no legend", "fig_14, ax = plt.subplots()\nax.plot(theta_rels)\nax.set_xlabel('n')", "legend"),
     Try(IV, "predicted", iv("-theta[0] * np.r_[0, y[:-1]] + theta[1] * np.r_[0, u[:-1]]"), "measured output"),
     Try(IV, "Z for all", iv(solve="np.linalg.lstsq(Z, Y)[0]"), "Z instead of Phi"),
-    Try(IV, "transposed", iv(solve="np.linalg.solve(Phi.T @ Z, Z.T @ Y)"), "transpose of Z'Phi"),
+    Try(IV, "transposed", iv(solve="np.linalg.solve(Phi.T @ Z, Z.T @ Y)"), "asked for is its transpose, Z'Phi"),
     Try(IV, "inverse shapes", iv(solve="np.linalg.inv(Z @ Phi.T) @ Z @ Y"), "rank 2 at most|no inverse|columns"),
     Try(IV, "lfilter sign", iv("scipy.signal.lfilter([0, theta[1]], [1, -theta[0]], u)"), "other sign of a: y_M"),
     Try(
@@ -262,7 +262,7 @@ TRIES = (
             "eps = y[n] - phi @ theta\n        P = P - np.outer(P @ z, phi @ P) / (phi @ P @ z)\n"
             "        theta = theta + P @ z * eps"
         ),
-        "is the 1 in the denominator",
+        "denominator is zero, and with its 1 it is not",
     ),
     Try(LIK, "no N/2", lik("-np.log(2 * np.pi * var_e) - E @ E / (2 * var_e)"), "stands there N/2 times"),
     Try(LIK, "no brackets", lik("-N / 2 * np.log(2 * np.pi * var_e) - E @ E / 2 * var_e"), "multiplies by var_e"),

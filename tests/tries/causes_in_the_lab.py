@@ -130,7 +130,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "step-7-two",
             "no return",
-            "Is the `return` with the result missing",
+            "must end with a `return` of the result",
             (("    return np.array([a1, a2])\n", ""),),
         ),
         (

@@ -127,7 +127,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "nl-5-exponential",
             "sum from another start",
-            "reaches .* is possible. Is `least_squares` handed the sum",
+            "stops at an SSE of .* is possible: in the right valley",
             ((_FIT, "np.sum((th[1] * np.exp(th[0] * x) - y) ** 2), [0.3, 0.7]"),),
         ),
         (

@@ -43,7 +43,12 @@ IN_PLACE = "y_offset = np.mean(y_act[:n_first])\nu_offset = u_act[0]\n{}\n"
 PHI_HEAD = "half = len(y) // 2\n"
 
 TRIES = (
-    Try(EX, "signals[1] matlab index", extract(y='LogData["signals"][1]["values"][:, 1]'), r"flat.*counted from 1"),
+    Try(
+        EX,
+        "signals[1] matlab index",
+        extract(y='LogData["signals"][1]["values"][:, 1]'),
+        r"flat.*`.1.` is entry number 2, and the first is",
+    ),
     Try(EX, "attribute access", extract(t="LogData.time"), r'dictionary.*LogData\["time"\]'),
     Try(EX, "round brackets", extract(y='LogData["signals"](1)["values"][:, 1]'), "round brackets call|square ones"),
     Try(EX, "column 2", extract(y='LogData["signals"][0]["values"][:, 2]'), "indices 0 to 1"),

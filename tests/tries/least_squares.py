@@ -189,7 +189,7 @@ TRIES = (
         PROJ,
         "inv(Phi Phi^T)",
         f("projector(Phi)", "return Phi.T @ np.linalg.pinv(Phi @ Phi.T) @ Phi"),
-        "Phi and Phi' exchanged",
+        "stands on the outside left.*inverted between them is 2 by 2",
     ),
     Try(PROJ, "pinv", f("projector(Phi)", "return np.linalg.inv(Phi.T @ Phi) @ Phi.T"), "this is the pseudo-inverse"),
     Try(PROJ, "Phi'Phi", f("projector(Phi)", "return Phi.T @ Phi"), "this is Phi'Phi\\."),
@@ -235,7 +235,7 @@ TRIES = (
             "V = np.linalg.svd(Phi)[2]\n    r = np.linalg.matrix_rank(Phi)\n    return "
             "np.linalg.pinv(Phi) @ Y, V[:, r:]",
         ),
-        "numpy's `svd` returns V transposed",
+        "What numpy's `svd` returns is V'",
     ),
     Try(
         SOL,
@@ -360,7 +360,7 @@ TRIES = (
         "def kind(M):\n    w = np.linalg.eigvalsh((M + M.T) / 2)\n    if np.all(w >= -1e-10):\n"
         "        return 'positive semidefinite'\n    if np.all(w <= 1e-10):\n        return 'negative semidefinite'\n"
         "    if np.all(w > 0):\n        return 'positive definite'\n    return 'indefinite'\n",
-        "which of the two does it ask first",
+        "only where it is not definite",
     ),
     Try(
         KIND,
@@ -391,8 +391,21 @@ TRIES = (
         "number for a corner",
         "def constrained_fit(Phi, Y, A, b):\n    K = np.block([[Phi.T @ Phi, A.T], [A, 0]])\n"
         "    return np.linalg.solve(K, np.concatenate([Phi.T @ Y, b]))[: Phi.shape[1]]\n",
-        "block of 1 by 1",
+        "corner `0` has shape \\(1, 1\\).*shape \\(2, 2\\)",
         never="slice",
+    ),
+    Try(
+        CON,
+        "corner as large as A",
+        kkt(corner="np.zeros(A.shape)"),
+        "row 0 of blocks is 3 . 1 = 4 wide, row 1 of blocks is 3 . 3 = 6 wide.*as many columns as `A.T`: shape .1, 1",
+    ),
+    Try(
+        CON,
+        "corner of too many rows",
+        kkt(corner="np.zeros((p, r))"),
+        "row 1 of blocks .counted from 0. has blocks of 1 and 3 rows.*shape .1, 1",
+        never="wide",
     ),
     Try(
         SOL,

@@ -164,7 +164,7 @@ TRIES = (
         PRED,
         "A and B",
         pred("scipy.signal.lfilter(B, [1], u) - scipy.signal.lfilter(A, [1], y) + y", "scipy.signal.lfilter(A, B, u)"),
-        "Are they swapped",
+        "Here it begins with zero, as a numerator",
     ),
     Try(
         F8,

@@ -126,7 +126,7 @@ TRIES = (
         EXP,
         "logarithm",
         exp("c = np.polyfit(x, np.log(y), 1)\n    return np.array([c[0], np.exp(c[1])])"),
-        "returns nan: does it take a logarithm",
+        "nan where one y is negative, and numbers where that y is 0.1: it takes a logarithm",
     ),
     Try(
         EXP,
@@ -193,7 +193,7 @@ TRIES = (
             "e = lambda th: np.linalg.norm(beacons - th) - ranges\n    return "
             "scipy.optimize.least_squares(e, beacons.mean(axis=0)).x",
         ),
-        "an error for each beacon",
+        "one error, for each beacon",
     ),
     Try(
         LOC,
@@ -298,7 +298,7 @@ TRIES = (
             "e = lambda p: np.linalg.norm(beacons - p) - ranges\n"
             "    return scipy.optimize.least_squares(e, beacons.mean(axis=0)).x",
         ),
-        "an error for each beacon",
+        "one error, for each beacon",
     ),
     Try(STEP, "covariance", step(cov="s2 * np.linalg.inv(fit.jac.T @ fit.jac)"), "returns the covariance"),
     Try(STEP, "1.96", step(cov="1.96 * np.sqrt(np.diag(s2 * np.linalg.inv(fit.jac.T @ fit.jac)))"), "half widths"),

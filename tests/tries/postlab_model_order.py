@@ -55,7 +55,7 @@ TRIES = (
         fit("[y[n - i : N - i] for i in range(1, n)] + [u[n - i : N - i] for i in range(1, n)]"),
         "leaves out n",
     ),
-    Try(FIT, "fixed order", fit("[y[1 : N - 1], y[: N - 2], u[1 : N - 1], u[: N - 2]]", "y[2:]"), "does it use n"),
+    Try(FIT, "fixed order", fit("[y[1 : N - 1], y[: N - 2], u[1 : N - 1], u[: N - 2]]", "y[2:]"), "it does not use n"),
     Try(FIT, "lists multiplied", fit(f"{Y_LAGS} + {U_LAGS}", "y[n:]", "return np.linalg.lstsq(Phi, Y)"), r"`\[0\]`"),
     Try(FIT, "u first", fit(f"{U_LAGS} + {Y_LAGS}"), "wrong order"),
     Try(

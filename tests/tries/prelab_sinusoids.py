@@ -138,7 +138,7 @@ TRIES = (
         "noise in the angle",
         "y1 = np.sin(2 * np.pi * t / 100 + rng.uniform(-0.2, 0.2, t.shape))\n"
         "y2 = np.cos(2 * np.pi * t / 100 + rng.uniform(-0.2, 0.2, t.shape))",
-        "inside the brackets",
+        "the noise is inside its brackets",
         never="Gaussian",
     ),
     Try(T, "list", "t = [0.1 * i for i in range(1001)]", "one-dimensional"),

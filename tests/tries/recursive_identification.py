@@ -307,7 +307,7 @@ TRIES = (
         "        P = (P - np.outer(q, q) / (now + phi @ q)) / now\n"
         "        theta = theta + P @ phi * (Y[k] - phi @ theta)\n"
         "        history[k], traces[k] = theta, np.trace(P)\n    return history, traces\n",
-        "turned round",
+        "lambda = 1 throughout: pause only where",
     ),
     Try(
         CAR,

@@ -42,14 +42,14 @@ FILTERS = "[scipy.signal.lfilter(np.r_[0, theta[n + j * n : n + (j + 1) * n]], n
 
 TRIES = (
     Try(READ, "no columns named", read(""), "which columns are inputs and which outputs"),
-    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "both columns named"),
+    Try(READ, "one name each", read(', inputs="Q1", outputs="T1"'), "flat.*if both columns were named"),
     Try(READ, "swapped", read(', inputs="T1,T2", outputs="Q1,Q2"'), "powers are inputs"),
     Try(READ, "alternating", read(', inputs="Q1,T1", outputs="Q2,T2"'), "alternate"),
     Try(
         READ,
         "first column of each",
         read(', inputs="Q1,Q2", outputs="T1,T2"', "u, y, Ts = record.u[:, 0], record.y[:, 0], record.Ts"),
-        "whole of `record.u` taken",
+        "`record.u` holds both of them",
     ),
     Try(
         READ,
@@ -276,7 +276,7 @@ TRIES = (
             "T = []\n    for i in range(y.shape[1]):\n        T.append(np.linalg.lstsq(*regressor(u, y, i, n))[0])\n"
             "        return np.array(T)"
         ),
-        "`return` inside the loop",
+        "Yours is that of output 0",
     ),
     Try(RUN, "two inputs", run(f"return sum({FILTERS}range(2)])"), "uses 2 of its 3 inputs"),
     Try(

@@ -175,8 +175,10 @@ TRIES = (
     Try(TWO, "MATLAB index", fun("solve_two", "U, Y", "return U(1, 1)"), r"MATLAB's `U\(1, 1\)` is `U\[0, 0\]`"),
     Try(ERR, "*", fun("error_vector", A, "return Y - Phi * theta"), r"comes of `Phi \* theta`"),
     Try(ERR, "reversed", fun("error_vector", A, "return Phi @ theta - Y"), "wrong sign"),
-    Try(ERR, "transposed", fun("error_vector", A, "return Y - Phi.T @ theta"), "uses Phi transposed"),
-    Try(ERR, "theta first", fun("error_vector", A, "return Y - theta @ Phi"), "uses Phi transposed"),
+    Try(
+        ERR, "transposed", fun("error_vector", A, "return Y - Phi.T @ theta"), "theta by the transpose.*not transposed"
+    ),
+    Try(ERR, "theta first", fun("error_vector", A, "return Y - theta @ Phi"), "theta by the transpose.*not transposed"),
     Try(ERR, "squares", fun("error_vector", A, "return (Y - Phi @ theta)**2"), "do not square"),
     Try(ERR, "output", fun("error_vector", A, "return Phi @ theta"), "subtract it from Y"),
     Try(LOSS, "no half", fun("loss", A, "E = Y - Phi @ theta\n    return E @ E"), "factor 1/2"),
@@ -187,7 +189,19 @@ TRIES = (
     Try(LOSS, "quarter", fun("loss", A, "E = Y - Phi @ theta\n    return 0.5 * (0.5 * E @ E)"), "half the right value"),
     Try(GRAD, "sign", fun("gradient", A, "return Phi.T @ (Y - Phi @ theta)"), "wrong sign"),
     Try(GRAD, "twice", fun("gradient", A, "return -2 * Phi.T @ (Y - Phi @ theta)"), "twice too large"),
-    Try(GRAD, "no transpose", fun("gradient", A, "return -Phi @ (Y - Phi @ theta)"), "uses Phi transposed"),
+    Try(
+        GRAD,
+        "no transpose",
+        fun("gradient", A, "return -Phi @ (Y - Phi @ theta)"),
+        "by Phi itself.*should be multiplied by its transpose",
+    ),
+    Try(
+        GRAD,
+        "transpose in the errors",
+        fun("gradient", A, "return -Phi @ (Y - Phi.T @ theta)"),
+        "it returns Phi \\(Phi' theta - Y\\)",
+        never="by Phi itself",
+    ),
     Try(GRAD, "number", fun("gradient", A, "return np.sum(-Phi.T @ (Y - Phi @ theta))"), "should hold 3 numbers"),
     Try(GRAD, "one term", fun("gradient", A, "return -Phi.T @ Y"), "lacks the term"),
     Try(
@@ -200,7 +214,7 @@ TRIES = (
         MIN,
         "elementwise",
         fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T * Phi) * Phi.T * Y"),
-        "A table comes of",
+        "It comes of eq. .8. with `.` between its parts",
     ),
     Try(
         MIN,
@@ -260,7 +274,10 @@ TRIES = (
     Try(FUN, "a third for 28.3 %", reader().replace("0.283", "1 / 3"), "from 33.3 % to 63.2 %"),
     Try(FUN, "exact shares", reader().replace("0.283", "1 - np.exp(-1 / 3)"), "", ACCEPTED),
     Try(
-        MODEL, "amplitude of part A", "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)", "handed over"
+        MODEL,
+        "amplitude of part A",
+        "K_tank, tau_tank, td_tank = read_step(t_held, y_held, amplitude)",
+        "K is the change over 2, and this step has the amplitude",
     ),
     Try(LOSS, "1//2", fun("loss", A, "return 1 // 2 * (Y - Phi @ theta) @ (Y - Phi @ theta)"), "`1//2` is 0"),
     Try(
@@ -308,7 +325,7 @@ TRIES = (
         GRAD,
         "Phi E",
         fun("gradient", A, "return Phi @ (Phi @ theta - Y)"),
-        "uses Phi transposed",
+        "by Phi itself.*should be multiplied by its transpose",
         never="multiplies Y by Phi;",
     ),
     Try(MIN, "Y without Phi'", fun("best_theta", "Phi, Y", "return np.linalg.inv(Phi.T @ Phi) @ Y"), "by Y itself"),

@@ -221,13 +221,14 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "ai-2-bias",
             "spread along the rows",
-            "the spread and the standard error of `bias_of` have one number for each of the 9 records.*Of the bias",
+            "the spread and the standard error of `bias_of` have one number for each of the 9 records.*in the bias, "
+            "whose values are compared later",
             ((_SPREAD, "np.std(estimates, axis=1, ddof=1)"),),
         ),
         (
             "ai-2-bias",
             "mean along the rows",
-            "the bias of `bias_of` has one number for each of the 9 records.*Of the spread and the standard error",
+            "the bias of `bias_of` has one number for each of the 9 records.*in the spread and the standard error",
             ((_BIAS, "np.mean(estimates, axis=1) - truth[0]"),),
         ),
     ),

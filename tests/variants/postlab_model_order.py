@@ -180,7 +180,7 @@ VARIANTS: list[Right | Wrong] = [
         "sign of a",
         "\\[-a, b\\]",
     ),
-    wrong(FIT, "always second order", fit("n = 2\n" + stacked()), "order fixed", "does it use n"),
+    wrong(FIT, "always second order", fit("n = 2\n" + stacked()), "order fixed", "it does not use n"),
     wrong(
         FIT, "columns of u first", fit(stacked("u[n - i : N - i]", "y[n - i : N - i]")), "order of theta", "wrong order"
     ),

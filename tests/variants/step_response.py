@@ -739,8 +739,8 @@ VARIANTS: list[Right | Wrong] = [
         GRADIENT,
         "Phi transposed",
         of_theta("gradient", "return Phi @ (Phi @ theta - Y)"),
-        "transposed Phi",
-        "transposed",
+        "Phi' before the errors forgotten",
+        "its transpose",
     ),
     wrong(GRADIENT, "zero everywhere", of_theta("gradient", "return np.zeros(len(theta))"), "zeros", "slope"),
     # 9. minimum, uniqueness

@@ -30,10 +30,13 @@ NUM, DEN = [0.2, 0.1], [1.0, -1.2, 0.4]
 TF = TransferFunctionValue(NUM, DEN, TS)
 SS = StateSpaceValue([[1.2, -0.4], [1, 0]], [[1], [0]], [[0.2, 0.1]], [[0]], TS)
 NAN = float("nan")
-NO_ROUNDING = "Its imaginary part is no rounding, it goes up to {}: is a part of it asked for, or `np.abs`?"
+NO_ROUNDING = (
+    "Its imaginary part is no rounding, it goes up to {}. Asked for are real numbers: `np.abs` is the size, `np.real` "
+    "the real part."
+)
 NOT_FOUR, RANGE = (
     "`Phi` should have shape (any, 4); it is an array of shape",
-    "does a `range` begin or end elsewhere? (It leaves out its end.)",
+    "(A `range` leaves out its end.)",
 )
 DOUBLE = "and the comparison needs more. Compute in double precision, numpy's own `float`: leave the type out."
 
@@ -107,8 +110,7 @@ def test_a_number_may_come_in_an_array(value: Any) -> None:
         ("3", "`a` should be one number; it is text."),
         (
             [1, 2],
-            "`a` should be one number; it is an array of shape (2,). Which of them is meant, their number, "
-            "their sum or their mean?",
+            "`a` should be one number; it is an array of shape (2,).",
         ),
         (
             [],
@@ -233,8 +235,8 @@ def test_a_matrix_is_read_with_open_sizes() -> None:
             "`Phi` has shape (3, 801); it should have shape (801, 3): transpose it.",
             "rows instead of columns",
         ),
-        (np.zeros((449, 3)), (None, 4), f"{NOT_FOUR} (449, 3). One column too few: {RANGE}", None),
-        (np.zeros((449, 5)), (None, 4), f"{NOT_FOUR} (449, 5). One column too many: {RANGE}", None),
+        (np.zeros((449, 3)), (None, 4), f"{NOT_FOUR} (449, 3). One column too few. {RANGE}", None),
+        (np.zeros((449, 5)), (None, 4), f"{NOT_FOUR} (449, 5). One column too many. {RANGE}", None),
         (np.zeros((449, 6)), (None, 4), f"{NOT_FOUR} (449, 6).", None),
         (np.zeros(4), (None, 4), "`Phi` should have shape (any, 4); it is an array of shape (4,).", None),
         (3, (None, 4), "`Phi` should have shape (any, 4); it is a number.", None),

@@ -393,7 +393,7 @@ def test_a_curve_of_unequal_length_is_not_found() -> None:
     [
         (lambda ax: ax.plot(Y, T), "`y` is on the horizontal axis", "x and y swapped"),
         (lambda ax: ax.plot(np.column_stack([Y, U]).T), "a curve for each *row*", "rows drawn"),
-        (lambda ax: ax.plot(T, Y + 2), "Such a constant is an offset: is one still in it?", "no curve"),
+        (lambda ax: ax.plot(T, Y + 2), "Such a constant is an offset.", "no curve"),
         (lambda ax: ax.plot(T, 2 * Y), "twice the right value.", "no curve"),
         (lambda ax: ax.plot(T, U), "Plot it against time.", "no curve"),
         (lambda ax: (ax.plot(T, U), ax.step(T, U)), "and two show `u`.", "one signal drawn twice"),

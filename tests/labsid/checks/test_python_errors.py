@@ -65,7 +65,7 @@ CAUSES = [
     ("data.t", "data.time", 'a key of it, `data["t"]`'),
     ('data["y"]', "data.time", '`data` has the keys "t"'),
     ("y(1)", "k(1)", "round brackets call, square ones take entries"),
-    ("k(1 + 1)", "y(1)", "is a `*` missing"),
+    ("k(1 + 1)", "y(1)", "a product is `k * "),
     ("np.column_stack([y[1:], u])", "np.concatenate([Phi, W])", "Here these are 19, 20"),
     ("np.column_stack(y, u)", "np.array([y, w])", "in a list: `np.column_stack([y, u])`"),
     ("np.concatenate([Phi, y])", "np.column_stack([y[1:], u])", "one is flat, (N,)"),

@@ -97,7 +97,9 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
         right,
         SAME,
         "an instrument made of the input alone.",
-        f"`{call}` is off. Is z(t) = [-y_M(t-1), u(t-1)], with y_M simulated by the latest [a, b]?",
+        f"`{call}` is off. A round simulates y_M by the latest [a, b] and solves with z(t) = [-y_M(t-1), u(t-1)]: "
+        "print "
+        "y_M, and then z(2), of one round.",
         [
             Slip(
                 "least squares",
@@ -124,16 +126,16 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 "regressed on the instrument",
                 f"`{call}` uses Z instead of Phi throughout, (Z'Z)^-1 Z'Y.",
                 partial(_rounds, u, y, rounds, _Way(regressed_on_z=True)),
-                mend="It is (Z'Phi)^-1 Z'Y.",
+                mend="Asked for is (Z'Phi)^-1 Z'Y.",
             ),
             Slip(
                 "Phi'Z for Z'Phi",
-                f"`{call}` solves with Phi'Z, the transpose of Z'Phi.",
+                f"`{call}` solves with Phi'Z; asked for is its transpose, Z'Phi.",
                 partial(_rounds, u, y, rounds, _Way(transposed=True)),
             ),
             Slip(
                 "Phi and Z exchanged",
-                f"`{call}` has Phi and Z exchanged, (Phi'Z)^-1 Phi'Y.",
+                f"`{call}` has Phi and Z exchanged: yours is (Phi'Z)^-1 Phi'Y.",
                 partial(_rounds, u, y, rounds, _Way(exchanged=True)),
                 mend="It is (Z'Phi)^-1 Z'Y.",
             ),
@@ -179,12 +181,19 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
     call = f"recursive_iv(u, y, {warm_up})"
     value = returned(ask, "recursive_iv", u, y, warm_up)
     is_history = isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.shape == (y.size, 2)
-    if is_history and np.any(np.isnan(np.asarray(value, float)[0])):
+    undefined = np.isnan(np.asarray(value, float)).any(axis=1) if is_history else np.zeros(1, bool)
+    if undefined.all():
         return Verdict(
             False,
-            f"the estimate of `{call}` is nan from sample 0 on, where phi and z are zero: is the 1 in the denominator?",
+            f"the estimate of `{call}` is nan from sample 0 on. There phi and z are zero, and 0/0 is nan: the "
+            "denominator "
+            "is zero, and with its 1 it is not.",
             "1 forgotten",
         )
+    if undefined[0]:
+        last = int(np.argmin(undefined))
+        rows = "row 0 of" if last == 1 else f"rows 0 to {last - 1} of"
+        return Verdict(False, f"{rows} `{call}` are nan, and later rows are numbers: the first estimate is zero.")
     if is_history and not np.all(np.isfinite(np.asarray(value, float))):
         return _runaway(np.asarray(value, float), u, y, warm_up)
     got = as_history(call, value, y.size, 2)

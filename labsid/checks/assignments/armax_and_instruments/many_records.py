@@ -150,7 +150,7 @@ def _those(names: Sequence[str], sizes: Sequence[int], size: int) -> str:
 def _others(names: Sequence[str], sizes: Sequence[int], p: int) -> str:
     """The parts of `bias_of` that have one number for each parameter."""
     found = [name for name, its in zip(names, sizes, strict=True) if its == p]
-    return f" Of {' and '.join(found)} the size is right." if found else ""
+    return f" One for each parameter is in {' and '.join(found)}, whose values are compared later." if found else ""
 
 
 @first_failure

@@ -157,7 +157,9 @@ def _judge_rounds(ask: Ask, u: FloatArray, y: FloatArray, share: float, rounds: 
         right,
         SAME,
         "",
-        f"`{call}` is off. Is the regressor [-y(t-1), u(t-1), epsilon(t-1)], with theta = [a, b, c]?",
+        f"`{call}` is off. A round regresses y(t) on [-y(t-1), u(t-1), epsilon(t-1)], with theta = [a, b, c]: print "
+        "the "
+        "row of t = 2 in the first round, where epsilon is known.",
         [
             Slip(
                 "share not used",

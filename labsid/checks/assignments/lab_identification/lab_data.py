@@ -106,8 +106,9 @@ def taken_off_twice(name: str, raw: FloatArray, offset: float) -> Slip[FloatArra
     """A cell that starts from its own result, run twice."""
     return Slip(
         "offset taken off twice",
-        f"`{name}_offset` is taken off `{name}` twice. Was a cell with `{name} = {name} - {name}_offset` "
-        f"run twice? `{name} = {name}_act - {name}_offset` gives the same, however often it is run.",
+        f"`{name}_offset` is taken off `{name}` twice, as a cell with `{name} = {name} - {name}_offset` does when it "
+        "is "
+        f"run twice. `{name} = {name}_act - {name}_offset` gives the same, however often it is run.",
         lambda: raw - 2 * offset,
     )
 

@@ -13,6 +13,8 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.offset import find_offsets, first_period_length, mid_range
 
+_SAME_MEAN, _MOST_SAMPLES = 1e-11, 5_000
+
 OFFSET_TOLERANCE = 0.01
 """Largest difference between valid choices of the settled part, as a share of the range of y."""
 
@@ -136,14 +138,14 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
     side = "above" if got > high else "below" if got < low else "within"
     otherwise = (
         "`y_offset` should be the mean of the settled output before the first change of the input. Yours, "
-        f"{got:.4g}, lies {side} all that the output does there, {low:.4g} to {high:.4g}: from "
-        f"which samples is it made?"
+        f"{got:.4g}, lies {side} all that the output does there, {low:.4g} to {high:.4g}."
         if side != "within"
-        else "`y_offset` should be the mean of the settled output before the first change of the input. Yours is near: "
-        "are samples after the change averaged in, or samples before the output is constant?"
+        else "`y_offset` should be the mean of the settled output before the first change of the input. Yours, "
+        f"{got:.4g}, is among the values that the output takes there, {low:.4g} to {high:.4g}, and not their mean."
     )
     if abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
         return Verdict(True, "")
+    otherwise += _samples_of_mean(got, y_act)
     # a closer tolerance for mistakes than for right answers: two mistakes may give similar values
     return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
 
@@ -217,3 +219,18 @@ def _offset_free(name: str, got: FloatArray, raw: FloatArray, offset: float, oth
         otherwise,
         slips,
     )
+
+
+def _samples_of_mean(got: float, y_act: FloatArray) -> str:
+    """From which samples in a row a mean is made; empty if from none, or if several runs of samples give it."""
+    if y_act.size > _MOST_SAMPLES:
+        return ""
+    sums = np.concatenate([[0.0], np.cumsum(y_act)])
+    found = []
+    for count in range(2, y_act.size + 1):
+        means = (sums[count:] - sums[:-count]) / count
+        starts = np.flatnonzero(np.abs(means - got) <= _SAME_MEAN * max(1.0, abs(got)))
+        found += [(int(start), int(start) + count) for start in starts]
+        if len(found) > 1:
+            return ""
+    return f" It is the mean of `y_act[{found[0][0]}:{found[0][1]}]`." if found else ""

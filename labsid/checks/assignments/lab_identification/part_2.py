@@ -254,7 +254,8 @@ def check_state_space(ask: Ask) -> Verdict:
         if got.A.shape == G.shape and np.allclose(got.A, G, atol=1e-9)
         else slip(
             "transposed matrix",
-            "The matrix G is transposed: its last *row* contains the parameters.",
+            "The matrix G is transposed: in yours the last column holds the parameters, and in eq. (2) the last *row* "
+            "does.",
             G.T,
             H,
             C,
@@ -269,7 +270,14 @@ def check_state_space(ask: Ask) -> Verdict:
             D,
             f"{other} b1 and b2 swapped.",
         ),
-        slip("H reversed", "H is reversed: the input drives the second state.", G, H[::-1], C, D),
+        slip(
+            "H reversed",
+            "H is reversed: in yours the input drives the first state, and in eq. (2) the second.",
+            G,
+            H[::-1],
+            C,
+            D,
+        ),
         slip(
             "rows of another form",
             "The matrix G is of another canonical form, with -a1, -a2 in its first row: H and C belong to eq. (2).",

@@ -139,10 +139,10 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
     right = solve_least_squares(Phi, Y).theta
     require_whole_solution(name, value, Phi.T @ Phi, Phi.T @ Y)
     got = as_vector(name, value, right.size if np.ndim(value) == 2 else None)  # type: ignore[arg-type]
-    if got.size == right.size + 1:
+    if got.size == right.size + 1 and _has_a_constant(got, Phi, Y):
         raise NoAnswer(
-            f"`{name}` has one element too many: does your Phi have a column of ones? The model has no constant, "
-            "because the signals are offset-free.",
+            f"`{name}` has one element too many: it was fitted with a column of ones beside Phi. The model has no "
+            "constant, because the signals are offset-free.",
             "a constant fitted along",
         )
     if got.size != right.size:
@@ -191,8 +191,11 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
         *rounded(right, f"`{name}` is rounded: keep all its digits."),
         *_wrong_fits(name, data, order),
     ]
+    left, side = Phi.T @ Phi @ got, Phi.T @ Y
     otherwise = (
-        f"`{name}` does not solve eq. (8) for your Phi and Y. Check that products use `@`, and which Phi is transposed."
+        f"`{name}` does not solve eq. (8) for your Phi and Y, (Phi'Phi) theta = Phi'Y: with yours the first entry on "
+        "the "
+        f"left is {left[0]:.4g}, and on the right {side[0]:.4g}."
     )
     praise = "The least-squares solution for your equations."
     return judge(got, right, close(1e-6), praise, otherwise, slips)
@@ -245,11 +248,19 @@ def _read_phi(name: str, value: Value, order: int) -> FloatArray:
         )
     if array.ndim == 2 and array.shape[1] in (2, 4, 6) and array.shape[1] != 2 * order:
         raise NoAnswer(
-            f"`{name}` has {array.shape[1]} columns, those of a model of order {array.shape[1] // 2}. This one is of "
-            f"order {order}: how many past samples of y and of u does a row hold?",
+            f"`{name}` has {array.shape[1]} columns, as many as a model of order {array.shape[1] // 2} has. This one "
+            "is of "
+            f"order {order}: a row holds {order} past y and {order} past u.",
             "another order",
         )
     return as_matrix(name, array, (None, 2 * order))
+
+
+def _has_a_constant(theta: FloatArray, Phi: FloatArray, Y: FloatArray) -> bool:
+    """Whether it is the fit with a column of ones beside Phi, on either side."""
+    ones = np.ones((len(Phi), 1))
+    fits = (solve_least_squares(np.hstack(columns), Y).theta for columns in ((Phi, ones), (ones, Phi)))
+    return any(close(1e-6)(theta, fit) for fit in fits)
 
 
 def _ends_of_first_half(N: int) -> range:

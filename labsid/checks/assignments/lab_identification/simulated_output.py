@@ -317,7 +317,9 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     denominator = np.concatenate([[1.0], -model.a[1:]])
     wrong_sign = "comes from a model with the wrong sign of a: the denominator is 1, a1, a2."
     yield slip("sign of a", wrong_sign, lfilter(numerator, denominator, u))
-    yield slip("sign of b", "has the wrong sign: check the sign of b.", lfilter(-numerator, model.a, u))
+    yield slip(
+        "sign of b", "is right but for its sign, as with -b1 and -b2, or with -u.", lfilter(-numerator, model.a, u)
+    )
     if n > 1:
         without = "has a denominator without its leading 1: it is 1, a1, a2."
         yield slip("theta in place of the denominator", without, lfilter(numerator, model.a[1:], u))
@@ -333,8 +335,9 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         "each. Give it `axis=0`, or a flat `u`."
     )
     zero = (
-        "is zero at every sample, whatever the input is. Did `lfilter` get a column? It filters along its "
-        "rows, which have one element each, unless it is given `axis=0`."
+        "is zero at every sample, whatever the input is: print the input and the coefficients that your line hands "
+        "over, "
+        "and their shapes."
     )  # zeros may come from anything else, but a column of them hardly does
     yield slip(*(("filtered along the wrong axis", along) if is_column else ("zero output", zero)), np.zeros(u.size))
     yield slip("filtered along the wrong axis", along, model.b[0] * u)
@@ -358,7 +361,7 @@ def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
     if got.size != right.size:
         return (
             f"`{name}` has {got.size} samples; this part of the input has {right.size}. A simulation "
-            f"gives one output for each sample of its input: which input does your line hand over?"
+            "gives one output for each sample of its input."
         )
     n = int(np.argmax(np.abs(got - right) > 1e-6 * np.max(np.abs(right))))
     begun = f" It is right up to sample {n - 1}." if n > _FEW else " It differs from its first samples on."

@@ -246,13 +246,13 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` uses W once.",
+                "`weighted_fit` uses W once, before Y: yours is (Phi'Phi)^-1 Phi'W Y.",
                 lambda: pseudo_inverse(Phi.T @ Phi) @ Phi.T @ (Y / sigma**2),
                 mend="(Phi'W Phi)^-1 Phi'W Y contains it twice.",
             ),
             Slip(
                 "only one side weighted",
-                "`weighted_fit` uses W once.",
+                "`weighted_fit` uses W once, in the inverse: yours is (Phi'W Phi)^-1 Phi'Y.",
                 lambda: np.asarray(np.linalg.solve(Phi.T @ (Phi / sigma[:, np.newaxis] ** 2), Phi.T @ Y), float),
                 mend="(Phi'W Phi)^-1 Phi'W Y contains it twice.",
             ),
@@ -268,11 +268,15 @@ def _with_multipliers(Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArr
 def _constraint_met(value: Value, A: FloatArray, b: FloatArray) -> str:
     theta = np.ravel(value) if isinstance(value, np.ndarray) else np.empty(0)
     if theta.size != A.shape[1]:
-        return "Check first whether yours satisfies it."
+        return ""
     if np.allclose(A @ theta, b, rtol=1e-6, atol=1e-8):
-        return "Yours satisfies A theta = b, but its SSE is not the smallest: look at the block row of Phi'Phi."
+        return (
+            "Yours satisfies A theta = b, but its SSE is not the smallest of those that do. With multipliers, the "
+            "equations "
+            "for that are Phi'Phi theta + A' multipliers = Phi'Y: put yours in."
+        )
     off = float(np.max(np.abs(A @ theta - b)))
-    return f"Yours does not satisfy it: A theta differs from b by up to {off:.2g}. Look at the block row of A."
+    return f"Yours does not satisfy it: A theta differs from b by up to {off:.2g}."
 
 
 @first_failure
@@ -331,7 +335,7 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
             ),
             Slip(
                 "sign of b",
-                "`constrained_fit` satisfies A theta = -b: check the sign of b in your equations.",
+                "`constrained_fit` satisfies A theta = -b: the sign of b is turned round in your equations.",
                 lambda: least_squares_with_equations(Phi, Y, A, -b).theta,
             ),
             Slip(

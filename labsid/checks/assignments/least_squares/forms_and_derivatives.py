@@ -1,6 +1,7 @@
 """Checks of definiteness, the matrix of Example 2-3, and derivatives with respect to a vector."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from operator import ge, gt
 
 import numpy as np
@@ -33,8 +34,8 @@ def check_kind(ask: Ask) -> Verdict:
     if all("semi" in kind for kind in missed) and exact:
         return Verdict(
             False,
-            f"`kind` does not recognise a {' or a '.join(missed)} matrix, not even a diagonal one with an exact zero: "
-            "has it a branch for each of the five texts, in the right order?",
+            f"`kind` does not recognise a {' or a '.join(missed)} matrix, not even a diagonal one with an exact zero, "
+            f"{truth[exact[0]]}, which it calls {answers[exact[0]]}. {_never_returned(answers, missed)}".rstrip(),
             "branch missing",
         )
     if all("semi" in kind for kind in missed):
@@ -47,8 +48,9 @@ def check_kind(ask: Ask) -> Verdict:
     if all(answers[i] == truth[i].replace(" ", " semi") for i in wrong):
         return Verdict(
             False,
-            f"`kind` calls {len(wrong)} matrices semidefinite that are definite. All eigenvalues > 0 are also >= 0: "
-            "which of the two does it ask first?",
+            f"`kind` calls {len(wrong)} matrices semidefinite that are definite. Where all eigenvalues are > 0 they "
+            "are "
+            "also >= 0: it is semidefinite only where it is not definite.",
             "semidefinite asked first",
         )
     M = trials[wrong[0]][0]
@@ -59,6 +61,12 @@ def check_kind(ask: Ask) -> Verdict:
         f"{truth[wrong[0]]}, and is wrong "
         f"for {len(wrong)} of {len(trials)} matrices. Which signs has x'Mx for the matrices of this kind?",
     )
+
+
+def _never_returned(answers: list[str], missed: list[str]) -> str:
+    """Which of the missed texts is returned for no matrix at all; empty if each is for some."""
+    never = [f"`{text}`" for text in missed if text not in answers]
+    return f"Of all {len(answers)} matrices tried it returns {' or '.join(never)} for none." if never else ""
 
 
 def trial_forms(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
@@ -450,6 +458,16 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
                 "number. The matrix x x' "
                 "is `np.outer(x, x)`.",
                 lambda: square + 2 * (x @ x),
+            ),
+            *(
+                Slip(
+                    "entry by entry",
+                    f"`jacobian_cubic` adds {factor}x_j^2 to every row of column j: `x * x` multiplies entry by entry, "
+                    "and so does `x * x.T`, as the transpose of a flat array is the array itself. The matrix of all "
+                    "products x_i x_j is `np.outer(x, x)`.",
+                    partial(np.add, square, wrong),
+                )
+                for factor, wrong in (("2 ", 2 * x * x), ("", x * x))
             ),
             Slip(
                 "x'x added to every entry",

@@ -29,11 +29,12 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
     if shape in ((p, n), (p, p)):
         return _too_small(as_array("projector(Phi)", value), Phi)
     return judge(
-        as_matrix("projector(Phi)", value, (n, n)),
+        got := as_matrix("projector(Phi)", value, (n, n)),
         P,
         SAME,
         "it projects onto the columns of any Phi, and P P = P.",
-        "`projector` does not return the P with Y_hat = P Y. Check whether P P = P and P Phi = Phi.",
+        "`projector` does not return the P with Y_hat = P Y, for which P P = P, P' = P and P Phi = Phi. "
+        f"{_fails(got, Phi)}",
         [
             Slip(
                 "inverse left out",
@@ -61,6 +62,13 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
     )
 
 
+def _fails(got: FloatArray, Phi: FloatArray) -> str:
+    """Which of the properties of a projector a matrix lacks."""
+    pairs = (("P P = P", got @ got, got), ("P' = P", got.T, got), ("P Phi = Phi", got @ Phi, Phi))
+    lacks = [said for said, one, other in pairs if not SAME(one, other)]
+    return f"Of these, yours does not have {', nor '.join(lacks)}." if lacks else ""
+
+
 def _too_small(got: FloatArray, Phi: FloatArray) -> Verdict:
     """A matrix with p rows, where one with n rows maps Y to Y_hat."""
     n, p = Phi.shape
@@ -80,8 +88,7 @@ def _too_small(got: FloatArray, Phi: FloatArray) -> Verdict:
     return Verdict(
         False,
         f"{size}, but {needed} Phi ({n} by {p}) stands on the outside left, Phi' ({p} by {n}) on "
-        f"the right, and what is "
-        f"inverted between them is {p} by {p}: are Phi and Phi' exchanged?",
+        f"the right, and what is inverted between them is {p} by {p}.",
         slip,
     )
 
@@ -177,7 +184,8 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
         if SAME(N, Vt[:, Vt.shape[0] - free :]):
             return Verdict(
                 False,
-                "N of `all_solutions` has columns of V'. numpy's `svd` returns V transposed.",
+                "N of `all_solutions` has columns of V', and columns of V are asked for. What numpy's `svd` returns is "
+                "V'.",
                 "V and V transposed confused",
                 mend="Take its last *rows*.",
             )

@@ -26,6 +26,8 @@ from labsid.plots.figure_values import AxesValue, CurveValue
 _STARTS = ((0.0, 1.0), (1.0, 1.0), (0.5, 1.0))
 _IN_THE_VALLEY = 1.5
 """Of the smallest SSE: a larger one has another cause than a search that stopped early."""
+_LEVEL = 1e-2
+"""The largest cosine between the errors and a column of J where a search gives up because the SSE is level."""
 
 
 @first_failure
@@ -252,12 +254,21 @@ def check_exponential_fit(ask: Ask) -> Iterator[Verdict]:
 def _fitted(ask: Ask, x: FloatArray, y: FloatArray) -> FloatArray:
     value = returned(ask, "fit_exponential", x, y)
     if isinstance(value, np.ndarray) and not np.all(np.isfinite(value)):
-        raise NoAnswer(
-            "`fit_exponential` returns nan: does it take a logarithm? One of these y is negative. (Or the iteration "
-            "ran away: start it elsewhere.)",
-            "logarithm of a negative number",
-        )
+        if np.min(y) < 0 and _is_finite(ask, x, np.maximum(y, 0.1)):
+            raise NoAnswer(
+                "`fit_exponential` returns nan where one y is negative, and numbers where that y is 0.1: it takes a "
+                "logarithm, or a root, of y.",
+                "logarithm of a negative number",
+            )
+        raise NoAnswer("`fit_exponential` returns nan. Print a, b and the SSE in each of its iterations.")
     return value  # type: ignore[return-value]
+
+
+def _is_finite(ask: Ask, x: FloatArray, y: FloatArray) -> bool:
+    try:
+        return bool(np.all(np.isfinite(as_vector("fit_exponential(x, y)", ask.call("fit_exponential", x, y)))))
+    except NoAnswer:
+        return False
 
 
 def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict:
@@ -268,8 +279,7 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
         fit.theta,
         within(fit.stderr),
         "",
-        "`fit_exponential` does not return the [a, b] with the smallest sum of squared errors: what is its SSE, and "
-        "what is it from another start?",
+        f"`fit_exponential` does not return the [a, b] with the smallest sum of squared errors, {fit.sse:.4g}.",
         [
             Slip("a and b swapped", "`fit_exponential` returns b before a.", lambda: fit.theta[::-1]),
             Slip(
@@ -317,11 +327,21 @@ def _judge_exponential(got: FloatArray, x: FloatArray, y: FloatArray) -> Verdict
         if e @ e < fit.sse * _IN_THE_VALLEY:
             return Verdict(
                 False,
-                f"`fit_exponential` reaches an SSE of {e @ e:.4g}, where {fit.sse:.4g} is possible. Is "
-                "`least_squares` handed the sum of the squared errors? It squares and adds up what it is handed: hand "
-                "it the errors themselves.",
+                f"`fit_exponential` stops at an SSE of {e @ e:.4g}, where {fit.sse:.4g} is possible: in the right "
+                "valley, "
+                "before its lowest point. (What is handed to `least_squares` is one error for each point, which it "
+                "squares and adds up itself.)",
                 "stopped in the valley",
             )
+        J = jacobian_exponential(x, got)
+        slopes, sizes = np.abs(J.T @ e), np.linalg.norm(J, axis=0) * np.linalg.norm(e)
+    if not np.all(slopes <= _LEVEL * sizes):
+        return Verdict(
+            False,
+            f"`fit_exponential` ends at an SSE of {e @ e:.4g}, and {fit.sse:.4g} is possible. It is no minimum either: "
+            "J'e, "
+            "which is zero there, is not.",
+        )
     return Verdict(
         False,
         "`fit_exponential` ends where the SSE is far larger than it could be: from some starts the curve passes by all "

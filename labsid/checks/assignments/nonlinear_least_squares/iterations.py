@@ -231,7 +231,7 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
 
 _RUN_AWAY = (
     "`levenberg_marquardt` went so far that all slopes are zero, and the damped equations have no solution there. "
-    "Is a step taken although the SSE does not decrease? Reject it, and multiply mu by 10."
+    "A step is taken only if the SSE gets smaller by it; if not, theta stays, and mu is multiplied by 10."
 )
 
 
@@ -281,10 +281,14 @@ def _judge_end(theta: FloatArray, best: NonlinearFit, Phi: FloatArray, y: FloatA
             "Raise mu and try a shorter one.",
             "bad steps taken",
         )
+    slope = float(np.max(np.abs(sensor(Phi)[1](theta).T @ e)))
     return Verdict(
         False,
-        "`levenberg_marquardt` goes downhill and stops before the minimum: J'e is not yet zero there. More steps; let "
-        "mu fall after a good one, and rise after a bad one; and do not stop at the first bad one.",
+        f"`levenberg_marquardt` goes downhill, from an SSE of {e_start @ e_start:.4g} to {e @ e:.4g}, and stops before "
+        "the "
+        f"minimum, {best.sse:.4g}: the largest entry of J'e is not yet zero, it is {slope:.2g}. Print mu and the SSE "
+        "in each "
+        "iteration, up to the last: mu falls after a good step and rises after a bad one.",
         "stops too early",
     )
 

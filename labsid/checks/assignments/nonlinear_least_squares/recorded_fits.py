@@ -73,12 +73,16 @@ def _judge_step(ask: Ask, t: FloatArray, y: FloatArray, amplitude: float, fit: N
     parts = returned_parts(ask, "fit_step", "theta and its standard errors", 2, t, y, amplitude)
     right, n, p = fit.theta, y.size, 3
     gain = "`fit_step` leaves the amplitude out: K is the change of y over the size of the step."
+    got = as_estimate("theta of fit_step(t, y, amplitude)", parts[0], 3)
+    with np.errstate(all="ignore"):
+        e = y - (got[0] + amplitude * got[1] * (1 - np.exp(-t / got[2])))
     yield judge(
-        as_estimate("theta of fit_step(t, y, amplitude)", parts[0], 3),
+        got,
         right,
         within(fit.stderr),
         "",
-        "theta of `fit_step` is not the [y0, K, tau] with the smallest SSE: where does your iteration start?",
+        f"theta of `fit_step` is not the [y0, K, tau] with the smallest SSE: with yours it is {e @ e:.4g}, and "
+        f"{fit.sse:.4g} is possible.",
         [
             Slip("amplitude not used", gain, lambda: right * [1, amplitude, 1]),
             Slip(
@@ -286,11 +290,22 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
             from_first,
         ),
     ]
+    got = as_estimate("fit_output_error(u, y)", returned(ask, "fit_output_error", u, y), 2)
     return judge(
-        as_estimate("fit_output_error(u, y)", returned(ask, "fit_output_error", u, y), 2),
+        got,
         right,
         within(fit.stderr),
         "the model whose own run is nearest to the record.",
-        "`fit_output_error` does not return the [a, b] whose run on u alone is nearest to y: what is its SSE?",
+        "`fit_output_error` does not return the [a, b] whose run on u alone is nearest to y. The SSE of the run with "
+        f"yours is {_sse_of_run(got, u, y):.4g}, and {fit.sse:.4g} is possible.",
         slips,
     )
+
+
+@np.errstate(all="ignore")
+def _sse_of_run(theta: FloatArray, u: FloatArray, y: FloatArray) -> float:
+    """The SSE of a run, which may leave the range of numbers."""
+    try:
+        return float(np.sum((y - _run(theta, u)) ** 2))
+    except ValueError:
+        return np.inf

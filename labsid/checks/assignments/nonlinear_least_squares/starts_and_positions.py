@@ -25,23 +25,39 @@ from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 @first_failure
 def check_frequency(ask: Ask) -> Iterator[Verdict]:
     """`fit_frequency(t, y, low, high)`."""
-    for trial, (sign_A, sign_B) in enumerate(((1, 1), (-1, -1), (1, -1), (-1, 1))):
-        t: FloatArray = ask.rng.uniform(0.32, 0.35) * np.arange(ask.rng.integers(85, 95), dtype=np.float64)
-        if trial == 1:
-            t = t - t.mean()  # then no frequency near the right one makes up for a wrong sign of A and B
-        low = float(ask.rng.uniform(3.2, 3.6) if trial == 2 else ask.rng.uniform(0.4, 1.5))
-        high = low + float(ask.rng.uniform(4.5, 5))
-        # in the middle between two frequencies of a scan that is far too coarse; far up in the third trial
-        interval = int(ask.rng.integers(6, 8) if trial == 2 else ask.rng.integers(1, 8))
-        w = low + (high - low) * (interval + 0.5 + float(ask.rng.uniform(-0.05, 0.05))) / 9
-        truth = np.array([w, sign_A * ask.rng.uniform(1, 2), sign_B * ask.rng.uniform(1, 2)])
-        y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
-        if trial >= 2:  # a larger oscillation outside the range, for those who scan a range of their own
-            outside = np.array([low - 2 if trial == 2 else high + 2, *ask.rng.uniform(2, 2.5, 2)])
-            y += _wave(t, outside)
-        fit = levenberg_marquardt(partial(_wave, t), partial(_wave_jacobian, t), y, truth)
-        yield _judge_frequency(as_number(*_frequency_of(ask, t, y, low, high)), fit, t, y, low, high)
+    for trial in range(len(_SIGNS)):
+        verdict, far_off = _one_frequency(ask, trial)
+        if verdict.slip == _HERTZ:  # one wrong frequency may happen to be the best in hertz, two hardly
+            again, _ = _one_frequency(ask, trial)
+            verdict = verdict if again.slip in _IN_HERTZ else far_off if again.passed else again
+        yield verdict
     yield Verdict(True, "the lowest of many valleys, wherever it lies.")
+
+
+_HERTZ = "searched in hertz"
+_IN_HERTZ = (_HERTZ, "Hz for rad/s")
+_SIGNS = ((1, 1), (-1, -1), (1, -1), (-1, 1))
+
+
+def _one_frequency(ask: Ask, trial: int) -> tuple[Verdict, Verdict]:
+    """The verdict on one record, and the one that names no cause."""
+    sign_A, sign_B = _SIGNS[trial]
+    t: FloatArray = ask.rng.uniform(0.32, 0.35) * np.arange(ask.rng.integers(85, 95), dtype=np.float64)
+    if trial == 1:
+        t = t - t.mean()  # then no frequency near the right one makes up for a wrong sign of A and B
+    low = float(ask.rng.uniform(3.2, 3.6) if trial == 2 else ask.rng.uniform(0.4, 1.5))
+    high = low + float(ask.rng.uniform(4.5, 5))
+    # in the middle between two frequencies of a scan that is far too coarse; far up in the third trial
+    interval = int(ask.rng.integers(6, 8) if trial == 2 else ask.rng.integers(1, 8))
+    w = low + (high - low) * (interval + 0.5 + float(ask.rng.uniform(-0.05, 0.05))) / 9
+    truth = np.array([w, sign_A * ask.rng.uniform(1, 2), sign_B * ask.rng.uniform(1, 2)])
+    y = _wave(t, truth) + 0.4 * ask.rng.standard_normal(t.size)
+    if trial >= 2:  # a larger oscillation outside the range, for those who scan a range of their own
+        outside = np.array([low - 2 if trial == 2 else high + 2, *ask.rng.uniform(2, 2.5, 2)])
+        y += _wave(t, outside)
+    fit = levenberg_marquardt(partial(_wave, t), partial(_wave_jacobian, t), y, truth)
+    got = as_number(*_frequency_of(ask, t, y, low, high))
+    return _judge_frequency(got, fit, t, y, low, high), _far_off(got, t, y)
 
 
 def _frequency_of(ask: Ask, t: FloatArray, y: FloatArray, low: float, high: float) -> tuple[str, FloatArray]:
@@ -75,6 +91,13 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
     if abs(2 * np.pi * w - right) < 0.01 * right:
         return Verdict(
             False, "`fit_frequency` returns Hz: asked for is the angular frequency in rad/s.", "Hz for rad/s"
+        )
+    if _is_in_hertz(w, fit, t, y, low, high):
+        return Verdict(
+            False,
+            "`fit_frequency` returns the best f for waves sin and cos of 2 pi f t, in hertz. `low` and `high`, and the "
+            "frequency that is asked for, are angular, in rad/s: sin(w t).",
+            _HERTZ,
         )
     if not low <= abs(w) <= high and w == int(w):
         return Verdict(
@@ -112,11 +135,36 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
             "the SSE of many frequencies between low and high first.",
             "local minimum",
         )
+    return _far_off(w, t, y)
+
+
+def _far_off(w: float, t: FloatArray, y: FloatArray) -> Verdict:
     return Verdict(
         False,
-        "`fit_frequency` returns a frequency at which the SSE is far larger than it could be: how many frequencies do "
-        "you compare, and do A and B have their best values at each?",
+        f"`fit_frequency` returns {w:.4g} rad/s, where the SSE is far larger than it could be: with the best A and B "
+        "it "
+        f"is {_profile(t, y, w):.4g} of {y @ y:.4g}. Compute it by your own lines at w = {w:.4g}, and at frequencies "
+        "far "
+        "from it.",
     )
+
+
+_AMONG_THE_BEST = 0.2
+"""Of the range of the SSE over a scan: below it is only the valley around a lowest point."""
+
+
+def _is_in_hertz(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, low: float, high: float) -> bool:
+    """Whether it is one of the best f between low and high for waves of 2 pi f t, and not for those of f t.
+
+    Of samples in equal steps, waves of several frequencies are the same, so that several are the best.
+    """
+    step = 0.5 * np.pi / (t[-1] - t[0]) / (2 * np.pi)
+    if not low - step <= w <= high + step or _profile(t, y, w) < 1.5 * _profile(t, y, 2 * np.pi * w):
+        return False
+    grid = np.arange(low, high, step / 4)
+    sse = np.array([_profile(t, y, 2 * np.pi * f) for f in grid])
+    best = grid[sse <= np.min(sse) + _AMONG_THE_BEST * np.ptp(sse)]
+    return bool(np.min(np.abs(w - best)) < step)
 
 
 def _alone(t: FloatArray, y: FloatArray, column: np.ufunc, right: float, valley: float) -> float:
@@ -162,8 +210,10 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     ).theta[:2]
     differences = _less_their_mean(beacons - centre, ranges) + centre
     no_step = (
-        "`locate` returns the centre of the beacons. If your search starts there, it has made no step: does it get an "
-        "error for each beacon? (`np.linalg.norm` without `axis=1` is one number for all.)"
+        "`locate` returns the centre of the beacons, and a search that starts there has made no step. Print what it is "
+        "handed at its start: one distance, and one error, for each beacon. (`np.linalg.norm` of a table is one number "
+        "for "
+        "all of it, and with `axis=1` one for each row.)"
     )
     linear = (
         "`locate` solves the linear equations of the *squared* ranges: another criterion, which trusts far beacons "
@@ -174,8 +224,8 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
         fix.position,
         within(fix.fit.stderr),
         "",
-        "`locate` does not return the position with the smallest sum of (range - distance)^2: what is that sum at "
-        "yours, and what from another start?",
+        "`locate` does not return the position with the smallest sum of (range - distance)^2: at yours it is "
+        f"{np.sum((ranges - ranges_from(beacons, got)) ** 2):.4g}, and {fix.fit.sse:.4g} is possible.",
         [
             Slip("coordinates swapped", "`locate` returns the second coordinate first.", lambda: fix.position[::-1]),
             Slip("squared ranges", linear, lambda: squares),

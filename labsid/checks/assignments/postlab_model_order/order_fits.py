@@ -84,10 +84,12 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
             "`fit_order` returns all that `lstsq` does; return the first of it, `[0]`.", "all that lstsq returns"
         )
     got = as_vector(f"fit_order(u, y, {n})", value)
-    if got.size == 2 * n + 1:
+    starts = range(n, n + 3)
+    if got.size == 2 * n + 1 and any(_close(got, fit, EXACT_WITHIN) for k in starts for fit in _with_ones(u, y, n, k)):
         raise NoAnswer(
-            f"`fit_order(u, y, {n})` returns {got.size} parameters, one too many: does it fit a constant, with a "
-            "column of ones? The model has none, because the signals are offset-free.",
+            f"`fit_order(u, y, {n})` returns {got.size} parameters, one too many: it fits a constant, with a column of "
+            "ones. "
+            "The model has none, because the signals are offset-free.",
             "a constant fitted along",
         )
     if got.size == n and any(_close(got, _of_past_outputs(y, n, k), EXACT_WITHIN) for k in range(n, n + 3)):
@@ -95,18 +97,19 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
             f"`fit_order(u, y, {n})` uses past outputs alone: a row holds {n} past y and {n} past u.",
             "past inputs left out",
         )
-    if got.size == n:
+    if got.size == n and any(_close(got, fit, EXACT_WITHIN) for k in starts for fit in _of_sums(u, y, n, k)):
         raise NoAnswer(
-            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}. `+` "
-            "joins two lists, and adds two arrays entry by entry: are the columns of y and of u added?",
+            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {n}: the columns of y and of "
+            "u "
+            "are added. `+` joins two lists, and adds two arrays entry by entry.",
             "columns added",
         )
     if got.size != 2 * n:
-        slip = "order fixed" if got.size in (2, 4) else None
-        raise NoAnswer(
-            f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {got.size}: does it use n?",
-            slip,
-        )
+        said = f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {got.size}"
+        other = ask.call("fit_order", u, y, n + 1)
+        if isinstance(other, np.ndarray) and other.size == got.size:
+            raise NoAnswer(f"{said}, and so does `fit_order(u, y, {n + 1})`: it does not use n.", "order fixed")
+        raise NoAnswer(f"{said}: one for each of {n} past y and {n} past u is asked for.")
     return got
 
 
@@ -177,6 +180,23 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield lag("The lags of y are off by one: the row for y(k) begins with y(k-1).", late_y, past_u)
         yield lag("The lags of u are off by one: after y's, the row for y(k) has u(k-1) first.", past_y, late_u)
         yield lag("All lags are off by one: the row for y(k) begins with y(k-1).", late_y, late_u)
+
+
+def _with_ones(u: FloatArray, y: FloatArray, n: int, k: int) -> Iterator[FloatArray]:
+    """The fits with a constant, last or first."""
+    Phi = build_phi(u, y, n, k).Phi
+    ones = np.ones((len(Phi), 1))
+    for columns in ((Phi, ones), (ones, Phi)):
+        theta = solve_least_squares(np.hstack(columns), y[k:]).theta
+        yield theta
+        yield theta * np.r_[[1.0] * (columns[1] is Phi), [-1.0] * n, [1.0] * n, [1.0] * (columns[0] is Phi)]
+
+
+def _of_sums(u: FloatArray, y: FloatArray, n: int, k: int) -> Iterator[FloatArray]:
+    """The fits with each column of y added to one of u."""
+    Phi = build_phi(u, y, n, k).Phi
+    for sign in (1, -1):
+        yield solve_least_squares(sign * Phi[:, :n] + Phi[:, n:], y[k:]).theta
 
 
 def _of_past_outputs(y: FloatArray, n: int, k: int) -> FloatArray:

@@ -106,8 +106,8 @@ _WRONG_RULES = (
     (
         "forgetting never",
         "never",
-        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed. (Is its condition "
-        "turned round?)",
+        "`rls_bounded` runs with lambda = 1 throughout: pause only where the bound would be passed, that is where "
+        "trace(P)/lambda is larger than it.",
     ),
     (
         "sample skipped",
@@ -288,6 +288,13 @@ _LARGEST_ASYMMETRY = 2.0
 """Of |P - P'| over the largest |P|: two entries of opposite signs."""
 
 
+def _whole_or_not(asymmetry: FloatArray) -> str:
+    """What numbers larger than a share are, if they can be told."""
+    if np.array_equal(asymmetry, np.round(asymmetry)):
+        return "Yours are whole numbers, indices as `np.argmax` gives them; the largest entry itself is `np.max`."
+    return "It is max|P - P'| divided by max|P|, both of the same P."
+
+
 def _judge_growth(asymmetry: FloatArray, Phi: FloatArray, lam: float, LN: float) -> Verdict:
     """Rounding is of no known size, but its growth is: a factor 1/lambda a sample, to far below a per cent."""
     if np.min(asymmetry) < 0:
@@ -298,7 +305,7 @@ def _judge_growth(asymmetry: FloatArray, Phi: FloatArray, lam: float, LN: float)
         return Verdict(
             False,
             f"the asymmetry of `rls_careless` goes up to {np.max(asymmetry):.3g}. A share of the largest entry of "
-            f"P is at most {_LARGEST_ASYMMETRY:g}: is it an index, of `np.argmax`, or not divided by max|P|?",
+            f"P is at most {_LARGEST_ASYMMETRY:g}. {_whole_or_not(asymmetry)}",
             "no share of the largest entry",
         )
     window = np.arange(100, 200)
@@ -312,7 +319,11 @@ def _judge_growth(asymmetry: FloatArray, Phi: FloatArray, lam: float, LN: float)
             "the sound form",
         )
     if growth > 1.5:
-        return Verdict(False, "the asymmetry of `rls_careless` grows too fast: is it max|P - P'| / max|P|?")
+        return Verdict(
+            False,
+            f"the asymmetry of `rls_careless` grows by a factor of {lam**-growth:.4g} in each sample, where that of "
+            f"rounding grows by 1/lambda = {1 / lam:.4g}. It is max|P - P'| / max|P|, both of the same P.",
+        )
     if asymmetry[100] < _LEAST_ROUNDING * lam**-100:
         return Verdict(
             False,

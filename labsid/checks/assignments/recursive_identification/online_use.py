@@ -208,8 +208,8 @@ def _one_error(ask: Ask) -> Verdict:
             ),
             Slip(
                 "lag upside down",
-                "the lag of `tracking_mse` is upside down: for lambda = 1/2 both are s, but the longer the memory, the "
-                "larger the lag.",
+                "the lag of `tracking_mse` is upside down: yours gets smaller as lambda goes to 1, and the longer the "
+                "memory, the larger the lag is. (For lambda = 1/2 both are s.)",
                 lambda: (slope * (1 - lam) / lam) ** 2 + variance,
             ),
             Slip("lag forgotten", "`tracking_mse` leaves the lag out.", lambda: variance),
@@ -251,13 +251,16 @@ def _one_choice(ask: Ask, best: float, slope: float, sigma: float) -> Verdict:
             "`best_forgetting` is right to two decimals only: search in steps of 0.001.",
             "search too coarse",
         )
+    at = (
+        f"`best_forgetting` returns {lam:.4g}, where the mean squared error is {tracking_mse(lam, slope, sigma):.4g}; "
+        "the "
+        f"least is {least:.4g}."
+    )
     if (lam < best and abs(lam - best) > 0.3) or lam > 0.9985:
         return Verdict(
             False,
-            "`best_forgetting` ends at an edge of what it searches: is it the least error that it looks for, between "
-            "0.5 and 0.999?",
+            f"{at} That is far from the best lambda: what is sought is the *least* error for lambda between 0.5 and "
+            "0.999.",
             "end of the search",
         )
-    return Verdict(
-        False, "at the lambda of `best_forgetting` the mean squared error is not the least: search in steps of 0.001."
-    )
+    return Verdict(False, f"{at} Between 0.5 and 0.999, search in steps of 0.001.")

@@ -89,6 +89,11 @@ def slips_of_update(name: str, make: Callable[[Update], Answer], one: str = "lam
         "(P - K (P phi)') / lambda."
     )
     yield Slip("lambda within the bracket", inside, lambda: make(_lambda_inside))
+    flat = (
+        f"{name} multiplies two flat arrays entry by entry (`*`) where the matrix K (P phi)' belongs, so that P loses "
+        "the same in every row. The matrix of all products is `np.outer`."
+    )
+    yield Slip("entry by entry", flat, lambda: make(_entry_by_entry))
 
 
 def _with_bare_denominator(P: FloatArray, phi: FloatArray, lam: float) -> tuple[FloatArray, FloatArray]:
@@ -99,6 +104,11 @@ def _with_bare_denominator(P: FloatArray, phi: FloatArray, lam: float) -> tuple[
 def _lambda_inside(P: FloatArray, phi: FloatArray, lam: float) -> tuple[FloatArray, FloatArray]:
     K = P @ phi / (lam + phi @ P @ phi)
     return K, P - np.outer(K, P @ phi) / lam
+
+
+def _entry_by_entry(P: FloatArray, phi: FloatArray, lam: float) -> tuple[FloatArray, FloatArray]:
+    K = P @ phi / (lam + phi @ P @ phi)
+    return K, (P - K * (P @ phi)) / lam
 
 
 def is_one_array(history: FloatArray, estimates: Iterable[FloatArray]) -> bool:

@@ -153,12 +153,12 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
             ),
             Slip(
                 "Phi'Z for Z'Phi",
-                f"`{_CALL}` solves with Phi'Z, the transpose of Z'Phi.",
+                f"`{_CALL}` solves with Phi'Z; asked for is its transpose, Z'Phi.",
                 lambda: np.asarray(np.linalg.solve(Phi.T @ Z, Z.T @ Y), np.float64),
             ),
             Slip(
                 "Phi and Z exchanged",
-                f"`{_CALL}` has Phi and Z exchanged: it is (Z'Phi)^-1 Z'Y.",
+                f"`{_CALL}` has Phi and Z exchanged: yours is (Phi'Z)^-1 Phi'Y, and asked for is (Z'Phi)^-1 Z'Y.",
                 lambda: np.asarray(np.linalg.solve(Phi.T @ Z, Phi.T @ Y), np.float64),
             ),
             Slip("sign of a", f"`{_CALL}` returns [a, b]; theta is [-a, b].", lambda: right * [-1, 1]),

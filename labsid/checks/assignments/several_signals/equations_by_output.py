@@ -198,7 +198,11 @@ def _judge_theta(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> Verdict:
         return Verdict(
             False,
             f"`{call}` has {got.shape[0]} rows; there are {rows} outputs, one row for each."
-            + (" Does a `return` inside the loop end it early?" if got.shape[0] == 1 else ""),
+            + (
+                " Yours is that of output 0: the loop goes on to the others, and all are returned after it."
+                if got.shape[0] == 1 and SAME(got[0], fit_arx_system(u, y, 1.0, n).equations[0].fit.theta)
+                else ""
+            ),
             "rows are not outputs",
         )
     fits = fit_arx_system(u, y, 1.0, n).equations

@@ -48,8 +48,8 @@ def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray
     if got.ndim == 1 and any(SAME(got, column) for column in (*right.T, *other.T)):
         return Verdict(
             False,
-            f"`{name}` holds one signal; it should hold two, shape ({SAMPLES}, 2). Are both columns named, "
-            f"with a comma between them, and is the whole of `record.{name}` taken?",
+            f"`{name}` holds one signal, flat; it should hold two, side by side, shape ({SAMPLES}, 2). `record.{name}` "
+            "holds both of them, if both columns were named when the record was read.",
             "one signal only",
         )
     if got.shape == (2, SAMPLES) and SAME(got.T, right):

@@ -315,7 +315,8 @@ def _own_cells(ask: Ask, name: str, x: FloatArray, other: FloatArray, e: FloatAr
     if not np.any(shares):
         raise NoAnswer(
             f"`{name}` has nothing in any cell: no sample lies between the edges, {edges[0]:.3g} to {edges[-1]:.3g} V, "
-            f"as those of `{signal}_act` do. Was it handed over first, with its offset?",
+            f"as those of `{signal}_act` do. What is sorted is what is handed over first: `{signal}_act`, with its "
+            "offset.",
             "another signal sorted",
         )
     return judge(

@@ -154,7 +154,7 @@ def _impossible(got: Mapping[str, float], effect: str, record: Record) -> tuple[
     if "low" in got and (got["high"] < low or got["low"] > high):
         return (
             f"`low` and `high` are {got['low']:.4g} and {got['high']:.4g}, and `{signal}_act` runs from {low:.3g} to "
-            f"{high:.3g} V: both are outside. Are they in volts, measured at this signal?",
+            f"{high:.3g} V: both are outside. They are voltages of this signal.",
             "not in volts",
         )
     if "empty" in got and got["empty"] >= low:

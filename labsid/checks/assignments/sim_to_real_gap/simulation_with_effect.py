@@ -51,6 +51,9 @@ def closed_share(mse_after: float, mse_before: float, noise: float) -> float:
     return float(1 - np.sqrt(left))
 
 
+_NO_EFFECT = "no effect added"
+
+
 def check_simulation(ask: Ask) -> Verdict:
     """Step 7: `simulate_better(u_act)` on a run of the rig."""
     run = _run(ask)
@@ -58,6 +61,13 @@ def check_simulation(ask: Ask) -> Verdict:
     verdict = _judge_run(ask, run, y_sim)
     if verdict.passed:
         return _other_inputs(ask, run, y_sim)
+    if verdict.slip == _NO_EFFECT and np.allclose(y_sim, _played(ask, run.u[::-1])):
+        return Verdict(
+            False,
+            "`simulate_better` returns the output of the linear model on your record, whatever it is handed: its "
+            "argument is ignored. Let it simulate its argument, with the effect.",
+            "argument not used",
+        )
     slip = _slip_of_more_runs(ask, run, y_sim) if verdict.slip is None else None
     return verdict if slip is None else Verdict(False, *slip)
 
@@ -86,8 +96,8 @@ def _other_inputs(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
     if np.allclose(y_sim, _played(ask, run.u[::-1])):
         return Verdict(
             False,
-            "`simulate_better` returns the same for another input, the pump voltages in reverse order: does it replay "
-            "the record in place of simulating its argument?",
+            "`simulate_better` returns the same for another input, the pump voltages in reverse order: its argument is "
+            "ignored. It is handed other inputs, and simulates them.",
             "argument not used",
         )
     samples = int(run.u.size * ask.rng.uniform(0.4, 0.8))
@@ -111,7 +121,7 @@ def _slip_of_one_run(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] 
         return (
             "`simulate_better` does what the linear model does: there is no effect in it, or its fit has put it out of "
             "the range that is used.",
-            "no effect added",
+            _NO_EFFECT,
         )
     if _is_near(y_sim + y_offset, run.linear, run):
         return (
@@ -266,7 +276,7 @@ def check_closed(ask: Ask) -> Verdict:
         return Verdict(
             False,
             "On the run that the judge holds back your simulation closes another share than the one you report. What "
-            "counts is what holds on fresh data: is there anything in it that knows your record?",
+            "counts is what holds on fresh data.",
             "does not hold on fresh data",
         )
     return verdict
@@ -280,9 +290,11 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
     if isinstance(value, float) and np.isnan(value):
         if after > sigma**2:
             raise NoAnswer(
-                "`share_closed` returns nan, the root of a negative number. Both mean squared errors are larger than "
-                "the variance of the noise here: is sigma squared?",
-                "sigma not squared",
+                "`share_closed` returns nan, the root of a negative number. Both mean squared errors are larger here "
+                "than "
+                "the variance of the noise, sigma^2."
+                + (" Less sigma itself one is negative: sigma is not squared." if min(after, before) < sigma else ""),
+                "sigma not squared" if min(after, before) < sigma else None,
             )
         raise NoAnswer(
             "`share_closed` returns nan: where the error after is below the noise, the root needs `max(..., 0)`. "
@@ -357,12 +369,11 @@ def _run(ask: Ask) -> _Run:
 def _other_length(ask: Ask, y_sim: FloatArray, wanted: int) -> str:
     """Why the output has another length than the input."""
     if y_sim.size == ask.record.y.size:
-        replayed = np.ptp(y_sim - ask.record.y) < 1e-9
-        what = "that is your record itself" if replayed else "as many as your record has"
+        if np.ptp(y_sim - ask.record.y) < 1e-9:
+            return "They are your record itself: its argument is ignored. It is handed other inputs, of any length."
         return (
-            f"{what[0].upper()}{what[1:]}: does it replay or interpolate something recorded, in place "
-            f"of simulating its "
-            "argument? It is handed other inputs, of any length."
+            "That is as many as your record has: what is simulated is `u_act`, the argument, of any length, and no "
+            "signal of the notebook."
         )
     if y_sim.size in (wanted // 2, wanted - wanted // 2):
         return "That is half of them: simulate the whole input."

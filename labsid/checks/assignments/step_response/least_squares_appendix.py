@@ -1,6 +1,8 @@
 """Checks of the least-squares appendix: two equations, error, loss, gradient, minimum, and when it is unique."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
+from itertools import product
 
 import numpy as np
 
@@ -94,10 +96,14 @@ def _require_a_solution(ask: Ask, value: Value, is_reversed: bool) -> None:
         text = f"`solve_two` returns None {made}, and not for dependent ones: its condition is the wrong way round."
         raise NoAnswer(text, "condition the wrong way round")
     said = f"`solve_two` returns nothing (None) {made}."
-    look = f"the determinant that it computes: is it zero? {twice}"
     if _goes_on_with_nan(ask):
-        raise NoAnswer(f"{said} Print {look}", "determinant is zero")
-    raise NoAnswer(f"{said} Is the `return` with the result missing? If it is there, print {look}", "no return")
+        raise NoAnswer(f"{said} Print the determinant that it computes. {twice}", "determinant is zero")
+    raise NoAnswer(
+        f"{said} So it does for dependent ones. Print the determinant that it computes: the lines that are reached "
+        "where "
+        "it is not zero must end with a `return` of the result.",
+        "no return",
+    )
 
 
 def _goes_on_with_nan(ask: Ask) -> bool:
@@ -134,10 +140,12 @@ def _require_no_table(name: str, value: Value, tables: tuple[FloatArray, ...]) -
     """Refuse a table that is what a product entry by entry gives."""
     if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
         proved = any(value.shape == table.shape and np.allclose(value, table) for table in tables)
-        what = "comes of `Phi * theta`, which multiplies" if proved else "often comes of `*`, which multiplies"
+        said = f"`{name}` returns a table of shape {value.shape}, and not one error for each equation"
+        if not proved:
+            raise NoAnswer(f"{said}: print the shapes of Y and of `Phi @ theta` before they are subtracted.")
         raise NoAnswer(
-            f"`{name}` returns a table of shape {value.shape}, and not one error for each equation: "
-            f"that {what} entry by entry. The product of Phi and theta is `Phi @ theta`.",
+            f"{said}: that comes of `Phi * theta`, which multiplies entry by entry. The product of Phi and theta is "
+            "`Phi @ theta`.",
             "product entry by entry",
         )
 
@@ -196,9 +204,12 @@ def check_minimum(ask: Ask) -> Verdict:
         require_whole_solution("best_theta", value, Phi.T @ Phi, Phi.T @ Y)
         if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
             raise NoAnswer(
-                f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. A "
-                "table comes of `*` or `/` between matrices, which work entry by entry: products of matrices are "
-                "`@`. Are all of yours?",
+                f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. "
+                "{} (`*` and `/` between matrices work entry by entry; products of matrices are `@`.)".format(
+                    "It comes of eq. (8) with `*` between its parts."
+                    if _is_table_of_products(value, Phi, Y)
+                    else "Print the shape of each of its products."
+                ),
                 "product entry by entry",
             )
         return judge(
@@ -214,6 +225,19 @@ def check_minimum(ask: Ask) -> Verdict:
         )
 
     return _on_all(ask, one)
+
+
+def _is_table_of_products(value: Value, Phi: FloatArray, Y: FloatArray) -> bool:
+    """Whether it is eq. (8) with one product or more entry by entry."""
+    tables = []
+    for products in product((np.matmul, np.multiply), repeat=3):
+        with suppress(ValueError, np.linalg.LinAlgError):
+            square, behind, last = products
+            inverse = np.linalg.inv(square(Phi.T, Phi))
+            tables += [last(behind(inverse, Phi.T), Y), behind(inverse, last(Phi.T, Y))]
+    return isinstance(value, np.ndarray) and any(
+        value.shape == table.shape and np.allclose(value, table) for table in tables
+    )
 
 
 def check_unique(ask: Ask) -> Verdict:

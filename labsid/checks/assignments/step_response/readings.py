@@ -214,13 +214,16 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
             yield _Suspect("largest value for the end", "K", float(value), 0.05 * abs(right.K), largest)
     divide = "K is the whole change of the output: divide it by the amplitude."
     yield _Suspect("amplitude not divided out", "K", change, 0, divide)
-    yield _Suspect("gain inverted", "K", a / change, 0, "K is inverted: it is output over input.")
+    yield _Suspect(
+        "gain inverted",
+        "K",
+        a / change,
+        0,
+        "K is inverted: yours is input over output, and it should be output over input.",
+    )
     for other in (2.0, 1.0):
         if abs(a) > 0 and abs(abs(a) - other) > 0.1:
-            fixed = (
-                f"K is the change over {other:g}, and this step has the amplitude {a:.3g}: is that what it is divided "
-                "by, or what is handed over?"
-            )
+            fixed = f"K is the change over {other:g}, and this step has the amplitude {a:.3g}."
             yield _Suspect("amplitude of another step", "K", change / other, 0, fixed)
     absolute = "K is the absolute value: with its sign it tells whether the output falls when the input rises."
     if right.K < 0:
@@ -270,7 +273,7 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     settling = "tau is the time to 95 %; the time constant is the time to 63.2 %."
     yield _Suspect("settling time in place of the time constant", "tau", 3 * right.tau, grid, settling)
     yield _Suspect("time in samples", "tau", right.tau / Ts, 1.5, "tau counts samples; it should be in seconds.")
-    yield _Suspect("time constant inverted", "tau", 1 / right.tau, 0, "tau is inverted: you gave 1/tau.")
+    yield _Suspect("time constant inverted", "tau", 1 / right.tau, 0, "tau is inverted: yours is 1/tau.")
 
 
 def _deviation(values: dict[str, float], fit: StepResponseFit, right_gain: bool) -> str:

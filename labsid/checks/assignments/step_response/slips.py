@@ -11,7 +11,8 @@ from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares,
 Slips = list[Slip[FloatArray]]
 
 DIVIDED = "divided by a number of equations"
-_TRANSPOSED = "uses Phi transposed: a row of Phi is an equation, a column an unknown."
+_ROWS = "a row of Phi is an equation, a column an unknown."
+_BOTH_TURNED = "has Phi and Phi' in each other's places: it returns"
 
 
 def two_slips(U: FloatArray, Y: FloatArray) -> Slips:
@@ -34,7 +35,9 @@ def two_slips(U: FloatArray, Y: FloatArray) -> Slips:
         ),
         Slip(
             "sign of the determinant",
-            "`solve_two` has the wrong sign of the determinant.",
+            "both results of `solve_two` have the wrong sign, as they have with the other sign of the determinant, or "
+            "of "
+            "both numerators.",
             lambda: np.array([first, second]) / -det,
         ),
         Slip(
@@ -81,7 +84,11 @@ def error_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
             "`error_vector` returns absolute errors: keep their signs.",
             lambda: np.abs(Y - Phi @ theta),
         ),
-        Slip("transposed Phi", f"`error_vector` {_TRANSPOSED}", lambda: Y - Phi.T @ theta),
+        Slip(
+            "transposed Phi",
+            f"`error_vector` multiplies theta by the transpose, Phi'; (A4) has Phi theta, not transposed: {_ROWS}",
+            lambda: Y - Phi.T @ theta,
+        ),
     ]
 
 
@@ -113,7 +120,11 @@ def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[f
             )
             for factor in (0.5, 1.0)
         ),
-        Slip("transposed Phi", f"`loss` {_TRANSPOSED}", lambda: loss(Phi.T, Y, theta)),
+        Slip(
+            "transposed Phi",
+            f"`loss` multiplies theta by the transpose, Phi'; (A5) has Phi theta, not transposed: {_ROWS}",
+            lambda: loss(Phi.T, Y, theta),
+        ),
     ]
 
 
@@ -158,7 +169,7 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
         ),
         Slip(
             "sign of the gradient",
-            "`gradient` adds its two terms: expand V and check their signs.",
+            "`gradient` adds its two terms, Phi'Phi theta and Phi'Y: in the derivative their signs differ.",
             lambda: of_y + of_theta,
         ),
         Slip("the 2 of (A6) forgotten", uneven, lambda: of_theta - of_y / 2),
@@ -176,8 +187,17 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
             "`gradient` has Phi Phi', N by N, where Phi'Phi, p by p, belongs.",
             lambda: Phi @ Phi.T @ theta - of_y,
         ),
-        Slip("transposed Phi", f"`gradient` {_TRANSPOSED}", lambda: loss_gradient(Phi.T, Y, theta)),
-        Slip("transposed Phi", f"`gradient` {_TRANSPOSED}", lambda: Phi @ (Phi @ theta - Y)),
+        Slip(
+            "transposed Phi",
+            f"`gradient` {_BOTH_TURNED} Phi (Phi' theta - Y). The errors hold Phi theta, and Phi' stands before them.",
+            lambda: loss_gradient(Phi.T, Y, theta),
+        ),
+        Slip(
+            "Phi' before the errors forgotten",
+            "`gradient` multiplies the errors by Phi itself; they should be multiplied by its transpose, Phi'. Entry j "
+            "of the gradient takes column j of Phi, which is unknown j in every equation.",
+            lambda: Phi @ (Phi @ theta - Y),
+        ),
     ]
 
 
@@ -192,8 +212,17 @@ def minimum_slips(Phi: FloatArray, Y: FloatArray) -> Slips:
         ),
         Slip("only Phi'Y", "`best_theta` returns Phi'Y: multiply it by (Phi'Phi)^-1.", lambda: Phi.T @ Y),
         Slip("sign of theta", "`best_theta` has the wrong sign.", lambda: -solve_least_squares(Phi, Y).theta),
-        Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: solve_least_squares(Phi.T, Y).theta),
-        Slip("transposed Phi", f"`best_theta` {_TRANSPOSED}", lambda: np.linalg.inv(Phi @ Phi.T) @ Phi @ Y),
+        *(
+            Slip(
+                "transposed Phi",
+                f"`best_theta` {_BOTH_TURNED} (Phi Phi')^-1 Phi Y. Eq. (8) is (Phi'Phi)^-1 Phi'Y.",
+                wrong,
+            )
+            for wrong in (
+                lambda: solve_least_squares(Phi.T, Y).theta,
+                lambda: np.linalg.inv(Phi @ Phi.T) @ Phi @ Y,
+            )
+        ),
         Slip(
             "Phi Phi' for Phi'Phi",
             "`best_theta` inverts Phi Phi', N by N; eq. (8) inverts Phi'Phi, p by p.",
