@@ -43,7 +43,14 @@ class Inside(PlantEffect):
     def applies(self, context: Context) -> bool:
         """Whether the simulation opens, and nothing else makes these changes."""
         plant = context.parent.hypothesis.plant
-        return plant.simulation.port is not None and not set(self.changes) & set(plant.inside)
+        port = plant.simulation.port
+        return port is not None and port.makes(self.changes) and not set(self.changes) & set(plant.inside)
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """Other forms of this effect that the simulation can make."""
+        port = hypothesis.plant.simulation.port
+        forms = (form for form in super().alternatives(hypothesis) if isinstance(form, Inside))
+        return [form for form in forms if port is None or port.makes(form.changes)]
 
     def extend(self, plant: Plant) -> Plant:
         """The simulation with these changes."""
@@ -345,13 +352,15 @@ class Mismatch(Inside):
         return [{f"in_{self.what}": size} for size in (0.1, 0.6, -0.1, -0.4)]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Require a number that may be: no negative damping, inertia, mass or gain."""
+        """Require a number that may be: no negative damping, inertia, mass or gain, where all of it is known."""
         (value,) = self.values(fit).values()
-        return self.what == "stiffness" or value.value > 0.0
+        return self.what == "stiffness" or value.value > 0.0 or bool(port_of(fit).stepper)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """The number, under its name in the model."""
+        """The number, under its name in the model; of a class that is stepped what it lacks of it."""
         port, (change,) = port_of(fit), in_units(fit, self.what)
+        if port.stepper:
+            return {self.what: Value(change, port.unit_of(self.what))}
         name = port.names[self.what]
         nominal = port.nominal[name]
         if self.what == "gain":
@@ -361,11 +370,11 @@ class Mismatch(Inside):
 
 
 def place_inside(fit: ParentFit, effect: Effect | None) -> dict[str, Any]:
-    """The `joint` and the `actuator` at which an effect acts; empty for one that does not act inside a simulation."""
+    """The `joint` and the `actuator`, or the `port`, at which an effect acts; empty for one outside a simulation."""
     port = fit.hypothesis.plant.simulation.port
     if port is None or not isinstance(effect, Inside):
         return {}
-    return {"joint": port.joint, "actuator": port.actuator}
+    return {"port": port.stepper} if port.stepper else {"joint": port.joint, "actuator": port.actuator}
 
 
 def with_nominal(fit: ParentFit, parameters: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:
