@@ -50,7 +50,9 @@ def command(seed: int, samples: int) -> np.ndarray:
     return np.repeat(np.random.default_rng(seed).uniform(-1.0, 1.0, samples // 30 + 1), 30)[:samples]
 
 
-def built_in(u: np.ndarray, Ts: float = 0.005, k: float = 200.0, d: float = 10.0, **changes: float) -> np.ndarray:
+def built_in(
+    u: np.ndarray, Ts: float = 0.005, k: float = 200.0, d: float = 10.0, limit: float = 200.0, **changes: float
+) -> np.ndarray:
     """Position of the pendulum with changes in it, as they are called in `labsid.simulators`, in fine steps."""
     h, q, v, level = Ts / FINE, 0.0, 0.0, float(u[0])
     of = {"stribeck": 1.0, "low": -1e9, "high": 1e9, "frequency": 1.0}
@@ -63,7 +65,7 @@ def built_in(u: np.ndarray, Ts: float = 0.005, k: float = 200.0, d: float = 10.0
             out[n // FINE] = q
         t = n * h
         level += share * (u[n // FINE] - level)
-        force = min(max(k * (level - q), -200.0), 200.0) - d * v - 60.0 * math.sin(q)
+        force = min(max(k * (level - q), -limit), limit) - d * v - 60.0 * math.sin(q)
         force -= (of["damping"] + of["drag"] * abs(v)) * v + (of["stiffness"] + of["cubic"] * q * q) * q
         force += of["gravity_sin"] * math.sin(q) + of["gravity_cos"] * math.cos(q)
         force += of["load"] if t >= of["onset"] else 0.0

@@ -11,9 +11,14 @@ from stepped_rigs import Pendulum, built_in, command
 
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import diagnose
-from labsid.gap.effects.inside import FAMILIES
+from labsid.gap.effects.context import Context
+from labsid.gap.effects.inside import FAMILIES, woken_numbers
+from labsid.gap.fits.fitting import fit_from
+from labsid.gap.record.data import scaled
 from labsid.gap.reports.inside_texts import inside_clause
+from labsid.gap.simulations.baseline import make_baseline
 from labsid.records.record import Record
+from labsid.simulators.stepper import stepper_simulator
 
 TS, NOISE = 0.005, 0.01
 SOURCE = Path(__file__).parents[3] / "stepped_rigs.py"
@@ -96,6 +101,19 @@ def test_numbers_of_a_class_are_free() -> None:
     (effect,) = found.report["effects"]
     assert effect["name"] == "parameter-mismatch"
     assert effect["parameters"]["d"]["value"] == pytest.approx(14.0, abs=0.5)
+
+
+def test_a_limit_that_nothing_reaches_is_tried_where_it_acts() -> None:
+    """It has no derivative, and may act once friction is there."""
+    u = 0.3 * command(1, 400)
+    data = scaled(u, built_in(u, friction=10.0, limit=40.0), np.ones(u.size, bool), TS, 0.0)
+    base = make_baseline(data, TS * np.arange(u.size), stepper_simulator(Pendulum).with_free(["k", "limit"]))
+    fit = fit_from(data, base.structure, base.start, 3)
+    assert fit is not None
+    (found,) = woken_numbers(Context(data, fit)).items()
+    limit = fit.hypothesis.plant.free[1]
+    assert found[0] == limit.name
+    assert 20.0 < limit.number(found[1]) < 120.0
 
 
 class OnlyPosition:
