@@ -55,7 +55,7 @@ def diagnose(
         Path | None,
         typer.Option(
             metavar="MODEL",
-            help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu, MuJoCo's FILE.xml, or a .csv t,y.",
+            help="MODEL.json, an exported simulation, FILE.py:FUNCTION or :CLASS, FILE.fmu, FILE.xml, or a .csv t,y.",
         ),
     ] = None,
     free: Annotated[
@@ -265,7 +265,8 @@ def simulate(
     model: Annotated[
         Path,
         typer.Argument(
-            metavar="MODEL", help="MODEL.json, an exported simulation, FILE.py:FUNCTION, FILE.fmu or FILE.xml."
+            metavar="MODEL",
+            help="MODEL.json, an exported simulation, FILE.py:FUNCTION or :CLASS, FILE.fmu or FILE.xml.",
         ),
     ],
     record: RecordPath,
@@ -316,34 +317,34 @@ def check_simulation(
     record: RecordPath,
     *,
     how: "Reading",
-    sim: Annotated[Path, typer.Option(metavar="FILE.xml", help="A model of MuJoCo.")],
+    sim: Annotated[Path, typer.Option(metavar="MODEL", help="A model of MuJoCo, FILE.xml, or a class, FILE.py:CLASS.")],
     inputs: Inputs = None,
     outputs: Outputs = None,
     match: MatchText = None,
     trust: Trust = False,
 ) -> None:
-    """Check whether a record and a model of MuJoCo speak of the same thing. Exit status 1 if not."""
+    """Check whether a record and a model of MuJoCo or a class speak of the same thing. Exit status 1 if not."""
     from labsid.gap.simulations.model_check import check_model
     from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.record import read_record
     from labsid.simulators.mjcf.sources import is_mjcf
     from labsid.simulators.simulator import Simulator
 
-    if not is_mjcf(str(sim)):
-        raise ValueError(f"--sim must be a model of MuJoCo, FILE.xml; got {sim}.")
+    if not is_mjcf(str(sim)) and ".py" not in str(sim):
+        raise ValueError(f"--sim must be a model of MuJoCo, FILE.xml, or a class, FILE.py:CLASS; got {sim}.")
     loaded = _matcher(match)(read_record(record, how))
     opened = load_simulation(sim, loaded, False, _ports(inputs, outputs, trust))
     assert isinstance(opened, Simulator)
-    assert opened.joint is not None
+    if opened.joint is None:
+        raise ValueError(f"--sim must be a model of MuJoCo or a class with reset and step; {sim} is a function.")
     findings = check_model(loaded, opened)
-    joint = opened.joint
-    print(
-        f"{len(loaded)} samples; {joint.actuator} ({joint.kind}) moves the joint {joint.joint}, y is its {joint.output}"
-    )
+    joint, is_joint = opened.joint, is_mjcf(str(sim))
+    moves = f"{joint.actuator} ({joint.kind}) moves {joint.place}, y is its {joint.output}" if is_joint else ""
+    print(f"{len(loaded)} samples; {moves or f'effects act at {joint.place}'}")
     for finding in findings:
         print(f"{finding.level}: {finding.text}")
     if not findings:
-        print("The record and the model agree in sign, units, time and limits.")
+        print(f"The record and the model agree in sign, units{', time and limits' if is_joint else ' and time'}.")
     raise typer.Exit(int(any(finding.level == "warning" for finding in findings)))
 
 

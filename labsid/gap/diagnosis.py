@@ -61,7 +61,8 @@ from labsid.gap.simulations.long_record import (
     shorten_record,
     shorten_records,
 )
-from labsid.gap.simulations.model_check import check_model
+from labsid.gap.simulations.model_check import TOPIC, check_model
+from labsid.gap.simulations.stepper_port import untried_inside
 from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
 from labsid.gap.verdict.several_records import (
@@ -78,6 +79,7 @@ from labsid.records.record import Record, between_outputs, bridge_gaps
 from labsid.records.several_signals import one_signal_each
 from labsid.simulators.meter import SEARCH_SHARE, RunMeter
 from labsid.simulators.simulator import Simulator
+from labsid.simulators.stepper import Stepper
 
 _Times = Sequence[tuple[float, float]]
 MIN_SCORED = 10  # samples
@@ -559,7 +561,10 @@ def _compared(record: Record, simulation: Simulation | None) -> list[Finding]:
     """What of a record and a simulation that opens does not fit together."""
     if not isinstance(simulation, Simulator) or simulation.joint is None:
         return []
-    return check_model(record, simulation)
+    found = check_model(record, simulation)
+    if isinstance(simulation.joint, Stepper):
+        found.append(Finding("note", TOPIC, untried_inside(simulation.joint, record.Ts)))
+    return found
 
 
 def _without_gaps(record: Record) -> tuple[_Times, Record]:

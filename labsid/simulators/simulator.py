@@ -45,8 +45,9 @@ class Simulator:
         The file from which it can be opened again, as ``rig.py:simulate``; empty without one.
     meter : RunMeter
         Counts its runs.
-    joint : OneJoint or None
-        Of a model of one joint: the same model as a compiled loop, in which effects can be put.
+    joint : OneJoint, Stepper or None
+        Where effects can be put inside: of a model of one joint the same model as a compiled loop, of a class what it
+        can do.
     inputs, outputs : tuple of str
         Names of its signals, in their order; empty if unknown.
     """

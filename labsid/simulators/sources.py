@@ -1,4 +1,4 @@
-"""Open simulations that are files: a function in a Python file, an FMU, or one of these in the resources of an FMU."""
+"""Open simulations that are files: a function or a class in a Python file, an FMU, or one of these within an FMU."""
 
 import atexit
 import importlib.util
@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from labsid.simulators.mjcf.sources import is_mjcf, parse_mjcf
-from labsid.simulators.simulator import Simulator, function_simulator
+from labsid.simulators.simulator import Simulator
+from labsid.simulators.stepper import callable_simulator
 
 FUNCTION = "simulate"  # of a Python file, where none is named
 
@@ -55,8 +56,9 @@ def open_source(text: str) -> Simulator:
     Parameters
     ----------
     text : str
-        ``FILE.py:FUNCTION``, ``FILE.py`` for its function ``simulate``, ``FILE.fmu``, or ``FILE.xml:ACTUATOR:OUTPUT``
-        of MuJoCo; in the resources of an FMU ``OTHER.fmu:FILE.py:FUNCTION`` or ``OTHER.fmu:FILE.fmu``.
+        ``FILE.py:FUNCTION`` or ``FILE.py:CLASS``, ``FILE.py`` for its function ``simulate``, ``FILE.fmu``, or
+        ``FILE.xml:ACTUATOR:OUTPUT`` of MuJoCo; in the resources of an FMU ``OTHER.fmu:FILE.py:FUNCTION`` or
+        ``OTHER.fmu:FILE.fmu``.
 
     Raises
     ------
@@ -75,7 +77,7 @@ def open_source(text: str) -> Simulator:
 
         return open_fmu(Path(text))
     path, name = split
-    return function_simulator(_load_function(path, name), f"{path.name}:{name}")
+    return callable_simulator(_load_function(path, name), f"{path.name}:{name}")
 
 
 def _packed(text: str) -> tuple[Path, str] | None:

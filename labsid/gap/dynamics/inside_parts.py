@@ -70,12 +70,23 @@ PARTS: dict[str, tuple[Part, ...]] = {
 STATE_OF_ACTUATOR = Parameter("i0", -FAR, FAR, 1e-2)
 STATES = (Parameter("z0", -FAR, FAR, 1e-3, leap=0.05), Parameter("v0", -FAR, FAR, 1e-3))
 """Initial position, from the model's default one, and initial speed."""
+STATE_NUMBERS = {"z0": ("start", "position"), "v0": ("start_speed", "speed"), "i0": ("start_lag", "command")}
+"""Name of the number in the simulation of each state, and its unit."""
 IN_TIME = ("load", "wave")
+UNITS_OF_A_STEPPER = {
+    "torque": "units of force",
+    "damping": "force s/y",
+    "drag": "force s^2/y^2",
+    "stiffness": "force/y",
+    "cubic": "force/y^3",
+    "position": "y",
+    "speed": "y/s",
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InsidePort:
-    """Where effects are put inside a simulation: a joint and its actuator.
+    """Where effects are put inside a simulation: a joint and its actuator, or the port of a class that is stepped.
 
     Attributes
     ----------
@@ -103,6 +114,12 @@ class InsidePort:
         Centre and unit of the output.
     forces : ndarray
         Sizes of the force of the actuator along the record, in the unit "force".
+    stepper : str
+        Of a class that is stepped its name, such as ``rig.py:Rig``; it has no joint that is known. Empty for a joint.
+    unable : tuple of str
+        Changes that cannot be made.
+    takes_speed : bool
+        Whether the initial speed can be chosen.
     """
 
     joint: str
@@ -118,6 +135,9 @@ class InsidePort:
     reads: bool = True
     scale: tuple[float, float] = (0.0, 1.0)
     forces: FloatArray = field(default_factory=lambda: np.ones(1))
+    stepper: str = ""
+    unable: tuple[str, ...] = ()
+    takes_speed: bool = True
 
     def to_json_dict(self) -> dict[str, Any]:
         """All but the forces along the record."""
@@ -130,7 +150,12 @@ class InsidePort:
 
     def states(self, changes: Iterable[str]) -> tuple[Parameter, ...]:
         """Parameters of the initial state."""
-        return (*STATES, STATE_OF_ACTUATOR) if self.has_state or "lag" in changes else STATES
+        own = STATES if self.takes_speed else STATES[:1]
+        return (*own, STATE_OF_ACTUATOR) if self.has_state or "lag" in changes else own
+
+    def makes(self, changes: Iterable[str]) -> bool:
+        """Whether all of these changes can be made."""
+        return not set(changes) & set(self.unable)
 
     def parameters(self, changes: Iterable[str]) -> tuple[Parameter, ...]:
         """Parameters in theta of these changes, and of the initial state."""
@@ -147,15 +172,16 @@ class InsidePort:
         parts = [part for change in changes for part in PARTS[change]]
         values = list(theta)
         found = {PREFIX + part.change: self.value(part, x) for part, x in zip(parts, values, strict=False)}
-        start, speed, *lag = values[len(parts) : len(parts) + len(self.states(changes))]
-        found[PREFIX + "start"] = start * self.units["position"]
-        found[PREFIX + "start_speed"] = speed * self.units["speed"]
-        if lag:
-            found[PREFIX + "start_lag"] = lag[0] * self.units["command"]
+        states = values[len(parts) : len(parts) + len(self.states(changes))]
+        for state, value in zip(self.states(changes), states, strict=True):
+            name, unit = STATE_NUMBERS[state.name]
+            found[PREFIX + name] = value * self.units[unit]
         return found
 
     def unit_of(self, what: str) -> str:
         """Unit in words: "torque", "damping", "inertia", "stiffness", "position" or "mass"."""
+        if self.stepper:
+            return UNITS_OF_A_STEPPER.get(what, "")
         turning = {
             "torque": "N m",
             "damping": "N m s/rad",
@@ -188,6 +214,7 @@ def port_from_json(content: Any) -> InsidePort:
         If it has another form.
     """
     try:
-        return InsidePort(**{**content, "scale": tuple(content["scale"]), "forces": np.ones(1)})
+        tuples = {name: tuple(content.get(name, ())) for name in ("scale", "unable")}
+        return InsidePort(**{**content, **tuples, "forces": np.ones(1)})
     except (TypeError, KeyError):
         raise ValueError('not an exported simulation: its "port" has the wrong form. Export it again.') from None

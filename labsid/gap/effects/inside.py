@@ -19,6 +19,8 @@ from labsid.gap.effects.periodic import residual_cycles
 INSIDE = "joint"
 MISMATCH = "parameter-mismatch"
 FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start
+SHRUNK = 0.7 ** np.arange(1, 13)  # shares of a number that does not act, from which it may
+WOKEN = 0.1  # of the error: what a number has moved then
 STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop
 
 
@@ -43,7 +45,14 @@ class Inside(PlantEffect):
     def applies(self, context: Context) -> bool:
         """Whether the simulation opens, and nothing else makes these changes."""
         plant = context.parent.hypothesis.plant
-        return plant.simulation.port is not None and not set(self.changes) & set(plant.inside)
+        port = plant.simulation.port
+        return port is not None and port.makes(self.changes) and not set(self.changes) & set(plant.inside)
+
+    def alternatives(self, hypothesis: Structure) -> list[Effect]:
+        """Other forms of this effect that the simulation can make."""
+        port = hypothesis.plant.simulation.port
+        forms = (form for form in super().alternatives(hypothesis) if isinstance(form, Inside))
+        return [form for form in forms if port is None or port.makes(form.changes)]
 
     def extend(self, plant: Plant) -> Plant:
         """The simulation with these changes."""
@@ -64,6 +73,34 @@ def in_units(fit: Fitted, change: str) -> list[float]:
     return [port_of(fit).value(part, fit.value(part.parameter.name)) for part in PARTS[change]]
 
 
+def woken_numbers(context: Context) -> dict[str, float]:
+    """Values in theta at which free numbers of the simulation begin to act that do not where the search stands.
+
+    A limit that the simulation never reaches has no derivative, so no fit would find it. With friction, it may act.
+    """
+    plant, own = context.parent.hypothesis.plant, context.parent.plant_theta.copy()
+    w = context.actuator
+    before = plant.simulation.run(w, plant.numbers(own))
+    least = WOKEN * float(np.std(context.residual))
+
+    def moved(i: int, theta: float) -> float:
+        changed = own.copy()
+        changed[i] = theta
+        output = plant.simulation.run(w, plant.numbers(changed))
+        return float(np.std(output - before)) if np.isfinite(output).all() else np.inf
+
+    found = {}
+    for i, number in enumerate(plant.free):
+        size = number.number(float(own[i]))
+        if size == 0.0 or max(moved(i, own[i] + step) for step in (number.step, -number.step)) > 0.0:
+            continue
+        trials = (number.theta(size * share) for share in SHRUNK)
+        acting = next((theta for theta in trials if theta >= number.lower and moved(i, theta) > least), None)
+        if acting is not None:
+            found[number.name] = acting
+    return found
+
+
 class Friction(Inside):
     """Dry friction of the joint; "joint-load" grows with the torque of the actuator, "joint-peak" breaks away."""
 
@@ -78,9 +115,10 @@ class Friction(Inside):
     planted_variants = ()
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Weak to strong friction."""
+        """Weak to strong friction, also with idle numbers where they begin to act."""
         more = {"joint-load": {"in_transmitted": 0.1}, "joint-peak": {"in_peak": 0.1}}.get(self.variant, {})
-        return [{"friction": size} | more for size in (0.05, 0.2, 0.6)]
+        woken = [{}, awake] if (awake := woken_numbers(context)) else [{}]
+        return [{"friction": size} | more | numbers for numbers in woken for size in (0.05, 0.2, 0.6)]
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
         """Begin with a little of what this form adds."""
@@ -345,13 +383,15 @@ class Mismatch(Inside):
         return [{f"in_{self.what}": size} for size in (0.1, 0.6, -0.1, -0.4)]
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Require a number that may be: no negative damping, inertia, mass or gain."""
+        """Require a number that may be: no negative damping, inertia, mass or gain, where all of it is known."""
         (value,) = self.values(fit).values()
-        return self.what == "stiffness" or value.value > 0.0
+        return self.what == "stiffness" or value.value > 0.0 or bool(port_of(fit).stepper)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """The number, under its name in the model."""
+        """The number, under its name in the model; of a class that is stepped what it lacks of it."""
         port, (change,) = port_of(fit), in_units(fit, self.what)
+        if port.stepper:
+            return {self.what: Value(change, port.unit_of(self.what))}
         name = port.names[self.what]
         nominal = port.nominal[name]
         if self.what == "gain":
@@ -361,11 +401,11 @@ class Mismatch(Inside):
 
 
 def place_inside(fit: ParentFit, effect: Effect | None) -> dict[str, Any]:
-    """The `joint` and the `actuator` at which an effect acts; empty for one that does not act inside a simulation."""
+    """The `joint` and the `actuator`, or the `port`, at which an effect acts; empty for one outside a simulation."""
     port = fit.hypothesis.plant.simulation.port
     if port is None or not isinstance(effect, Inside):
         return {}
-    return {"joint": port.joint, "actuator": port.actuator}
+    return {"port": port.stepper} if port.stepper else {"joint": port.joint, "actuator": port.actuator}
 
 
 def with_nominal(fit: ParentFit, parameters: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:

@@ -19,7 +19,7 @@ def noun(name: str) -> str:
 
 def clause(effect: dict[str, Any]) -> str:
     """What the rig does, without the full stop."""
-    if effect.get("joint"):
+    if effect.get("joint") or effect.get("port"):
         return inside_clause(effect)
     text = DESCRIPTIONS.get(effect["name"])
     parameters = {} if text is None else text.parameters

@@ -17,6 +17,10 @@ UNITS = {
     "1/y^2": "per (unit of y)²",
     "u/y^2": "units of u per (unit of y)²",
     "u s^2/y^2": "units of u per (unit of y a second)²",
+    "force s/y": "units of force per (unit of y a second)",
+    "force s^2/y^2": "units of force per (unit of y a second)²",
+    "force/y": "units of force for a unit of y",
+    "force/y^3": "units of force per (unit of y)³",
     "1": "",
 }
 LIKELY, POSSIBLE = 0.5, 0.2  # probabilities from which an effect is called so in words
@@ -59,7 +63,7 @@ def in_units(unit: str, u: str, y: str) -> str:
     """A unit in terms of u and y, in the units of the record."""
     if unit not in UNITS:
         return unit
-    return re.sub("[uy]", lambda signal: {"u": u, "y": y}[signal[0]], unit.replace("^2", "²"))
+    return re.sub("[uy]", lambda signal: {"u": u, "y": y}[signal[0]], unit.replace("^2", "²").replace("^3", "³"))
 
 
 def _with_units(parameters: dict[str, dict[str, Any]], u: str, y: str) -> dict[str, dict[str, Any]]:

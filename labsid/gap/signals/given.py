@@ -30,7 +30,8 @@ from labsid.gap.system_pairs import in_order, one_pair, output_places, pair_simu
 from labsid.gap.verdict.decision import mismatch_probability
 from labsid.records.record import Record
 from labsid.simulators.control_systems import FreeResponses, is_control_system, read_system_of_several
-from labsid.simulators.simulator import Simulator, function_simulator
+from labsid.simulators.simulator import Simulator
+from labsid.simulators.stepper import callable_simulator
 
 NO_PATH = 1e-6  # of the standard deviation of an output: a smaller response to an input is none
 COUPLING_ITERATIONS = 40
@@ -132,7 +133,7 @@ def as_system(
     if is_control_system(simulation):
         simulation, responses = read_system_of_several(simulation, record.Ts)
     elif callable(simulation) and not isinstance(simulation, Simulator):
-        simulation = function_simulator(simulation)
+        simulation = callable_simulator(simulation)
     elif isinstance(simulation, dict) and simulation.get("schema") == SYSTEM_SCHEMA:
         simulation = _exported_simulator(simulation)
     if simulation is None or (responses is not None and free):

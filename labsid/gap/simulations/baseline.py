@@ -3,14 +3,12 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from operator import itemgetter
 from typing import Any, overload
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation, by_record
-from labsid.gap.dynamics.plant_form import FREE_STEP, ROUGH_STEP, free_number
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.dynamics.responses import free_responses, single_pole
@@ -28,16 +26,15 @@ from labsid.gap.model_file import SCHEMA, ExportedModel, read_exported_model
 from labsid.gap.record.controllers import find_control_law, is_one_line, is_relay
 from labsid.gap.record.data import Data
 from labsid.gap.simulations.model_json import TransferFunction, read_transfer_function, started
+from labsid.gap.simulations.number_sizes import is_rough, number_units
 from labsid.gap.simulations.opened import fit_as_it_is, opened_structure, simulate_other
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput, identify_output
 from labsid.records.record import Record
 from labsid.simulators.control_systems import is_control_system, read_control_system
 from labsid.simulators.meter import RunMeter
-from labsid.simulators.simulator import Simulator, function_simulator, one_of_each
+from labsid.simulators.simulator import Simulator, one_of_each
+from labsid.simulators.stepper import callable_simulator
 
-DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero
-MIN_MOVED = 1e-3  # of the standard deviation of the output
-MAX_ROUGHNESS = 0.5  # difference of the derivative over a small step from that over large ones, over that
 FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero
 SLOWEST_RATES = 1e-6, 1e-9  # of c and k
 UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
@@ -202,7 +199,7 @@ def as_simulation(simulation: AnySimulation | None, Ts: float, free: Sequence[st
     if is_control_system(simulation):
         simulation = read_control_system(simulation, Ts)
     elif callable(simulation) and not isinstance(simulation, Simulator):
-        simulation = function_simulator(simulation)
+        simulation = callable_simulator(simulation)
     elif isinstance(simulation, np.ndarray | list):
         simulation = SimulatedOutput(np.asarray(simulation, float))
     if isinstance(simulation, SimulatedOutput) and simulation.y.size and np.ptp(simulation.y) == 0.0:
@@ -337,8 +334,8 @@ def simulator_baseline(
     before = partial(_fit_given, output, states, rates)
     scales = data.u_scale, data.y_scale
     given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(t[0]), data.pieces)
-    given = replace(given, units=_units(given, data.u))
-    given = replace(given, rough=_is_rough(given, data.u))
+    given = replace(given, units=number_units(given, data.u))
+    given = replace(given, rough=is_rough(given, data.u))
     structure = with_restarts(Hypothesis((), 0, Plant(kind="given", simulation=given)), data)
 
     def simulate_record(record: Record, start: RecordStart | None = None) -> FloatArray:
@@ -355,34 +352,6 @@ def _opened(data: Data, simulate: Simulator) -> Baseline:
     structure, begun = opened_structure(data, simulate, rates) if simulate.free else (plain, start)
     before = partial(fit_as_it_is, plain, start)
     return Baseline(before, structure, partial(simulate_other, before, data), begun)
-
-
-def _units(given: GivenSimulation, w: FloatArray) -> dict[str, float]:
-    """The smallest powers of ten of numbers that are nominally zero which change the output."""
-    units = {}
-    for name in (name for name, nominal in given.nominal.items() if not nominal):
-        nominally = given.run(w, given.nominal)
-        low, high = given.ranges.get(name, (-np.inf, np.inf))
-        side = 1.0 if high > 0.0 else -1.0
-        sizes = (10.0**power for power in range(*DECADES) if low <= side * 10.0**power <= high)
-        outputs = ((size, given.run(w, given.nominal | {name: side * size})) for size in sizes)
-        moved = (size for size, y in outputs if np.std(y - nominally) > MIN_MOVED * np.std(nominally))
-        units[name] = next(moved, 1.0)
-    return units
-
-
-def _is_rough(given: GivenSimulation, w: FloatArray) -> bool:
-    """Whether the derivatives by a free number over a small and a large step differ, at their nominal values.
-
-    The size of a large step is unknown for a number that is nominally zero.
-    """
-    for name, nominal in filter(itemgetter(1), given.nominal.items()):
-        number, steps = free_number(name, nominal, given.ranges.get(name)).number, (0.0, FREE_STEP, ROUGH_STEP)
-        nominally, near, far = (given.run(w, given.nominal | {name: number(step)}) for step in steps)
-        small, large = (near - nominally) / FREE_STEP, (far - nominally) / ROUGH_STEP
-        if np.linalg.norm(small - large) > MAX_ROUGHNESS * np.linalg.norm(large):  # and not NaN, of a failure
-            return True
-    return False
 
 
 def _linear_rates(data: Data, output: FloatArray) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Whether a record and a model of a joint speak of the same thing: units, signs, clocks, limits, contacts."""
+"""Whether a record and a simulation that opens speak of the same thing: units, signs, clocks, limits, contacts."""
 
 from dataclasses import dataclass, replace
 
@@ -6,11 +6,13 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.simulations.opened import initial_state
+from labsid.gap.simulations.stepper_port import as_read
 from labsid.lab.findings import Finding
 from labsid.records.record import Record
 from labsid.simulators.mjcf.one_joint import FREE, OneJoint, substeps
 from labsid.simulators.mjcf.simulation import CONTACTS
 from labsid.simulators.simulator import Simulator
+from labsid.simulators.stepper import Stepper
 
 TOPIC = "model"
 FACTORS = {
@@ -97,12 +99,17 @@ def check_model(record: Record, simulate: Simulator) -> list[Finding]:
     Raises
     ------
     ValueError
-        If the timestep of the model does not divide the sampling time, or the model is in contact for most of it.
+        If the timestep of the model does not divide the sampling time, the model is in contact for most of it, or a
+        class cannot be run on the record.
     """
     one = simulate.joint
     assert one is not None
-    substeps(record.Ts, one.timestep)
     t = np.asarray(record.Ts * np.arange(len(record)), np.float64)
+    if isinstance(one, Stepper):
+        return _check_stepper(
+            record, simulate, as_read(one, simulate, t, record.u, initial_state(one, record.y, record.Ts))
+        )
+    substeps(record.Ts, one.timestep)
     start = initial_state(one, record.y, record.Ts)
     found = _limits(record, one)
     pairs = np.asarray(simulate.run(t, record.u, simulate.nominal | start | {CONTACTS: 1.0}))
@@ -114,6 +121,14 @@ def check_model(record: Record, simulate: Simulator) -> list[Finding]:
         if np.isfinite(q).all() and np.ptp(q) > 0.0:
             found += _scales(record, q, one)
     return found
+
+
+def _check_stepper(record: Record, simulate: Simulator, one: Stepper) -> list[Finding]:
+    """Whether the output of a class has the time, the sign, the unit and the zero of the record."""
+    t = np.asarray(record.Ts * np.arange(len(record)), np.float64)
+    y = simulate(t, record.u, initial_state(one, record.y, record.Ts))
+    found = _time(record, y)
+    return found + (_scales(record, y, one) if np.ptp(y) > 0.0 else [])
 
 
 def _limits(record: Record, one: OneJoint) -> list[Finding]:
@@ -198,7 +213,7 @@ def _time(record: Record, q: FloatArray) -> list[Finding]:
     return [Finding("warning", TOPIC, text)]
 
 
-def _scales(record: Record, q: FloatArray, one: OneJoint) -> list[Finding]:
+def _scales(record: Record, q: FloatArray, one: OneJoint | Stepper) -> list[Finding]:
     """Sign, unit, ratio and zero of the output."""
     best, slope, level = -1.0, 1.0, 0.0
     for share in WINDOWS:
@@ -216,22 +231,27 @@ def _scales(record: Record, q: FloatArray, one: OneJoint) -> list[Finding]:
     size = named or (abs(slope) if not 1.0 / RATIO < abs(slope) < RATIO and best > ALIKE[1] else 1.0)
     factor = size if slope > 0.0 else -size
     if named is None and size != 1.0:
-        how = f"{size:.3g} times as far as the {one.output} of the joint {one.joint} in the simulation"
+        how = f"{size:.3g} times as far as the {_output(one)} in the simulation"
         how += ", and against it" if factor < 0.0 else ""
         why = "by a gear, or because numbers of the model are wrong"
         text = f"the output moves {how}: {why}. Only for a gear, use --match y={factor:.6g}."
         return [Finding("note", TOPIC, text)]
     found = []
     if factor < 0.0:
-        found.append(f"the output moves against the {one.output} of the joint {one.joint}")
+        found.append(f"the output moves against the {_output(one)}")
     if named is not None:
         found.append(f"the log seems to be in {FACTORS[named]}")
     if found:
         text = f"{' and '.join(found)}. --match y={factor:.6g} mends it."
         return [Finding("warning", TOPIC, text)]
-    anchored = one.kind == "position" or one.passive["stiffness"]
+    anchored = isinstance(one, OneJoint) and (one.kind == "position" or one.passive["stiffness"])
     if anchored and one.output == "position" and best > ALIKE[1] and abs(level) > MIN_ZERO * float(np.ptp(record.y)):
-        text = f"the output reads about {level:.3g} at the zero of the joint {one.joint}. "
+        text = f"the output reads about {level:.3g} at the zero of {one.place}. "
         text += f"--match zero={level:.3g} mends it."
         return [Finding("note", TOPIC, text)]
     return []
+
+
+def _output(one: OneJoint | Stepper) -> str:
+    """What the simulation puts out, in words."""
+    return f"output of {one.label}" if isinstance(one, Stepper) else f"{one.output} of {one.place}"

@@ -1,4 +1,4 @@
-"""A simulation that opens: a model of one joint, in which effects are put at the joint and at its actuator."""
+"""A simulation that opens: a model of one joint, or a class that is stepped, in which effects are put."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -15,9 +15,12 @@ from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import export_model
 from labsid.gap.record.data import Data
+from labsid.gap.simulations.number_sizes import number_units
+from labsid.gap.simulations.stepper_port import as_read, make_stepper_port
 from labsid.records.record import Record
 from labsid.simulators.mjcf.one_joint import OneJoint
 from labsid.simulators.simulator import Simulator, SimulatorError
+from labsid.simulators.stepper import Stepper
 
 SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo
 FIRST = 8  # samples that give the initial state
@@ -45,12 +48,20 @@ def opened_structure(data: Data, simulate: Simulator, rates: tuple[float, float]
     assert one is not None
     t = np.asarray(data.Ts * np.arange(data.samples), np.float64)
     u, y = np.asarray(data.u_scale.back(data.u)), np.asarray(data.y_scale.back(data.y))
-    start = initial_state(one, y, data.Ts)
-    motion = _motion(one, t, u, start)
-    fast = _agreeing(simulate, one, t, u, start)
-    port = make_port(one, data, motion)
-    given = GivenSimulation.of(fast, (data.u_scale, data.y_scale), data.Ts, rates, float(data.start), data.pieces)
-    given = replace(given, port=port, units=_number_units(one, port))
+    scales = data.u_scale, data.y_scale
+    if isinstance(one, Stepper):
+        one = as_read(one, simulate, t, u, initial_state(one, y, data.Ts))
+        start = initial_state(one, y, data.Ts)
+        port = make_stepper_port(one, data, simulate, (t, u, start))
+        given = GivenSimulation.of(simulate, scales, data.Ts, rates, float(data.start), data.pieces)
+        given = replace(given, port=port, units=number_units(given, data.u, start))
+    else:
+        start = initial_state(one, y, data.Ts)
+        motion = _motion(one, t, u, start)
+        fast = _agreeing(simulate, one, t, u, start)
+        port = make_port(one, data, motion)
+        given = GivenSimulation.of(fast, scales, data.Ts, rates, float(data.start), data.pieces)
+        given = replace(given, port=port, units=_number_units(one, port))
     plant = Plant(kind="given", simulation=given)
     own = (Restarts(records=data.pieces[1:]),) if data.pieces else ()
     hypothesis = Hypothesis(own, len(own), plant)
@@ -60,11 +71,12 @@ def opened_structure(data: Data, simulate: Simulator, rates: tuple[float, float]
     for number, state in enumerate(starts, 1):
         of_record = f" {number}" if number > 1 else ""
         theta[names.index(f"z0{of_record}")] = state[PREFIX + "start"] / port.units["position"]
-        theta[names.index(f"v0{of_record}")] = state[PREFIX + "start_speed"] / port.units["speed"]
+        if port.takes_speed:
+            theta[names.index(f"v0{of_record}")] = state[PREFIX + "start_speed"] / port.units["speed"]
     return hypothesis, theta
 
 
-def initial_state(one: OneJoint, y: FloatArray, Ts: float) -> dict[str, float]:
+def initial_state(one: OneJoint | Stepper, y: FloatArray, Ts: float) -> dict[str, float]:
     """Position from the model's default and speed at the first sample, from a straight line through the first ones."""
     first = y[:FIRST]
     slope, level = np.polyfit(np.arange(first.size) * Ts, first, 1)

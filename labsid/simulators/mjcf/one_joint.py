@@ -295,6 +295,11 @@ class OneJoint:
         return gain, bias
 
     @property
+    def place(self) -> str:
+        """Where effects are put, in words."""
+        return f"the joint {self.joint}"
+
+    @property
     def kind(self) -> str:
         """What the command is: "torque", "position" or "velocity"."""
         gain, bias = self.gain, self.bias
