@@ -58,7 +58,10 @@ TABLE: tuple[Translation, ...] = (
         'A colour is a name in quotes, "red" or "tab:blue", or three numbers from 0 to 1: divide 0 to 255 by 255.',
     ),
     Translation(
-        "AttributeError", "'list' object has no attribute", "A list is no array: make one of it with `np.array(...)`."
+        "AttributeError",
+        "'list' object has no attribute",
+        "A list is no array. Of a list of arrays, `np.array(...)` makes one with a row for each of them, and "
+        "`np.column_stack(...)` one with a column for each.",
     ),
     Translation("AttributeError", "'NoneType' object", "It is nothing (None): a function without `return` gives that."),
     Translation(

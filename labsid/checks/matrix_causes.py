@@ -13,6 +13,11 @@ def entry_by_entry(stop: Stop, _: re.Match[str]) -> str | None:
         one, other = stop.shape(node.left), stop.shape(node.right)
         if one and other and one != other and one[-1] == other[0]:
             left, right = ast.unparse(node.left), ast.unparse(node.right)
+            if right == f"{left}.T" and one[0] > one[-1]:
+                return (
+                    f"`*` multiplies entry by entry; the product of matrices is `@`. `{left} @ {right}` would be "
+                    f"{one[0]} by {one[0]}, and never has an inverse; `{right} @ {left}` is {one[-1]} by {one[-1]}."
+                )
             said = f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
             count = _products_of_matrices(stop)
             return f"{said} So are the others: each of the {count} `*` in this line is an `@`." if count else said

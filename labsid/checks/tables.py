@@ -105,9 +105,11 @@ def unfit_target(stop: Stop, found: re.Match[str]) -> str | None:
     if got.endswith(",1)") and wanted == got.replace(",1)", ",)"):
         return f"`{right}` is a column, {got}, and `{left}` is flat, {wanted}: `{right}[:, 0]` is flat, too."
     if re.fullmatch(r"\((\d+),\1\)", got):
+        made = f", made by `{stop.made[right]}`" if right in stop.made else ""
         return (
-            f"`{right}` is a table of {got[1:-1].replace(',', ' by ')}, and `{left}` takes one row of it. A column "
-            "(N, 1) and a flat array (N,) in one sum make such a table: print their shapes."
+            f"`{right}` is a table of {got[1:-1].replace(',', ' by ')}{made}, and `{left}` takes one row of it. Print "
+            "the shapes of what it is made of. Often here: `*` between a matrix and a vector where `@` is meant, or a "
+            "column (N, 1) beside a flat array (N,)?"
         )
     if isinstance(value, ast.Name):
         made = f", by `{stop.made[right]}`" if right in stop.made else ""

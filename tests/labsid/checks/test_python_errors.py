@@ -191,6 +191,9 @@ CAUSES = [
     ("range([1, 2])", "range(1.5)", "goes through it itself"),
     ("a, b = np.size(Phi)", "a, b = k", "Rows and columns are `Phi.shape`"),
     ("U, s, V, r = np.linalg.svd(R)", "U, s = w", "`np.linalg.svd` returns 3 things"),
+    ("np.linalg.inv(Phi * Phi.T)", "Phi.T * Phi", "20 by 20, and never has an inverse; `Phi.T @ Phi` is 2 by 2"),
+    ("[w, w].T @ w", "['a'].split(',')", "`np.column_stack(...)` one with a column for each"),
+    ("W = np.zeros((3, 2))\nW[0] = R * w[:2] * w[:2, np.newaxis]", "W = np.zeros(3)\nW[0] = w", "Often here: `*`"),
     ("ct.ss([[0, 1], [2, 3]], [[0, 1]], [[1, 2]], [[0]], 1)", "ct.ss(R, w, w, 0)", "`[[0], [1]]`"),
 ]
 
