@@ -19,7 +19,7 @@ from labsid.checks.cell_names import bound_names, read_names
 from labsid.checks.cells import Cell, Template, grade_id_of
 from labsid.checks.notebook import find_assignment
 from labsid.checks.permitted import skipped_lines
-from labsid.checks.summary import FAILED, PASSED, QuestionState, states_of
+from labsid.checks.summary import FAILED, PASSED, SKIPPED, QuestionState, states_of
 from labsid.checks.time_limit import CALL_SECONDS, CELL_SECONDS, DISK_BYTES, MOST_OWN_CELLS, SUBMISSION_SECONDS
 from labsid.hand_in.kernel import CellOutcome, NotebookKernel
 
@@ -196,8 +196,10 @@ class _Runner:
             return
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
         outcome = self._run(step.source, step.cell_id, min(left, allowed))
-        found = ((one.get("question"), one.get("state")) for one in outcome.outcomes)
-        self.found.update((question, str(state)) for name, state in found if question and name == question)
+        for one in outcome.outcomes:  # of the question itself; another cell can only skip one
+            name, state = str(one.get("question")), str(one.get("state"))
+            if name == question or state == SKIPPED:
+                self.found[name] = state
         if kind != "question":
             self.remarks += map(_remark_on_skipped, skipped_lines(step.source))
         if step.known is None and outcome.error:

@@ -316,7 +316,7 @@ VARIANTS: list[Right | Wrong] = [
         "H reversed",
         "G_ss = ct.ss([[0, 1], [-a2, -a1]], [[1], [0]], [[b2, b1]], [[0]], Ts)",
         "H reversed",
-        "second state",
+        "in eq. .2. the second",
     ),
     wrong(
         SS,

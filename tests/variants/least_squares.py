@@ -443,7 +443,7 @@ VARIANTS: list[Right | Wrong] = [
         "V and not V'",
         solutions(N="np.linalg.svd(Phi)[2][:, rank:]"),
         "V and V transposed confused",
-        "transposed",
+        "columns of V'",
     ),
     wrong(
         SOLUTIONS, "N on its side", solutions(N="np.linalg.svd(Phi)[2][rank:]"), "rows instead of columns", "as rows"

@@ -139,7 +139,7 @@ VARIANTS: list[Right | Wrong] = [
         "one sample early",
     ),
     wrong(
-        TF, "one step late", "G_1 = ct.tf([theta_1[1]], [1, -theta_1[0], 0], Ts)", "numerator one step late", "too low"
+        TF, "one step late", "G_1 = ct.tf([theta_1[1]], [1, -theta_1[0], 0], Ts)", "numerator one step late", "too high"
     ),
     wrong(TF, "a and b swapped", "G_1 = ct.tf([-theta_1[0]], [1, theta_1[1]], Ts)", "a and b swapped", "swapped"),
     # 2. any order

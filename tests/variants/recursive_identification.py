@@ -458,7 +458,7 @@ VARIANTS: list[Right | Wrong] = [
         "largest error",
         drift(best="lams[np.argmax([tracking_mse(lam, slope, sigma) for lam in lams])]"),
         "end of the search",
-        "edge",
+        "least",
     ),
     wrong(
         DRIFT,

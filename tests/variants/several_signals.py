@@ -87,7 +87,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     right(READ, "columns by number", read("2,4", "3,5")),
     wrong(READ, "u and y swapped", read("T1,T2", "Q1,Q2"), "u and y swapped", "powers are inputs"),
-    wrong(READ, "one input", read("Q1", "T1"), "one signal only", "comma"),
+    wrong(READ, "one input", read("Q1", "T1"), "one signal only", "both columns"),
     wrong(READ, "columns in the order of the log", read("Q1,T1", "Q2,T2"), "columns by number", "alternate"),
     wrong(READ, "order", read("Q2,Q1"), "columns swapped", "wrong order"),
     wrong(READ, "transposed", read(u="r.u.T", y="r.y.T"), "signals in rows", "samples go down"),
@@ -225,6 +225,6 @@ VARIANTS: list[Right | Wrong] = [
         "regressed on the instruments",
         "regresses on Z",
     ),
-    wrong(LOOP, "r(k)", loop("[r[2:], r[1:-1]]"), "lag off by one", "slices begin"),
+    wrong(LOOP, "r(k)", loop("[r[2:], r[1:-1]]"), "lag off by one", "should hold"),
     wrong(LOOP, "sign", loop(result="np.linalg.solve(Z.T @ Phi, Z.T @ y[2:]) * [-1, 1]"), "sign of a", "theta is"),
 ]

@@ -768,7 +768,7 @@ VARIANTS: list[Right | Wrong] = [
         "Phi transposed",
         define("best_theta(Phi, Y)", "return np.linalg.inv(Phi @ Phi.T) @ Phi @ Y"),
         "transposed Phi",
-        "transposed",
+        "each other",
     ),
     wrong(
         MINIMUM,
