@@ -415,6 +415,13 @@ VARIANTS: list[Right | Wrong] = [
         None,
         "no minimum either",
     ),
+    wrong(
+        EXPONENTIAL,
+        "a start from which all points but one are passed by",
+        exponential(FIT.replace("[0.0, 1.0]", "[-20.0, 1.0]")),
+        "stuck on a plateau",
+        "Start elsewhere",
+    ),
     wrong(EXPONENTIAL, "no points", exponential(points=""), "points missing", "five points"),
     wrong(EXPONENTIAL, "one curve only", exponential(second=""), "no curve", "theta_log"),
     wrong(
