@@ -63,13 +63,13 @@ def _thetas(identification: "SystemIdentification") -> list[str]:
         blocks = [("-a", model.outputs[m]) for m in of_outputs] + [("b", name) for name in model.inputs]
         symbols = [(f"{symbol}{lag + 1}", signal) for symbol, signal in blocks for lag in range(model.order)]
         named = [f"{symbol} of {signal}" for symbol, signal in symbols]
-        widest = max(named, key=len) + "   "
+        width = max(map(len, named)) + 3
         left_out = rows.stop - rows.start - rows.Y.size
         lines += [
             "",
             f"theta of {name}, ± one standard error; Phi: rows k = {rows.start} to {rows.stop - 1}, condition number "
             f"{fit.condition_number:.2f}{f', {left_out} rows without an output left out' if left_out else ''}",
-            *(f"  {symbol:<{len(widest)}}{text}" for symbol, text in zip(named, theta, strict=True)),
+            *(f"  {symbol:<{width}}{text}" for symbol, text in zip(named, theta, strict=True)),
         ]
     return lines
 

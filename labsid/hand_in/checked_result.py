@@ -68,7 +68,7 @@ def result_of_checks(notebook: Path, assignment: str, record: Path | None = None
         said = run.reasons.get(one.question.id, "") if one.state == FAILED else ""
         if has_right_values:
             said = _ERROR_TEXT.sub(r"\1", said)
-        has_right_values |= one.state not in (PASSED,)
+        has_right_values |= one.state != PASSED
         questions.append(
             {
                 "id": one.question.id,

@@ -317,8 +317,9 @@ def _with_fastest_lag(data: Data, hypothesis: Hypothesis, point: Point) -> Point
     theta[begin : begin + 2] = np.log(sum(kept)), np.log(kept[0] * kept[1])
     theta[lag] = -np.log(other)
     exchanged = Problem(data, hypothesis).start(theta, point.gains if hypothesis.outputs else None)
-    is_same = exchanged is not None and exchanged.cost < point.cost * (1.0 + SAME_COST)
-    return exchanged if exchanged is not None and is_same else point
+    if exchanged is None or exchanged.cost >= point.cost * (1.0 + SAME_COST):
+        return point
+    return exchanged
 
 
 def fit_from(

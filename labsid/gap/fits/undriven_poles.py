@@ -5,7 +5,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.responses import damping_ratio, decay_rates, denominator
-from labsid.gap.fits.fitting import Fit
+from labsid.gap.fits.fitting import Fit, rms
 from labsid.gap.record.data import Data
 
 EVALUATED_FROM = 1.0 / 3.0  # of the record: an actual free response has decayed by then
@@ -22,12 +22,9 @@ def has_undriven_pole(data: Data, fit: Fit) -> bool:
     plant = fit.hypothesis.plant
     if plant.kind != "linear" or not plant.zero:
         return False
-    w = fit.hypothesis.actuator(fit.theta, data.u) - data.u[0]
-    columns = fit.hypothesis.design(fit.theta, data.u).parts[0]
-    gains = fit.gains[: columns.shape[1]]
     later = data.rows & (np.arange(data.samples) > EVALUATED_FROM * data.samples)
-    residual = float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
-    for forced, unforced in _driven_and_free(w, columns, gains, denominator(*fit.rates)):
+    residual = rms(data, fit)
+    for forced, unforced in _driven_and_free(data, fit):
         free_rms, forced_rms = float(np.std(unforced[later])), float(np.std(forced[later]))
         if free_rms > max(MIN_FREE * residual, forced_rms) and forced_rms < MAX_DRIVEN * residual:
             return True
@@ -43,11 +40,8 @@ def slowest_driven_rate(data: Data, fit: Fit) -> float:
     c, k = fit.rates
     if plant.kind != "linear" or not plant.zero or c * c <= 4.0 * k:
         return slow
-    w = fit.hypothesis.actuator(fit.theta, data.u) - data.u[0]
-    columns = fit.hypothesis.design(fit.theta, data.u).parts[0]
-    forced, _ = _driven_and_free(w, columns, fit.gains[: columns.shape[1]], denominator(c, k))[0]
-    residual = float(np.sqrt(np.mean((data.y - fit.output)[data.rows] ** 2)))
-    return slow if float(np.std(forced[data.rows])) > residual else fast
+    forced, _ = _driven_and_free(data, fit)[0]
+    return slow if float(np.std(forced[data.rows])) > rms(data, fit) else fast
 
 
 def lag_became_mode(base: Fit, fit: Fit) -> bool:
@@ -62,10 +56,11 @@ def lag_became_mode(base: Fit, fit: Fit) -> bool:
     return own < LIGHT_DAMPING and damping_ratio(*base.rates) > MIN_DAMPING_RATIO * own
 
 
-def _driven_and_free(
-    w: FloatArray, columns: FloatArray, gains: FloatArray, a: tuple[float, float]
-) -> list[tuple[FloatArray, FloatArray]]:
-    """Forced and free response of a complex pair, or of each of two real poles."""
+def _driven_and_free(data: Data, fit: Fit) -> list[tuple[FloatArray, FloatArray]]:
+    """Forced and free response of a complex pair, or of each of two real poles, the slow one first."""
+    w = fit.hypothesis.actuator(fit.theta, data.u) - data.u[0]
+    columns = fit.hypothesis.design(fit.theta, data.u).parts[0]
+    gains, a = fit.gains[: columns.shape[1]], denominator(*fit.rates)
     forced, unforced = columns[:, :2] @ gains[:2], columns[:, 2:4] @ gains[2:4]
     ramp = columns[:, 4] * gains[4]
     root = a[0] ** 2 - 4.0 * a[1]

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 
@@ -117,10 +117,10 @@ def linear_structure(order: int) -> Hypothesis:
     return Hypothesis(effects, n_given=len(effects))
 
 
-def _linear_baseline(data: Data, order: int, direct: bool = False) -> Baseline:
+def _linear_baseline(data: Data, order: int, direct: bool = False, plant: Plant | None = None) -> Baseline:
     """Linear structures of a given order: strictly proper, or with a direct term if `direct` or the record asks."""
-    structure = linear_structure(order)
-    proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1)
+    structure = replace(linear_structure(order), given=plant)
+    proper = Hypothesis((DirectFeedthrough(), *structure.effects), structure.n_given + 1, plant)
     structure, proper = with_restarts(structure, data), with_restarts(proper, data)
     u, y = data.u[data.rows], data.y[data.rows]
     law = find_control_law(u, y)
@@ -249,9 +249,8 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     u, y = _unscaled(data)
     output = check_bounded(model.response(u), y)
     before = partial(_fit_given, output, model.free_response(u.size), fit_baseline(data).rates)
-    free = _linear_baseline(data, max(model.order, 1), model.direct)
-    if model.order < 2 and free.structure.feedback is None:
-        free = replace(free, structure=_first_order(free.structure), alternative=_first_order(free.alternative))
+    # Of first order with one pole: a further one of the rig is an effect that the simulation lacks.
+    free = _linear_baseline(data, max(model.order, 1), model.direct, Plant(single=True) if model.order < 2 else None)
 
     def simulate_record(record: Record, start: RecordStart | None = None) -> FloatArray:
         return model.simulate(record.u, record.y, start)
@@ -262,15 +261,6 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     # It is a part of the simulation, so that a search does not find it again.
     structure = Hypothesis((Delay(), *free.structure.effects), free.structure.n_given + 1, free.structure.given)
     return replace(free, structure=structure, start=_delayed_start(data, structure, model), alternative=None)
-
-
-@overload
-def _first_order(structure: Hypothesis) -> Hypothesis: ...
-@overload
-def _first_order(structure: None) -> None: ...
-def _first_order(structure: Hypothesis | None) -> Hypothesis | None:
-    """The structure with one pole: a further one of the rig is an effect that the simulation lacks."""
-    return None if structure is None else Hypothesis(structure.effects, structure.n_given, Plant(single=True))
 
 
 def _delayed_start(data: Data, structure: Hypothesis, model: TransferFunction) -> FloatArray | None:

@@ -1,4 +1,4 @@
-"""Sizes at which the free numbers of a given simulation act, and whether its output jumps as they change."""
+"""Sizes at which numbers of a given simulation and changes inside it act, and whether its output jumps with them."""
 
 from collections.abc import Mapping
 from operator import itemgetter
@@ -8,10 +8,38 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.plant_form import FREE_STEP, ROUGH_STEP, free_number
+from labsid.gap.record.data import Data
 
 DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero
 MIN_MOVED = 1e-3  # of the standard deviation of the output
 MAX_ROUGHNESS = 0.5  # difference of the derivative over a small step from that over large ones, over that
+
+
+def motion_units(data: Data, torque: float, speed: float, spread: float, reads: bool) -> dict[str, float]:
+    """Units of what acts at the port of a motion, and of its states, by the unit of a `Part`.
+
+    Parameters
+    ----------
+    data : Data
+    torque, speed, spread : float
+        Sizes of the torque or force there, of the speed, and of the motion.
+    reads : bool
+        Whether the output is the position.
+    """
+    return {
+        "one": 1.0,
+        "torque": torque,
+        "damping": torque / speed,
+        "drag": torque / speed**2,
+        "stiffness": torque / spread,
+        "cubic": torque / spread**3,
+        "speed": speed,
+        "position": float(data.y_scale.unit) if reads else spread,
+        "span": data.samples * data.Ts,
+        "sample": data.Ts,
+        "command": float(data.u_scale.unit),
+        "cycle": 1.0 / (data.samples * data.Ts),
+    }
 
 
 def number_units(given: GivenSimulation, w: FloatArray, more: Mapping[str, float] | None = None) -> dict[str, float]:

@@ -15,7 +15,7 @@ from labsid.gap.fits.fitting import Fit, fit_from
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.model_file import export_model
 from labsid.gap.record.data import Data
-from labsid.gap.simulations.number_sizes import number_units
+from labsid.gap.simulations.number_sizes import motion_units, number_units
 from labsid.gap.simulations.stepper_port import as_read, make_stepper_port
 from labsid.records.record import Record
 from labsid.simulators.mjcf.one_joint import OneJoint
@@ -132,23 +132,11 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
     torque = max(gear * force, LEAST_UNIT)
     acceleration = max(acceleration, LEAST_UNIT)
     heavy = float(np.hypot(one.tip[1], one.tip[2])) + abs(one.tip[3])
-    units = {
-        "one": 1.0,
-        "torque": torque,
+    units = motion_units(data, torque, speed, spread, reads) | {
         "force": force,
-        "damping": torque / speed,
-        "drag": torque / speed**2,
         "inertia": torque / acceleration,
-        "stiffness": torque / spread,
-        "cubic": torque / spread**3,
         "mass": torque / max(heavy + one.tip[0] * acceleration, LEAST_UNIT),
-        "speed": speed,
-        "position": float(data.y_scale.unit) if reads else spread,
         "place": float(np.ptp(position)),
-        "span": data.samples * data.Ts,
-        "sample": data.Ts,
-        "command": float(data.u_scale.unit),
-        "cycle": 1.0 / (data.samples * data.Ts),
     }
     nominal = one.nominal()
     gain = {"position": "kp", "velocity": "kv", "torque": "gain"}[one.kind]

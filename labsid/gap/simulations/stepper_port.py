@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.inside_parts import PREFIX, InsidePort
 from labsid.gap.record.data import Data
+from labsid.gap.simulations.number_sizes import motion_units
 from labsid.simulators.simulator import Simulator, SimulatorError
 from labsid.simulators.stepper import COLUMN, COLUMNS, LONGEST_UNSOLVED, Stepper
 
@@ -81,22 +82,8 @@ def make_stepper_port(one: Stepper, data: Data, simulate: Simulator, run: Run) -
         actuator="",
         kind="unknown",
         slides=False,
-        units={
-            "one": 1.0,
-            "torque": force,
-            "force": force,
-            "damping": force / fast,
-            "drag": force / fast**2,
-            "stiffness": force / spread,
-            "cubic": force / spread**3,
-            "speed": fast,
-            "position": float(data.y_scale.unit) if reads else spread,
-            "place": max(float(np.ptp(q)), LEAST_UNIT),
-            "span": data.samples * data.Ts,
-            "sample": data.Ts,
-            "command": float(data.u_scale.unit),
-            "cycle": 1.0 / (data.samples * data.Ts),
-        },
+        units=motion_units(data, force, fast, spread, reads)
+        | {"force": force, "place": max(float(np.ptp(q)), LEAST_UNIT)},
         place=float(np.median(q)),
         nominal={},
         reads=reads,
