@@ -6,6 +6,7 @@ Figures are created without pyplot, so no global state or setting changes. matpl
 from __future__ import annotations
 
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Literal
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ BLUE = "#0072B2"
 ORANGE = "#E69F00"
 VERMILION = "#D55E00"
 GREEN = "#009E73"
+
+STYLE_SHEETS = Path(__file__).parent
+"""Folder of page.css, the style sheet of all pages, in the same colours."""
 
 TIME = "Time (s)"
 TEXT_SIZE = 12

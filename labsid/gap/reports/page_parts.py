@@ -18,6 +18,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_curves import effect_curve
 from labsid.gap.reports.effect_texts import parameter_rows
 from labsid.gap.reports.quantities import closed_percent, number
+from labsid.plots.style import STYLE_SHEETS
 
 if TYPE_CHECKING:
     import jinja2
@@ -172,7 +173,7 @@ def load_template(name: str) -> "jinja2.Template":
     """A template of this package; values are escaped, and numbers stay on one line with their units."""
     import jinja2
 
-    loader = jinja2.FileSystemLoader(TEMPLATES)
+    loader = jinja2.FileSystemLoader([TEMPLATES, STYLE_SHEETS])
     environment = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
     )
