@@ -17,9 +17,9 @@ from labsid.plots.gap_curves import (
     trace_of,
     unit_of,
 )
-from labsid.plots.gap_details import figure_residual
+from labsid.plots.gap_details import figure_residual, figure_responses
 from labsid.plots.gap_records import figure_records
-from labsid.plots.page_figures import in_both_widths, page_figure, palette_png
+from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, palette_png
 from labsid.plots.signal_names import as_text_lines, one_line, units_of
 from labsid.plots.style import (
     BLACK,
@@ -29,6 +29,7 @@ from labsid.plots.style import (
     SMALL_TEXT_SIZE,
     TIME,
     VERMILION,
+    error_colours,
     finish,
     make_headroom,
     new_figure,
@@ -234,7 +235,7 @@ def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom"
     """Draw the rms error of the simulation before in each cell of input and output that the record visits."""
     seen, labels = report["where"]["map"], _signals(report)
     rms = np.array(seen["rms"], float)  # None becomes NaN, which is not drawn
-    mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap="cividis", vmin=0.0)
+    mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap=error_colours(), vmin=0.0)
     finish(ax, "Operating map", labels["u"], labels["y"], legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
     bar.set_label(labels["error"], fontsize=SMALL_TEXT_SIZE)
@@ -328,10 +329,12 @@ def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
         figures["where"] = figure_location
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_experiment
+    if report.get("responses") is not None:
+        figures["responses"] = figure_responses
     if report.get("residual") is not None:
         figures["residual"] = figure_residual
     if any(row["detect"] is not None for row in report["limits"]):
         figures["limits"] = figure_limits
     # The script replaces the figure of one record; without it a telephone shows the wide one.
-    one = {} if several else {"simulations": {"wide": palette_png(figure_simulations(report))}}
+    one = {} if several else {"simulations": {"wide": palette_png(figure_simulations(report), DPI_ON_PAPER)}}
     return one | in_both_widths(figures, report)

@@ -34,6 +34,7 @@ from labsid.gap.reports.page_parts import (
 )
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
+from labsid.gap.reports.response_curves import find_response_curves
 from labsid.gap.reports.rivals import rival_responses
 from labsid.gap.reports.signals_page import render_signals
 from labsid.gap.reports.traces import record_traces, worst_of_records, worst_stretch
@@ -238,7 +239,7 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     else:
         part = "record" if report["holdout_traces"] is None else "holdout"
         report = report | {"stretch": worst_stretch(report, part)}
-    more = {"limits": titled, "residual": find_residual_curves(report)}
+    more = {"limits": titled, "residual": find_residual_curves(report), "responses": find_response_curves(report)}
     figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
     return in_base64(figures | effect_pictures(report))
 

@@ -50,7 +50,11 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
 
 
 def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """Rms errors as bars, with lengths in per cent of the longest."""
+    """Rms errors as bars, with lengths in per cent of the longest.
+
+    They are a waterfall: beside the bar of an effect stands what it closes of the error above it, as `gone`, and beside
+    the bar of the noise what remains of the error after.
+    """
     gap = report["gap"]
     if sentences.is_unchanged(report):
         rows = [("Simulation", gap["before"], "before")]
@@ -60,9 +64,17 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
         rows = [("Before", gap["before"], "before"), *steps, after]
     rows += _noise_rows(report)
     longest = max(value for _, value, _ in rows) or 1.0
+    noise = len(rows) - len(_noise_rows(report))
     return [
-        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
-        for text, value, colour in rows
+        {
+            "label": text,
+            "value": number(value),
+            "width": f"{100.0 * value / longest:.1f}",
+            "colour": colour,
+            "gone": f"{100.0 * max(rows[k - 1][1] - value, 0.0) / longest:.1f}" if 0 < k <= noise else "0.0",
+            "kind": "left" if k == noise else "closed",
+        }
+        for k, (text, value, colour) in enumerate(rows)
     ]
 
 

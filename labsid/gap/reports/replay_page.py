@@ -32,7 +32,9 @@ def page_data(report: dict[str, Any]) -> str:
     from labsid.plots.gap_panels import panels
 
     replay = _replay(report)
-    parts = {name: replay[name] for name in ("record", "holdout") if replay[name] is not None}
+    parts = {name: dict(replay[name]) for name in ("record", "holdout") if replay[name] is not None}
+    if replay["combinations"]:
+        del parts["record"]["after"]  # the page simulates it
     pieces = _pieces(report)
     long = [] if pieces else [name for name, part in parts.items() if _samples(part) >= LONG]
     combinations = [_combination(report, one) for one in replay["combinations"]]

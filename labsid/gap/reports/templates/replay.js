@@ -23,7 +23,8 @@ document.head.append(made("script", { textContent: await unpacked("panel-library
 const data = JSON.parse(await unpacked("replay-data"));
 const SIGNALS = { u: Float64Array, y: Float32Array, before: Float32Array, after: Float32Array };
 const parts = Object.entries(data.parts).map(([name, part]) => {
-  const signals = Object.fromEntries(Object.entries(SIGNALS).map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
+  const kept = Object.entries(SIGNALS).filter(([key]) => key in part);
+  const signals = Object.fromEntries(kept.map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
   const t = part.t ? decoded(part.t, Float64Array) : signals.u.map((_, k) => part.start + k * part.Ts);
   const counts = new Uint8Array(t.length);
   for (const [start, stop] of [...part.fitted, ...part.scored]) counts.fill(1, start, stop);
@@ -44,8 +45,9 @@ for (const one of data.pieces) parts[0].t.set(parts[0].t.slice(one.start, one.st
 const seen = (signal) => (piece ? signal.slice(piece.start, piece.start + piece.samples) : signal);
 
 // Output of the chosen combination on a part, scaled; that of the simulation before without effects; null if unknown.
+// A page that simulates nothing shows the output after.
 function played(part) {
-  if (!chosen) return part.before;
+  if (!chosen) return data.combinations.length ? part.before : part.after;
   const isRecord = part.name === "record";
   const start = isRecord ? chosen : chosen.holdout;
   if (!start) return chosen.accepted ? part.after : null;
