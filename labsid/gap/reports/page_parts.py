@@ -65,13 +65,14 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
     rows += _noise_rows(report)
     longest = max(value for _, value, _ in rows) or 1.0
     noise = len(rows) - len(_noise_rows(report))
+    last = 0 if report["verdict"] == "none" else noise  # nothing is closed of no gap, and nothing remains of it
     return [
         {
             "label": text,
             "value": number(value),
             "width": f"{100.0 * value / longest:.1f}",
             "colour": colour,
-            "gone": f"{100.0 * max(rows[k - 1][1] - value, 0.0) / longest:.1f}" if 0 < k <= noise else "0.0",
+            "gone": f"{100.0 * max(rows[k - 1][1] - value, 0.0) / longest:.1f}" if 0 < k <= last else "0.0",
             "kind": "left" if k == noise else "closed",
         }
         for k, (text, value, colour) in enumerate(rows)

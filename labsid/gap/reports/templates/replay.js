@@ -237,6 +237,7 @@ async function begin() {
     part.look = () => { if (worst) times.setv({ start: worst[0], end: worst[1] }); };
     part.look_at_piece = () => {
       const own = seen(part.t), ends = { start: own[0], end: own[own.length - 1] };
+      times.bounds = null;  // those of a shorter record would limit the ends
       times.setv({ ...ends, reset_start: ends.start, reset_end: ends.end, bounds: [ends.start, ends.end] });
     };
     if (piece) part.look_at_piece();

@@ -351,6 +351,17 @@ def test_a_bar_for_each_effect_has_the_error_that_its_share_leaves():
     assert (step["label"], after["value"], floor["value"]) == ("With dry friction", "0.0102", "0.0100")
 
 
+@pytest.mark.parametrize("kind", ["effect", "pair", "partial", "unknown", "none"])
+def test_the_bars_are_a_waterfall_down_to_the_noise(kind):
+    """What an effect closes begins where its bar ends, and ends where the bar above does; the last one remains."""
+    bars = page_content(KINDS[kind])["bars"]
+    noise = next(k for k, bar in enumerate(bars) if bar["colour"] in ("rest", "floor"))
+    for k, bar in enumerate(bars):
+        above = float(bars[k - 1]["width"]) if 0 < k <= noise and kind != "none" else float(bar["width"])
+        assert float(bar["width"]) + float(bar["gone"]) == pytest.approx(above, abs=0.11)
+        assert bar["kind"] == ("left" if k == noise else "closed")
+
+
 def test_without_a_gap_no_place_of_it_is_named(pages):
     html, parsed = pages["none"]
     assert "Location" not in parsed.words
