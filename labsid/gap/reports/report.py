@@ -10,6 +10,7 @@ from labsid._arrays import FloatArray, stretches_of, up_to_next
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
+from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
@@ -40,6 +41,7 @@ LAGS = 20
 MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
 NOISELESS = 0.9  # rms of the added noise over the error that is left, from which it is nearly all of it
 LEAST_SHIFT = 3.0  # standard deviations of the noise, from which the shift of a simulated output is said
+COURSE = 80  # points of the time course of a drift
 INTERVALS = 8  # rows of the ranking with an interval
 SAME_SHARE = 0.005  # of the gap: an interval belongs to the share if it is of the same errors
 MIN_FLOOR = 0.5  # rms of the added noise over the error that is left, from which it is said
@@ -68,7 +70,7 @@ def build_report(
     explanation, decision, score, data = answer.explanation, answer.decision, answer.score, answer.explanation.data
     unit = data.y_scale.unit
     numbers = estimate_numbers(explanation.data, explanation.best)
-    effects = _effects(answer, numbers)
+    effects = [effect | _course(record, answer, effect["name"]) for effect in _effects(answer, numbers)]
     t, u, y, e = _located(record, answer, holdout)
     return _holdout(answer, holdout) | {
         "schema": SCHEMA,
@@ -207,6 +209,17 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
             }
         )
     return found
+
+
+def _course(record: Record, answer: Answer, name: str) -> dict[str, Any]:
+    """The time course of a drift of the sensor, which its parameters do not tell; empty for other effects."""
+    fit, data = answer.explanation.best, answer.explanation.data
+    drift = next((effect for effect in fit.hypothesis.effects if isinstance(effect, Drift)), None)
+    if name != "output-drift" or drift is None or data.pieces:
+        return {}
+    at = np.unique(np.linspace(0, data.samples - 1, COURSE).astype(int))
+    course = data.y_scale.unit * drift.added(Fitted.of(fit, data))[at]
+    return {"course": {"t": record.t[at].tolist(), "y": course.tolist()}}
 
 
 def _step(explanation: Explanation, name: str) -> int:
