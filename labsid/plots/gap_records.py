@@ -8,13 +8,14 @@ import numpy as np
 
 from labsid.plots.gap_curves import draw_errors, draw_outputs, simulation_curves, unit_of
 from labsid.plots.page_figures import NARROW, WIDE
-from labsid.plots.signal_names import one_line
+from labsid.plots.signal_names import as_text_lines, fitted
 from labsid.plots.style import GREY, SMALL_TEXT_SIZE, TIME, finish, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ROW, NARROW_ROW = 1.75, 3.0  # inches
+NAME = 36  # characters of a name
 AROUND = 0.9  # inches, for the legend and the axis of time
 
 
@@ -44,7 +45,7 @@ def figure_records(report: dict[str, Any], narrow: bool = False) -> Figure:
         for ax in (left, right):
             ax.axvspan(0.0, row["unscored"] * report["record"]["Ts"], color=GREY, alpha=0.35, linewidth=0, zorder=0)
         last = trace is records[-1]
-        finish(left, one_line(row["name"]), TIME if last and not narrow else "", "Output", 0)
+        finish(left, as_text_lines(fitted(str(row["name"]), NAME, 1)), TIME if last and not narrow else "", "Output", 0)
         finish(right, "", TIME if last else "", "Error", 0)
     lines = {str(line.get_label()): line for ax in panels[0] for line in ax.lines if str(line.get_label())[:1] != "_"}
     lines.pop("", None)
