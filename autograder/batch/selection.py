@@ -58,13 +58,13 @@ def find_batch(course: Course, submitted: Path, *wanted: str, due: Sequence[str]
     if students and wanted:
         return Batch(submitted, tuple(students), tuple(selected), tuple(ignored))
     owners = handed_in_by(course, submitted)
-    graded = [name for name, found in owners.items() if found and (due is None or name in due)]
+    graded = [name for name, students in owners.items() if students and (due is None or name in due)]
     if not graded:
         if not any(owners.values()):
             expected = "expected <student>/<assignment>/<assignment>.ipynb below it"
             untouched = "; every notebook in it is as released" if owners else ""
             raise ValueError(f"{submitted} holds no submission: {expected}{untouched}.")
-        submitted_names = ", ".join(name for name, found in owners.items() if found)
+        submitted_names = ", ".join(name for name, students in owners.items() if students)
         raise ValueError(
             f"nothing that is due was handed in; {submitted} holds {submitted_names}. Name what to grade: "
             "--assignment NAME"

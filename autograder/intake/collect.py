@@ -99,23 +99,26 @@ def collect_submissions(
         if not participants:
             raise ValueError(f"{path} contains no submission: expected {_EXPECTED[found_system]}.")
         table = out / STUDENTS_FILE
-        before = read_students(table) if table.is_file() else []
-        decided = merge_students(before, known)
-        names = {number: one.name for number, one in participants.items()}
+        written_before = read_students(table) if table.is_file() else []
+        decided = merge_students(written_before, known)
+        names = {number: participant.name for number, participant in participants.items()}
         if found_system == "canvas":  # whose names are one word
-            spelled = ((one.participant, one.name) for one in decided if one.participant in names)
+            spelled = ((student.participant, student.name) for student in decided if student.participant in names)
             names |= {number: name for number, name in spelled if _letters(name) == _letters(names[number])}
         if found_system == "gradescope":  # it has no number of a person that a later export has, too
-            decided = merge_students([replace(one, participant="") for one in decided])
+            decided = merge_students([replace(student, participant="") for student in decided])
         who = identify(of_whom, decided, names)
         in_sheet = {participant_number(row) for row in (of_whom.rows if of_whom is not None else ())}
-        new = [replace(one, participant=_lasting(one.participant, found_system)) for one in who.students.values()]
-        write_students(table, merge_students(before, new))
+        new = [
+            replace(student, participant=_lasting(student.participant, found_system))
+            for student in who.students.values()
+        ]
+        write_students(table, merge_students(written_before, new))
         pool = Pool(POOL)
-        for one in sorted(participants.values(), key=lambda one: (one.name, int(one.number))):
-            found = read_hand_in(archive, one, templates, Budget(SHARE, MOST, pool))
+        for one in sorted(participants.values(), key=lambda participant: (participant.name, int(participant.number))):
+            hand_in = read_hand_in(archive, one, templates, Budget(SHARE, MOST, pool))
             student = who.students[one.number].id
-            remarks = _write_hand_in(out / student, found, wanted, download.times.get(one.number))
+            remarks = _write_hand_in(out / student, hand_in, wanted, download.times.get(one.number))
             remarks += download.remarks.get(one.number, [])
             if of_whom is not None and one.number not in in_sheet:
                 in_what = "gradebook" if found_system == "canvas" else "worksheet"
@@ -152,10 +155,10 @@ def _read_download(
         return list_canvas(archive), None
     if system == "gradescope":
         try:
-            found = list_gradescope(archive)
+            download = list_gradescope(archive)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-        return found, Worksheet(tuple(found.rows[0]) if found.rows else (), tuple(found.rows), "", path)
+        return download, Worksheet(tuple(download.rows[0]) if download.rows else (), tuple(download.rows), "", path)
     participants, strays = list_participants(archive)
     return Download(participants, strays, {} if sheet is None else _times(sheet, zone)), sheet
 

@@ -266,7 +266,7 @@ def _judge_beside_wrong(
         Whether it is right by right values, in a shape from which later steps can start.
     """
     steps = ", ".join(wrong_steps(wrong))
-    as_columns = any(differ_in_shape(other.own, other.right) for other in wrong)
+    as_columns = any(differ_in_shape(replacement.own, replacement.right) for replacement in wrong)
     first = answer.attempts.pop()
     if not first.passed and as_columns:
         first = examiner.judge_later(answer.asked, answer.known, as_columns)

@@ -95,14 +95,14 @@ def what_was_hard(
     for tries in sent:
         own = {question: tuple(tried for tried in tries if tried.question == question) for question in headings}
         students += any(own.values())
-        for question, found in own.items():
-            by_question[question] += [found] if found else []
+        for question, of_question in own.items():
+            by_question[question] += [of_question] if of_question else []
     if students < SMALLEST_GROUP:
         return None
     rows = [
-        _question(question, headings[question], found)
-        for question, found in by_question.items()
-        if len(found) >= SMALLEST_GROUP
+        _question(question, headings[question], tries)
+        for question, tries in by_question.items()
+        if len(tries) >= SMALLEST_GROUP
     ]
     rows.sort(key=lambda row: -(row.tries_until_right or 0))
     return HardAssignment(assignment, students, max(handed_in, students), tuple(rows))

@@ -56,15 +56,15 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
             f"It is a method of axes. Is `{written}` the array of axes that `plt.subplots` returns? Then take one, "
             f"`{written}[0]`."
         )
-    other = _OTHER_NAMES.get(name.lower(), name)
-    if other == "len":
+    numpy_name = _OTHER_NAMES.get(name.lower(), name)
+    if numpy_name == "len":
         return f"The length of an array is `len({written})`, its shape `{written}.shape`."
     if name == "t":
         return f"The transpose is `{written}.T`, with a capital letter."
     if name in _public(np.linalg):
         return f"It is no part of an array, but a function: `np.linalg.{name}({written})`."
-    if other in _public(np):
-        return f"It is no part of an array, but a function: `np.{other}({written})`."
+    if numpy_name in _public(np):
+        return f"It is no part of an array, but a function: `np.{numpy_name}({written})`."
     near = difflib.get_close_matches(name, _public(np.ndarray), 1, _LEAST_ALIKE)
     return f"Arrays have `.{near[0]}`: is that meant?" if near else "Arrays have nothing of that name."
 

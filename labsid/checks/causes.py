@@ -40,15 +40,14 @@ def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
         a, b = joined.groups()
         return f"`{joined[0]}` has len({a}) + len({b}) - 1 entries: keep the first, `{joined[0]}[: len({b})]`."
     for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and len(one) == len(other) == 1:
+        left_shape, right_shape = stop.shape(node.left), stop.shape(node.right)
+        if left_shape and right_shape and len(left_shape) == len(right_shape) == 1:
             left, right = ast.unparse(node.left), ast.unparse(node.right)
-            if 2 * min(one[0], other[0]) < max(one[0], other[0]):
-                return (
-                    f"`{left}` has {one[0]} entries and `{right}` has {other[0]}: entry by entry they do not pair up."
-                )
+            (n_left,), (n_right,) = left_shape, right_shape
+            if 2 * min(n_left, n_right) < max(n_left, n_right):
+                return f"`{left}` has {n_left} entries and `{right}` has {n_right}: entry by entry they do not pair up."
             return (
-                f"`{left}` has {one[0]} samples and `{right}` has {other[0]}. Both must cover the same samples: cut "
+                f"`{left}` has {n_left} samples and `{right}` has {n_right}. Both must cover the same samples: cut "
                 "with the same slice."
             )
     return "Entry by entry, both need the same shape (an axis of length 1 fits any)."

@@ -96,8 +96,10 @@ def _as_thing(value: Any) -> Thing | None:
     if isinstance(value, _Shaped | np.ndarray):
         return Thing("array", _shape(value))
     if type(value) in (list, tuple):
-        arrays = value[:_MOST_ITEMS] if value and all(type(one) is np.ndarray and one.ndim for one in value) else ()
-        return Thing(type(value).__name__, (len(value),), lengths=tuple(len(one) for one in arrays))
+        arrays = (
+            value[:_MOST_ITEMS] if value and all(type(array) is np.ndarray and array.ndim for array in value) else ()
+        )
+        return Thing(type(value).__name__, (len(value),), lengths=tuple(len(array) for array in arrays))
     if type(value) is dict or (isinstance(value, dict) and type(value).__name__ == _RESULT):
         return Thing("dictionary", keys=tuple(key for key in dict.keys(value) if type(key) is str)[:_MOST_KEYS])
     if isinstance(value, FunctionType):
@@ -147,9 +149,9 @@ def _value(node: ast.AST | None, names: Mapping[str, Any]) -> Any:
             return owner[_index(node.slice, names)]
         raise _Unknown
     if isinstance(node, ast.List):
-        return [_as_array(_value(one, names)) for one in node.elts]
+        return [_as_array(_value(element, names)) for element in node.elts]
     if isinstance(node, ast.Tuple):
-        return tuple(_value(one, names) for one in node.elts)
+        return tuple(_value(element, names) for element in node.elts)
     if isinstance(node, ast.BinOp):
         return _operation(node, _value(node.left, names), _value(node.right, names))
     if isinstance(node, ast.Call):
@@ -204,7 +206,7 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
             return _Shaped((sum(shape[0] for shape in shapes),))
     if called in ("array", "asarray") and len(node.args) == 1:
         listed = _value(node.args[0], names)
-        sizes = {_shape(one) for one in listed[:_MOST_ITEMS]} if type(listed) is list else set()
+        sizes = {_shape(item) for item in listed[:_MOST_ITEMS]} if type(listed) is list else set()
         return _Shaped((len(listed), *sizes.pop()) if len(sizes) == 1 else _shape(listed))
     if called in ("zeros", "ones", "eye") and len(node.args) == 1:
         given = _value(node.args[0], names)

@@ -214,7 +214,7 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
     if stop.near:
         return f"There is `{stop.near}`: is that meant?"
     if stop.arguments:
-        arguments = ", ".join(f"`{one}`" for one in stop.arguments)
+        arguments = ", ".join(f"`{argument}`" for argument in stop.arguments)
         return (
             f"It is no argument of the function, which has {arguments}, and neither a line before this one nor a cell "
             "that has been run makes it: compute it in the function. (Spelt alike in both places?)"

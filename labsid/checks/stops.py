@@ -113,11 +113,11 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
         return Stop(kind, text)
     things: dict[str, Thing] = {}
     sent = message.get("things")
-    for one in sent[:MOST_PARTS] if isinstance(sent, list) else []:
-        if isinstance(one, list) and len(one) == 4 and isinstance(one[0], str) and one[1] in _KINDS:
-            sizes = one[2] if isinstance(one[2], list) else []
+    for entry in sent[:MOST_PARTS] if isinstance(sent, list) else []:
+        if isinstance(entry, list) and len(entry) == 4 and isinstance(entry[0], str) and entry[1] in _KINDS:
+            sizes = entry[2] if isinstance(entry[2], list) else []
             shape = tuple(int(size) for size in sizes if type(size) is int and 0 <= size < _LARGEST_SIZE)
-            things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None)
+            things[entry[0]] = Thing(str(entry[1]), shape if entry[3] is True else None)
     line, part, near = (str(message.get(key, "")) for key in ("line", "part", "near"))
     line = line if is_known(line) else ""
     arguments, outside = (
@@ -151,7 +151,7 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
     source : str
         The cell that was run, where Python does not keep it.
     """
-    kind = next(one.__name__ for one in type(error).__mro__ if not one.__name__.startswith("_"))
+    kind = next(base.__name__ for base in type(error).__mro__ if not base.__name__.startswith("_"))
     if isinstance(error, SyntaxError):
         lines = source.splitlines()
         number = error.lineno
@@ -161,10 +161,10 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
         text = str(error)
     except Exception:
         text = ""
-    found = _last_frame(error.__traceback__, variables)
-    if found is None:
+    place = _last_frame(error.__traceback__, variables)
+    if place is None:
         return Stop(kind, text)
-    frame, trace = found
+    frame, trace = place
     names = {**frame.f_globals, **frame.f_locals}
     line, part = _line_and_part(frame, trace, source)
     code = frame.f_code
@@ -178,8 +178,8 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
         near = next(iter(alike or close), "")
     made = _made(line, frame, trace.tb_lineno, source)
     things = things_in(line, names)
-    for other in dict.fromkeys(made.values()):
-        things = {**things_in(other, names), **things}
+    for sources in dict.fromkeys(made.values()):
+        things = {**things_in(sources, names), **things}
     is_function = code.co_name != "<module>"
     outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)
     return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside, made)
@@ -189,24 +189,24 @@ def _made(line: str, frame: FrameType, number: int, source: str) -> dict[str, st
     """The nearest lines above, in the same function or cell, that give the variables of a line their values."""
     lines = linecache.getlines(frame.f_code.co_filename) or source.splitlines(keepends=True)
     first = 1 if frame.f_code.co_name in _INNER else frame.f_code.co_firstlineno
-    above = [one.strip()[:_LONGEST_LINE] for one in lines[max(first, number - _MOST_LINES) - 1 : number - 1]]
+    above = [line.strip()[:_LONGEST_LINE] for line in lines[max(first, number - _MOST_LINES) - 1 : number - 1]]
     if frame.f_code.co_name in _INNER:  # Python 3.11 runs a comprehension in a frame of its own
-        heads = [i for i, one in enumerate(above) if one.startswith("def ")]
+        heads = [i for i, line in enumerate(above) if line.startswith("def ")]
         above = above[heads[-1] :] if heads else above
-    assigned = [(one, _assigned(one)) for one in reversed(above)]
-    found: dict[str, str] = {}
+    assigned = [(line, _assigned(line)) for line in reversed(above)]
+    made_in: dict[str, str] = {}
     asked = [line]
     for _ in range(_MOST_STEPS):
-        names = dict.fromkeys(name for one in asked for name in _NAME.findall(one) if name not in found)
+        names = dict.fromkeys(name for text in asked for name in _NAME.findall(text) if name not in made_in)
         asked = []
         for name in names:
-            made_by = [one for one, heads in assigned if name in heads]
-            begun = (one for one in made_by if name not in _NAME.findall(one.partition("=")[2]))
+            made_by = [line for line, heads in assigned if name in heads]
+            begun = (line for line in made_by if name not in _NAME.findall(line.partition("=")[2]))
             made = next(begun, made_by[0] if made_by else "")
-            if made and len(found) < _MOST_MADE:
-                found[name] = made
+            if made and len(made_in) < _MOST_MADE:
+                made_in[name] = made
                 asked.append(made)
-    return found
+    return made_in
 
 
 def _assigned(line: str) -> list[str]:

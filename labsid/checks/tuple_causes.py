@@ -125,13 +125,13 @@ def _indices(node: ast.Subscript) -> Iterator[ast.expr]:
 def _no_index(stop: Stop, part: ast.expr) -> str:
     """Why an expression is no index; empty if that cannot be told."""
     name, thing = ast.unparse(part), stop.things.get(ast.unparse(part))
-    call = next((one for one in ast.walk(part) if isinstance(one, ast.Call) and _function(one) in _FINDS), None)
+    call = next((node for node in ast.walk(part) if isinstance(node, ast.Call) and _function(node) in _FINDS), None)
     if call is not None:
         condition = ast.unparse(call.args[0]) if call.args else "condition"
         return f"`{name}` holds all the indices that are found. The first of them is `np.argmax({condition})`."
     if isinstance(part, ast.Call) and _function(part) in _EXTREMES:
-        other = _EXTREMES[_function(part)]
-        return f"`{name}` is a value, and an index is asked for: where it is, `np.{other}(...)` tells."
+        index_function = _EXTREMES[_function(part)]
+        return f"`{name}` is a value, and an index is asked for: where it is, `np.{index_function}(...)` tells."
     if thing is None:
         return ""
     if thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape):

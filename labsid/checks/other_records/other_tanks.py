@@ -114,13 +114,13 @@ def _draw(own: Record, rig: _Rig, seed: np.random.SeedSequence) -> LabLog:
     numbers = uniform_samples(plan, _NUMBERS + changes.size)
     gain, side, slower, zero, sign, *tanks = numbers[:8].tolist()
     u = _other_input(own.u, changes, numbers[8:])
-    before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
+    u_before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
     K = rig.model.K * (0.72 + 0.12 * gain if side < 0.5 else 1.19 + 0.16 * gain)
     tau = _other_time_constant(rig, own.Ts, slower)
     y0 = rig.y0 + (1 if sign < 0.5 else -1) * (0.08 + 0.15 * zero) * rig.range
-    parameters = _tanks(before, after, K, tau, y0, *tanks)
-    louder = min(1.0, abs(K * (after - before)) / abs(rig.model.K * rig.amplitude))
-    upper, _ = steady_levels(parameters, min(before, after))
+    parameters = _tanks(u_before, after, K, tau, y0, *tanks)
+    louder = min(1.0, abs(K * (after - u_before)) / abs(rig.model.K * rig.amplitude))
+    upper, _ = steady_levels(parameters, min(u_before, after))
     fastest = parameters.upper_area / parameters.upper_orifice * np.sqrt(2 * upper / GRAVITY)
     return log_run(
         parameters,

@@ -110,7 +110,8 @@ def _inertia(mujoco: Any, model: Any) -> float:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     full = np.zeros((1, 1))
-    mujoco.mj_fullM(model, full, data.qM) if _takes_array(mujoco) else mujoco.mj_fullM(model, data, full)
+    arguments = (full, data.qM) if _takes_array(mujoco) else (data, full)
+    mujoco.mj_fullM(model, *arguments)
     return float(full[0, 0])
 
 
@@ -156,8 +157,8 @@ def _tip(mujoco: Any, model: Any, joint: int) -> tuple[float, float, float, floa
     if int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE):
         torque, inertia = torque_and_inertia(float(model.qpos0[0]))
         return inertia, 0.0, 0.0, torque
-    found = [torque_and_inertia(q) for q in (0.0, 0.5 * np.pi, np.pi)]
-    return (found[0][1], *_sinusoid([one[0] for one in found]))
+    forces = [torque_and_inertia(q) for q in (0.0, 0.5 * np.pi, np.pi)]
+    return (forces[0][1], *_sinusoid([force[0] for force in forces]))
 
 
 def tip_of(mujoco: Any, model: Any, joint: int) -> tuple[int, FloatArray]:
@@ -217,19 +218,19 @@ class Player:
 
     def play(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> tuple[FloatArray, np.ndarray]:
         """Position, speed and force at each sample, shape (N, 3); and the pair of geoms in contact there, or -1."""
-        mujoco, one = self.mujoco, self.one
+        mujoco, joint = self.mujoco, self.one
         model, data, changes = copy(self.opened.model), None, changes_in(numbers)
-        c = one.constants(numbers, changes)
-        _change(model, one, c, changes)
+        c = joint.constants(numbers, changes)
+        _change(model, joint, c, changes)
         data = mujoco.MjData(model)
-        data.qpos[0], data.qvel[0] = one.position + changes["start"], changes["start_speed"]
-        if one.delay:
+        data.qpos[0], data.qvel[0] = joint.position + changes["start"], changes["start_speed"]
+        if joint.delay:
             _fill_history(mujoco, model, data, float(u[0]))
-        lagging = _Lag(one, c, one.activation(float(u[0]), changes)) if not model.na and c[32] else None
+        lagging = _Lag(joint, c, joint.activation(float(u[0]), changes)) if not model.na and c[32] else None
         if model.na:
-            data.act[0] = one.activation(float(u[0]), changes)
-        steps = substeps(float(t[1] - t[0]) if t.size > 1 else one.timestep, one.timestep)
-        extra = [c[6] - one.gravity[0], c[7] - one.gravity[1], c[8] - one.gravity[2]]
+            data.act[0] = joint.activation(float(u[0]), changes)
+        steps = substeps(float(t[1] - t[0]) if t.size > 1 else joint.timestep, joint.timestep)
+        extra = [c[6] - joint.gravity[0], c[7] - joint.gravity[1], c[8] - joint.gravity[2]]
         applied = any(abs(x) > UNIT_GRAVITY for x in extra) or any(c[[42, 44, 45]])
         varied = changes["transmitted"] or changes["peak"]
         motion, contacts = np.empty((u.size, 3)), np.full(u.size, -1)
@@ -241,7 +242,9 @@ class Player:
                 if lagging is not None:
                     data.ctrl[0] = lagging.next(command)
                 if applied:
-                    data.qfrc_applied[0] = _applied(float(data.qpos[0]), (k * steps + s) * one.timestep, one, c, extra)
+                    data.qfrc_applied[0] = _applied(
+                        float(data.qpos[0]), (k * steps + s) * joint.timestep, joint, c, extra
+                    )
                 if varied:
                     model.dof_frictionloss[0] = _friction(data, c)
                 mujoco.mj_step(model, data)

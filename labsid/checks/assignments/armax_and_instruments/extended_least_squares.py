@@ -142,7 +142,7 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
     got = as_history(call, value, y.size, 3)
     rights = [_history(u, y, forgetting, LN), _history(u, y, forgetting, LN / forgetting)]
     right = next((right for right in rights if _SAME(got, right)), rights[0])
-    without = recursive_armax(ARX, u, y, forgetting, _start(2, LN * forgetting)).theta
+    theta_of_arx = recursive_armax(ARX, u, y, forgetting, _start(2, LN * forgetting)).theta
     return judge(
         got,
         right,
@@ -179,7 +179,7 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
             Slip(
                 "noise term left out",
                 f"`{call}` never fills the third place of the regressor with epsilon(n-1).",
-                lambda: np.column_stack([without, np.zeros(y.size)]),
+                lambda: np.column_stack([theta_of_arx, np.zeros(y.size)]),
             ),
             Slip("forgetting not used", f"`{call}` does not forget: use lambda.", lambda: _history(u, y, 1.0, LN)),
             Slip(

@@ -215,10 +215,10 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
                 Slip(
                     "warm-up not used",
                     "`recursive_iv` changes from phi to z at a fixed sample: use the argument `warm_up`.",
-                    partial(_loop, u, y, other, ""),
+                    partial(_loop, u, y, other_warm_up, ""),
                 )
-                for other in range(y.size)
-                if other != warm_up
+                for other_warm_up in range(y.size)
+                if other_warm_up != warm_up
             ),
         ],
     )

@@ -178,9 +178,9 @@ def check_figure_8(ask: Ask) -> Verdict:
     first, second = (as_number(name, ask.known(name)) for name in ("mse_1", "mse_2"))
     texts = [*axes.texts, *axes.legend, axes.title]
     found_numbers = [number for text in texts for line in text.splitlines() for number in _numbers(line)]
-    for name, wanted, other in (("first", first, second), ("second", second, first)):
+    for name, wanted, other_error in (("first", first, second), ("second", second, first)):
         if not any(_is_near(number, wanted) for number in found_numbers):
-            unexplained = [number for number in found_numbers if not _is_near(number, other)]
+            unexplained = [number for number in found_numbers if not _is_near(number, other_error)]
             return Verdict(False, *_missing(name, wanted, unexplained, axes.texts))
     for text in texts:
         names, errors = _names_and_errors(text, first, second)

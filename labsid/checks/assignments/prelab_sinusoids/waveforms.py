@@ -81,7 +81,7 @@ def check_cut(ask: Ask) -> Verdict:
         "`t_new` should be `t` without its first 200 samples, starting from zero: see step 3.",
         new_time_slips(t),
     )
-    for name, y, other in (("y1_new", y1, y2), ("y2_new", y2, y1)):
+    for name, y, other_signal in (("y1_new", y1, y2), ("y2_new", y2, y1)):
         if verdict.passed:
             verdict = judge(
                 as_vector(name, ask.value(name)),
@@ -89,7 +89,7 @@ def check_cut(ask: Ask) -> Verdict:
                 _same,
                 verdict.reason,
                 f"`{name}` should be `{name[:2]}` without its first 200 samples: see step 3.",
-                new_signal_slips(name, y, other),
+                new_signal_slips(name, y, other_signal),
             )
     now = ask.value("t")
     is_kept = isinstance(now, np.ndarray) and now.dtype.kind in "biuf" and _same(_vector(now), t)

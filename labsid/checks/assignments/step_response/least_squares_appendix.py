@@ -42,8 +42,8 @@ def check_solve_two(ask: Ask) -> Verdict:
         _require_a_solution(ask, value, is_reversed)
         require_whole_solution("solve_two", value, U, Y, ("U", "Y"))
         if np.size(value) == 1:  # type: ignore[arg-type]
-            one = "`solve_two` returns one number. It should return both unknowns, by (A2)."
-            raise NoAnswer(one, "one of two unknowns")
+            one_number = "`solve_two` returns one number. It should return both unknowns, by (A2)."
+            raise NoAnswer(one_number, "one of two unknowns")
         verdict = judge(
             as_vector("solve_two(U, Y)", value, 2),
             two_equations(U, Y),
