@@ -187,7 +187,7 @@ def _require_points(
         if points is None or points == of_class.maximum:
             continue
         command = ["labsid", "course", "export", "--format", "canvas", "--worksheet", str(book.path), "--out", str(out)]
-        command += [word for one in assignments for word in ("--assignment", one)]
+        command += [word for assignment in assignments for word in ("--assignment", assignment)]
         command += ["--column", column] if column is not None else []
         raise ValueError(
             f"{name} is out of {plain_decimal(points)} points in Canvas, but the marks are out of "
@@ -247,15 +247,15 @@ def _said(student: str, column: str, there: str, value: str, total: Totals) -> I
 
 def _new_rows(known: Sequence[Student], marks: Mapping[str, _Marks], *, zero: bool) -> tuple[list[list[str]], int]:
     """The rows of a new gradebook, the points possible first; one for each student."""
-    rows = [[f"    {POINTS}", "", "", "", "", *(plain_decimal(one.maximum) for one in marks.values())]]
-    people = {one.id: one for one in known}
+    rows = [[f"    {POINTS}", "", "", "", "", *(plain_decimal(column.maximum) for column in marks.values())]]
+    people = {student_known.id: student_known for student_known in known}
     filled = 0
-    for student, one in people.items():
+    for student, person in people.items():
         totals = [of_class.by_student.get(student) for of_class in marks.values()]
         values = [("0" if zero else "") if total is None else plain_decimal(total.score) for total in totals]
-        first, last = one.first_and_last_name
+        first, last = person.first_and_last_name
         name = ", ".join(filter(None, (last, first))) or student
-        rows.append([name, "", "", one.username or student, "", *values])
+        rows.append([name, "", "", person.username or student, "", *values])
         filled += any(total is not None for total in totals)
     return rows, filled
 

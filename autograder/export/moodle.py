@@ -198,16 +198,16 @@ def _is_locked(row: Mapping[str, str]) -> bool:
 
 def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:
     """The comment in the worksheet; it names the assignments that it is about."""
-    names = [one.assignment for one in stored]
+    names = [result.assignment for result in stored]
     parts = [f"{', '.join(names)}: {plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
     if marks.waiting:
         parts.append(f"{plain_decimal(marks.waiting)} marks not yet graded by hand.")
-    for one in stored:
-        about = f"{one.assignment}: " if len(stored) > 1 else ""
-        parts += [f"{about}Extension until {one.extension}."] if one.extension else []
-        parts += [f"{about}{one.late}"] if one.late else []
-        parts += [f"{about}{_refusal_text(one)}"] if one.is_refused else []
-    slips = dict.fromkeys(question.slip for one in stored for question in one.questions if question.slip)
+    for result in stored:
+        about = f"{result.assignment}: " if len(stored) > 1 else ""
+        parts += [f"{about}Extension until {result.extension}."] if result.extension else []
+        parts += [f"{about}{result.late}"] if result.late else []
+        parts += [f"{about}{_refusal_text(result)}"] if result.is_refused else []
+    slips = dict.fromkeys(question.slip for result in stored for question in result.questions if question.slip)
     if slips:
         parts.append(f"Common mistakes: {'; '.join(filter(None, slips))}.")
     parts.append("See the feedback file for details.")

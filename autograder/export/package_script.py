@@ -90,13 +90,13 @@ def run_checks(submission: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
 def for_gradescope(found: Mapping[str, Any]) -> dict[str, Any]:
     """The results that Gradescope reads: a test for each question, with marks where the checks can give them."""
     tests = []
-    for one in found["questions"]:
-        test: dict[str, Any] = {"name": f"{one['id']}: {one['heading']}", "visibility": "visible"}
-        if one["state"] in _UNJUDGED:
-            test["output"] = _UNJUDGED[one["state"]]
+    for question in found["questions"]:
+        test: dict[str, Any] = {"name": f"{question['id']}: {question['heading']}", "visibility": "visible"}
+        if question["state"] in _UNJUDGED:
+            test["output"] = _UNJUDGED[question["state"]]
         else:
-            test |= {"score": float(one["earned"]), "max_score": float(one["marks"])}
-            test |= {"status": "passed" if one["state"] == "right" else "failed", "output": _said(one)}
+            test |= {"score": float(question["earned"]), "max_score": float(question["marks"])}
+            test |= {"status": "passed" if question["state"] == "right" else "failed", "output": _said(question)}
         tests.append(test)
     output = "\n\n".join([HONESTY, *found["remarks"]])
     return {"output": output, "visibility": "visible", "stdout_visibility": "hidden", "tests": tests}

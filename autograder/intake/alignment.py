@@ -133,18 +133,18 @@ def _longest_rising(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """The longest part of pairs, sorted by the first number, whose second numbers rise."""
     ends: list[int] = []
     last: list[int] = []
-    before: list[int | None] = []
+    predecessors: list[int | None] = []
     for index, (_, at) in enumerate(pairs):
         length = bisect_left(ends, at)
         ends[length : length + 1] = [at]
         last[length : length + 1] = [index]
-        before.append(last[length - 1] if length else None)
-    found: list[tuple[int, int]] = []
+        predecessors.append(last[length - 1] if length else None)
+    rising: list[tuple[int, int]] = []
     index_now = last[-1] if last else None
     while index_now is not None:
-        found.append(pairs[index_now])
-        index_now = before[index_now]
-    return found[::-1]
+        rising.append(pairs[index_now])
+        index_now = predecessors[index_now]
+    return rising[::-1]
 
 
 def _match_nearly(

@@ -109,19 +109,19 @@ def read_hand_in(
     archive: zipfile.ZipFile, participant: Participant, templates: Mapping[str, Template], budget: Budget
 ) -> HandIn:
     """Read the files of one participant; whatever goes wrong is a remark."""
-    found = HandIn()
+    hand_in = HandIn()
     paths = {id(info): path for info, path in participant.entries}
     try:
         for info, _ in participant.entries:
             for entry in read_entries(archive, [info], budget):
-                _add_outer(found, entry, paths[id(info)], templates, budget)
+                _add_outer(hand_in, entry, paths[id(info)], templates, budget)
     except OverBudgetError as error:
-        found.problem = f"not everything was read: {error}"
+        hand_in.problem = f"not everything was read: {error}"
     except Exception as error:  # of what students hand in, no list of errors is complete
-        found.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
-    if found.problem:
-        found.unread.append((None, found.problem))
-    return found
+        hand_in.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
+    if hand_in.problem:
+        hand_in.unread.append((None, hand_in.problem))
+    return hand_in
 
 
 def _add_outer(
@@ -150,11 +150,11 @@ def _match_owner(path: str) -> tuple[re.Match[str] | None, str]:
     """
     parts = [part for part in path.split("/") if part not in ("", ".")]
     for index, part in enumerate(parts if path.endswith("/") else parts[:-1]):
-        found = _FOLDER.fullmatch(part)
-        if found is not None:
-            return found, "/".join(parts[index + 1 :])
-    found = _FILE.fullmatch(parts[-1]) if parts and len(_ONE_MARKER.findall(parts[-1])) == 1 else None
-    return found, path if found is None else found["rest"]
+        matched = _FOLDER.fullmatch(part)
+        if matched is not None:
+            return matched, "/".join(parts[index + 1 :])
+    matched = _FILE.fullmatch(parts[-1]) if parts and len(_ONE_MARKER.findall(parts[-1])) == 1 else None
+    return matched, path if matched is None else matched["rest"]
 
 
 def _add_file(

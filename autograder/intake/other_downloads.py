@@ -199,18 +199,18 @@ def _read_metadata(text: bytes) -> Mapping[str, _Submission]:
 
     Events are read, and no objects made of them: the table has texts of students, and marks of Ruby's types.
     """
-    found: dict[str, _Submission] = {}
+    submissions: dict[str, _Submission] = {}
     try:
         for path, value in _scalars(text):
             match [part.removeprefix(":") for part in path]:
                 case [name, "submitters", place, ("name" | "sid" | "email") as key]:
-                    found.setdefault(name, _Submission()).people.setdefault(place, {})[key] = value
+                    submissions.setdefault(name, _Submission()).people.setdefault(place, {})[key] = value
                 case [name, "created_at"] | [name, "created_at", "utc"]:
-                    found.setdefault(name, _Submission()).created_at = value
+                    submissions.setdefault(name, _Submission()).created_at = value
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         said = one_line(str(error))[:200]
         raise ValueError(f"{METADATA} cannot be read ({said}). Export the submissions again.") from None
-    return found
+    return submissions
 
 
 @dataclass(slots=True)

@@ -240,7 +240,7 @@ class _NotebookJudge:
         for answer in self.answers:
             start = time.monotonic()
             uses = answer.question.uses
-            wrong = [other for other in self.answers if other.question.id in uses and not other.is_sound]
+            wrong = [answer for answer in self.answers if answer.question.id in uses and not answer.is_sound]
             if not answer.attempts:
                 answer.attempts.append(examiner.judge_later(answer.asked, answer.known))
             if wrong and not answer.crashed:

@@ -138,7 +138,10 @@ def with_marks(out: Path, questions: Iterable[OpenQuestion]) -> list[OpenQuestio
             ticked=() if mark is None else mark.ticked,
         )
 
-    return [replace(one, answers=tuple(marked(answer, one) for answer in one.answers)) for one in questions]
+    return [
+        replace(question, answers=tuple(marked(answer, question) for answer in question.answers))
+        for question in questions
+    ]
 
 
 def find_question(questions: Sequence[OpenQuestion], assignment: str, question: str) -> OpenQuestion | None:

@@ -119,15 +119,15 @@ class MarkingApp:
     def _index(self, questions: list[OpenQuestion]) -> dict[str, Any]:
         rows = [
             {
-                "address": f"{quote(one.assignment)}/{quote(one.question)}",
-                "heading": printable(one.heading),
-                "assignment": one.assignment,
-                "id": one.question,
-                "points": plain_decimal(one.max_score),
-                "answers": len(one.answers),
-                "waiting": one.waiting,
+                "address": f"{quote(question.assignment)}/{quote(question.question)}",
+                "heading": printable(question.heading),
+                "assignment": question.assignment,
+                "id": question.question,
+                "points": plain_decimal(question.max_score),
+                "answers": len(question.answers),
+                "waiting": question.waiting,
             }
-            for one in questions
+            for question in questions
         ]
         return {"base": f"/{self.token}/", "marker": self.marker, "questions": rows}
 

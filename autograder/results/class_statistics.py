@@ -134,14 +134,19 @@ def statistics_csv(figures: Mapping[str, Sequence[QuestionFigures]]) -> str:
     """The figures by assignment as a table without names: a row for each question, and one for each kind below it."""
     rows = []
     for assignment, questions in figures.items():
-        for one in questions:
-            counts = (one.not_right, one.without_a_name)
-            numbers = [f"{one.difficulty:.3f}", "" if one.discrimination is None else f"{one.discrimination:.3f}"]
+        for of_question in questions:
+            counts = (of_question.not_right, of_question.without_a_name)
+            numbers = [
+                f"{of_question.difficulty:.3f}",
+                "" if of_question.discrimination is None else f"{of_question.discrimination:.3f}",
+            ]
             numbers += ["" if count is None else str(count) for count in counts]
-            rows.append([assignment, one.question, str(one.answers), *numbers, "", "", "", ""])
-            for number, kind in enumerate(one.kinds, start=1):
+            rows.append([assignment, of_question.question, str(of_question.answers), *numbers, "", "", "", ""])
+            for number, kind in enumerate(of_question.kinds, start=1):
                 blank = [""] * 5
-                rows.append([assignment, one.question, *blank, str(number), str(kind.count), kind.reason, kind.code])
+                rows.append(
+                    [assignment, of_question.question, *blank, str(number), str(kind.count), kind.reason, kind.code]
+                )
     return csv_text(COLUMNS, rows)
 
 

@@ -83,11 +83,11 @@ def database_url(out: Path) -> str:
         from traitlets.config.loader import PyFileConfigLoader
 
         try:
-            found = PyFileConfigLoader(config.name, str(out.resolve())).load_config().CourseDirectory.get("db_url")
+            url = PyFileConfigLoader(config.name, str(out.resolve())).load_config().CourseDirectory.get("db_url")
         except Exception as error:  # the configuration is a Python program: it can raise anything
             raise ValueError(f"{config} cannot be read: {type(error).__name__}: {error}") from None
-        if isinstance(found, str):
-            return found
+        if isinstance(url, str):
+            return url
     return f"sqlite:///{(out / 'gradebook.db').resolve()}"
 
 

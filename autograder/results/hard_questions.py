@@ -123,10 +123,10 @@ def hard_csv(assignments: Iterable[HardAssignment]) -> str:
 
 
 def _question(question: str, heading: str, found: Sequence[StudentTries]) -> HardQuestion:
-    solved = [tries for tries in found if any(one.right for one in tries)]
+    solved = [tries for tries in found if any(attempt.right for attempt in tries)]
     until = [_until_right(tries) for tries in solved]
     first = Counter(tries[0].slip for tries in found if not tries[0].right)
-    unnamed = sum(any(one.slip == OTHER for one in tries) for tries in found)
+    unnamed = sum(any(attempt.slip == OTHER for attempt in tries) for tries in found)
     enough = len(solved) >= SMALLEST_GROUP
     return HardQuestion(
         question,

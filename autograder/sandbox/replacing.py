@@ -216,12 +216,12 @@ def _set_missing(
     serve: Callable[[str], Callable[..., Any]],
 ) -> bool:
     """Set what replaces a name that the cells did not make; returns whether there is anything."""
-    for one in replacements:
-        if name in one.functions:
+    for replacement in replacements:
+        if name in replacement.functions:
             _serve_as(variables, name, serve)
             return True
-        if name in one.right:
-            variables[name] = as_object(one.right[name])
+        if name in replacement.right:
+            variables[name] = as_object(replacement.right[name])
             return True
     return False
 

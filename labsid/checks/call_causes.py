@@ -36,12 +36,12 @@ def unknown_in_a_module(stop: Stop, found: re.Match[str]) -> str | None:
         return f"Random numbers are drawn from a generator: `rng.{drawn}(shape)`."
     if name in MATLAB and name not in _OTHER_NAMES:
         return f"In Python: {MATLAB[name]}."
-    other = _OTHER_NAMES.get(name.lower(), name.lower())
-    if other == "len":
+    usual_name = _OTHER_NAMES.get(name.lower(), name.lower())
+    if usual_name == "len":
         return "The length of an array is `len(y)`, its shape `y.shape`."
     for part, path in ((module, written), (np.linalg, "np.linalg"), (np, "np")):
-        if isinstance(part, ModuleType) and other in _public(part):
-            return f"It is `{path}.{other}`."
+        if isinstance(part, ModuleType) and usual_name in _public(part):
+            return f"It is `{path}.{usual_name}`."
     near = difflib.get_close_matches(name, _public(module), 1, _LEAST_ALIKE)
     return f"There is `{written}.{near[0]}`: is that meant?" if near else f"`{written}` has nothing of that name."
 
@@ -56,15 +56,15 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
             f"It is a method of axes. Is `{written}` the array of axes that `plt.subplots` returns? Then take one, "
             f"`{written}[0]`."
         )
-    numpy_name = _OTHER_NAMES.get(name.lower(), name)
-    if numpy_name == "len":
+    usual_name = _OTHER_NAMES.get(name.lower(), name)
+    if usual_name == "len":
         return f"The length of an array is `len({written})`, its shape `{written}.shape`."
     if name == "t":
         return f"The transpose is `{written}.T`, with a capital letter."
     if name in _public(np.linalg):
         return f"It is no part of an array, but a function: `np.linalg.{name}({written})`."
-    if numpy_name in _public(np):
-        return f"It is no part of an array, but a function: `np.{numpy_name}({written})`."
+    if usual_name in _public(np):
+        return f"It is no part of an array, but a function: `np.{usual_name}({written})`."
     near = difflib.get_close_matches(name, _public(np.ndarray), 1, _LEAST_ALIKE)
     return f"Arrays have `.{near[0]}`: is that meant?" if near else "Arrays have nothing of that name."
 

@@ -12,12 +12,18 @@ from labsid.checks.tables import zeros_of_one_size
 def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
     """A number for each row, in a flat array."""
     for node in stop.operations(ast.Mult, ast.Div, ast.Add, ast.Sub):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and len(one) == 2 and len(other) == 1 and one[0] == other[0]:
+        matrix_shape, vector_shape = stop.shape(node.left), stop.shape(node.right)
+        if (
+            matrix_shape
+            and vector_shape
+            and len(matrix_shape) == 2
+            and len(vector_shape) == 1
+            and matrix_shape[0] == vector_shape[0]
+        ):
             name = ast.unparse(node.right)
             return (
-                f"numpy matches shapes from the last axis: a flat array stands for one *row* of {one[1]}. "
-                f"For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
+                f"numpy matches shapes from the last axis: a flat array stands for one *row* of {matrix_shape[1]}. "
+                f"For one number to each of the {matrix_shape[0]} rows make it a column: `{name}[:, np.newaxis]`."
             )
     turned = re.search(r"(\w+)\[(np\.newaxis|None),\s*:\]", stop.line)
     if turned is not None:
@@ -239,7 +245,7 @@ def unequal_spectra(stop: Stop, _: re.Match[str]) -> str | None:
     if kinds in ({"fft", "rfftfreq"}, {"rfft", "fftfreq"}):
         return (
             "`fft` and `fftfreq` have as many entries as there are samples, n; `rfft` and `rfftfreq` have those from "
-            f"frequency zero up, n // 2 + 1. Here are {' and '.join(f'`{one}`' for one in sorted(kinds))}: take both "
+            f"frequency zero up, n // 2 + 1. Here are {' and '.join(f'`{kind}`' for kind in sorted(kinds))}: take both "
             "with r, or both without."
         )
     if re.search(r"fftfreq\(\s*len\([^)]*fft\(", lines):

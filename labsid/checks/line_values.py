@@ -178,11 +178,11 @@ def _operation(node: ast.BinOp, left: Any, right: Any) -> Any:
         if isinstance(node.op, ast.Sub):
             return left - right
         return left * right if isinstance(node.op, ast.Mult) else left // right
-    one, other = _shape(left), _shape(right)
+    left_shape, right_shape = _shape(left), _shape(right)
     if isinstance(node.op, ast.MatMult):
-        return _Shaped(_product(one, other))
+        return _Shaped(_product(left_shape, right_shape))
     if isinstance(node.op, _ARITHMETIC):
-        return _Shaped(np.broadcast_shapes(one, other))
+        return _Shaped(np.broadcast_shapes(left_shape, right_shape))
     raise _Unknown
 
 

@@ -174,18 +174,18 @@ def cause_of_syntax(stop: Stop) -> str:
     text = text_without_quotes(stop.line)
     if text:
         return _QUOTES.format(text)
-    matches = ((one, re.search(one.pattern, code)) for one in SPELLINGS)
+    matches = ((spelling, re.search(spelling.pattern, code)) for spelling in SPELLINGS)
     said = [
-        one.python.format((found.groupdict().get("shown") or found[0]).strip())
-        for one, found in matches
-        if found is not None
+        spelling.python.format((matched.groupdict().get("shown") or matched[0]).strip())
+        for spelling, matched in matches
+        if matched is not None
     ]
     if said and _is_range(said[0]):
         return said[0] + (_TURNED if _TURNED_RANGE.search(code) else _COLUMN)
-    said = [one for one in said if not _is_range(one)]
+    said = [suggestion for suggestion in said if not _is_range(suggestion)]
     if said:
         return " ".join(said[:_MOST_SPELLINGS])
-    return next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
+    return next(message.python for message in _MESSAGES if re.search(message.pattern, stop.text))
 
 
 def _is_range(said: str) -> bool:

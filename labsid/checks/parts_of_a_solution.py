@@ -65,9 +65,9 @@ def _require_no_ridge(name: str, x: FloatArray, M: FloatArray, v: FloatArray, te
     except np.linalg.LinAlgError:
         return
     if not is_right:
-        left, right = terms
+        M_name, v_name = terms
         raise NoAnswer(
-            f"`{name}` is the solution with {left} {'+' if mu > 0 else '-'} {abs(mu):.3g} I in the place of {left}: "
-            f"what is added to the diagonal moves it away from that of {left} x = {right}.",
+            f"`{name}` is the solution with {M_name} {'+' if mu > 0 else '-'} {abs(mu):.3g} I in the place of "
+            f"{M_name}: what is added to the diagonal moves it away from that of {M_name} x = {v_name}.",
             "diagonal changed",
         )

@@ -95,7 +95,9 @@ def _is_apart(other: _Rig, own: _Rig) -> bool:
     gains = [abs(own.model.K - K) / abs(K) for K in (other.model.K, other.reading_gain)]
     t = np.linspace(0.0, other.held, 200)
     K, tau, td = other.model.K, other.model.tau, other.model.td
-    responses = [first_order_response(FirstOrderDelay(1.0, one, td), t, 1.0) for one in (tau, own.model.tau)]
+    responses = [
+        first_order_response(FirstOrderDelay(1.0, time_constant, td), t, 1.0) for time_constant in (tau, own.model.tau)
+    ]
     difference = float(np.sqrt(np.mean((responses[0] - responses[1]) ** 2)))
     return (
         min(gains) >= GAIN_APART

@@ -226,11 +226,11 @@ def _samples_of_mean(got: float, y_act: FloatArray) -> str:
     if y_act.size > _MOST_SAMPLES:
         return ""
     sums = np.concatenate([[0.0], np.cumsum(y_act)])
-    found = []
+    spans = []
     for count in range(2, y_act.size + 1):
         means = (sums[count:] - sums[:-count]) / count
         starts = np.flatnonzero(np.abs(means - got) <= _SAME_MEAN * max(1.0, abs(got)))
-        found += [(int(start), int(start) + count) for start in starts]
-        if len(found) > 1:
+        spans += [(int(start), int(start) + count) for start in starts]
+        if len(spans) > 1:
             return ""
-    return f" It is the mean of `y_act[{found[0][0]}:{found[0][1]}]`." if found else ""
+    return f" It is the mean of `y_act[{spans[0][0]}:{spans[0][1]}]`." if spans else ""

@@ -274,9 +274,9 @@ def means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[flo
         (sums / counts, "the first {first} samples"),
         ((sums[-1] + squared[-1] - sums) / (N - counts), "the last {last} samples"),
     ):
-        found = np.flatnonzero(np.isclose(means, got, rtol=_SAME_MEAN, atol=0))
-        if found.size == 1:
-            first = int(counts[found[0]])
+        matching = np.flatnonzero(np.isclose(means, got, rtol=_SAME_MEAN, atol=0))
+        if matching.size == 1:
+            first = int(counts[matching[0]])
             text = f"`{name}` is averaged over {what.format(first=first, last=N - first)} of {N}: all of them count."
             return [Slip("mean of a part", text, partial(float, got))]
     return []

@@ -153,13 +153,13 @@ def check_errors(ask: Ask) -> Iterator[Verdict]:
         yield Verdict(False, "`mse_1` and `mse_2` are swapped.", "errors swapped")
     data = _data(ask)
     runs = {n: known_vector(ask, f"y_sim_{n}") for n in (1, 2)}
-    for n, other in ((1, 2), (2, 1)):
+    for n, other_order in ((1, 2), (2, 1)):
         name = f"mse_{n}"
         offset = f"`{name}` compares with `y_act`, which contains the offset: compare with `y`."
-        mixed = f"`{name}` is the error of `y_sim_{other}`: use `y_sim_{n}`."
+        mixed = f"`{name}` is the error of `y_sim_{other_order}`: use `y_sim_{n}`."
         slips = (
             Slip("offset left in", offset, partial(mse, data.y_act, runs[n])),
-            Slip("models swapped", mixed, partial(mse, data.y, runs[other])),
+            Slip("models swapped", mixed, partial(mse, data.y, runs[other_order])),
         )
         yield judge_mse(name, got[n - 1], data.y, runs[n], slips)
 

@@ -56,15 +56,15 @@ def check_noise(ask: Ask) -> Verdict:
     t = _vector(ask.known("t"))
     noises: dict[str, FloatArray] = {}
     sinusoids: dict[str, FloatArray] = {}
-    for name, wave, other in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
+    for name, wave, other_wave in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
         value = ask.value(name)
         require_real(name, t, value, wave)
         y = _signal(name, value, t.size)
-        require_wave(name, t, y, wave, other)
+        require_wave(name, t, y, wave, other_wave)
         sinusoids[name] = wave(0.02 * np.pi * t)
         noises[name] = y - sinusoids[name]
-    for name, found in noises.items():
-        require_uniform(name, found, sinusoids[name])
+    for name, noise in noises.items():
+        require_uniform(name, noise, sinusoids[name])
     require_independent(noises)
     return Verdict(True, "a sine and a cosine of period 100 s, each with its own uniform noise within ±0.2.")
 

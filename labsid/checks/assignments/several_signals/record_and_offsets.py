@@ -18,8 +18,8 @@ from labsid.rig.lab.heaters import SAMPLES, TS, heater_signals
 def check_read(ask: Ask) -> Iterator[Verdict]:
     """`u`, `y` and `Ts` of the log."""
     u, y = heater_signals()
-    for name, right, other, symbols in (("u", u, y, ("Q", "T")), ("y", y, u, ("T", "Q"))):
-        yield _judge_signals(name, ask.value(name), right, other, symbols)
+    for name, right, other_signal, symbols in (("u", u, y, ("Q", "T")), ("y", y, u, ("T", "Q"))):
+        yield _judge_signals(name, ask.value(name), right, other_signal, symbols)
     value = ask.value("Ts")
     if np.size(value) == SAMPLES and np.allclose(np.diff(np.ravel(value)), TS):  # type: ignore[arg-type]
         yield Verdict(
