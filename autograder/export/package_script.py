@@ -87,10 +87,10 @@ def run_checks(submission: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
     return judged
 
 
-def for_gradescope(found: Mapping[str, Any]) -> dict[str, Any]:
+def for_gradescope(judged: Mapping[str, Any]) -> dict[str, Any]:
     """The results that Gradescope reads: a test for each question, with marks where the checks can give them."""
     tests = []
-    for question in found["questions"]:
+    for question in judged["questions"]:
         test: dict[str, Any] = {"name": f"{question['id']}: {question['heading']}", "visibility": "visible"}
         if question["state"] in _UNJUDGED:
             test["output"] = _UNJUDGED[question["state"]]
@@ -98,15 +98,15 @@ def for_gradescope(found: Mapping[str, Any]) -> dict[str, Any]:
             test |= {"score": float(question["earned"]), "max_score": float(question["marks"])}
             test |= {"status": "passed" if question["state"] == "right" else "failed", "output": _said(question)}
         tests.append(test)
-    output = "\n\n".join([HONESTY, *found["remarks"]])
+    output = "\n\n".join([HONESTY, *judged["remarks"]])
     return {"output": output, "visibility": "visible", "stdout_visibility": "hidden", "tests": tests}
 
 
-def for_github(found: Mapping[str, Any]) -> dict[str, Any]:
+def for_github(judged: Mapping[str, Any]) -> dict[str, Any]:
     """The results that the reporter of GitHub Classroom reads."""
     tests = []
     most = 0.0
-    for question in found["questions"]:
+    for question in judged["questions"]:
         if question["state"] in _UNJUDGED:
             continue
         most += float(question["marks"])

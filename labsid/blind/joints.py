@@ -73,7 +73,7 @@ def draw_joint(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | No
         answers=(effects,),
         files={".csv": table_text("t,u,y", "%.8g", t, of_u * command, noisy)},
         truth={
-            "cause": min(gaps_without, key=lambda one: gaps_without[one]) if gaps_without else "none",
+            "cause": min(gaps_without, key=lambda effect: gaps_without[effect]) if gaps_without else "none",
             "law": joint.law,
             "degrees": degrees,
         },

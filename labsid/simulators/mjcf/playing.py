@@ -292,12 +292,12 @@ def _friction(data: Any, c: FloatArray) -> float:
     return float(held + c[11] * np.exp(-((float(data.qvel[0]) / c[12]) ** 2)))
 
 
-def _change(model: Any, one: OneJoint, c: FloatArray, changes: Mapping[str, float]) -> None:
+def _change(model: Any, joint: OneJoint, c: FloatArray, changes: Mapping[str, float]) -> None:
     """Set the constants of a model of one joint."""
     model.dof_damping[0], model.jnt_stiffness[0], model.qpos_spring[0] = c[1], c[3], c[4]
     if hasattr(model, "dof_dampingpoly"):
         model.dof_dampingpoly[0, 0], model.jnt_stiffnesspoly[0, 1] = c[2], c[5]
-    model.dof_armature[0] += c[0] - one.inertia  # whatever has changed the inertia
+    model.dof_armature[0] += c[0] - joint.inertia  # whatever has changed the inertia
     model.dof_frictionloss[0] = c[9]
     if changes["friction"] or changes["transmitted"] or changes["peak"]:
         model.dof_solref[0], model.dof_solimp[0] = STANDING_SOLREF, STANDING_SOLIMP
@@ -305,7 +305,7 @@ def _change(model: Any, one: OneJoint, c: FloatArray, changes: Mapping[str, floa
         model.jnt_limited[0] = 1
         model.jnt_range[0] = max(c[15], -1e9), min(c[16], 1e9)
     model.actuator_gainprm[0, :3], model.actuator_biasprm[0, :3] = c[26:29], c[29:32]
-    if one.gain != tuple(c[26:29]) or one.bias != tuple(c[29:32]):
+    if joint.gain != tuple(c[26:29]) or joint.bias != tuple(c[29:32]):
         if any(c[27:29]):
             model.actuator_gaintype[0] = 1
         if any(c[29:32]):

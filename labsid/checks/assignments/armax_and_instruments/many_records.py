@@ -84,7 +84,7 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other: MonteCarlo) -> Verdict:
+def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other_method: MonteCarlo) -> Verdict:
     runs = len(got)
     if runs < FEWEST:
         return Verdict(
@@ -112,7 +112,7 @@ def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other: M
     hints = (
         (
             "systems swapped",
-            other.mean,
+            other_method.mean,
             f"`{name}` is not of System {system}: c is {c} there.",
         ),
         ("sign of a", reference.mean * [-1, 1], f"`{name}` has the other sign of a."),

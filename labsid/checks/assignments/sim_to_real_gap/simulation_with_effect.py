@@ -287,9 +287,9 @@ def check_closed(ask: Ask) -> Verdict:
     return verdict
 
 
-def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdict:
-    right = closed_share(after, before, sigma)
-    value = ask.call("share_closed", after, before, sigma)
+def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) -> Verdict:
+    right = closed_share(after, error_before, sigma)
+    value = ask.call("share_closed", after, error_before, sigma)
     if value is None:
         raise NoAnswer("`share_closed` returns nothing: end it with `return` and the share.", "no return")
     if isinstance(value, float) and np.isnan(value):
@@ -298,8 +298,12 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
                 "`share_closed` returns nan, the root of a negative number. Both mean squared errors are larger here "
                 "than "
                 "the variance of the noise, sigma^2."
-                + (" Less sigma itself one is negative: sigma is not squared." if min(after, before) < sigma else ""),
-                "sigma not squared" if min(after, before) < sigma else None,
+                + (
+                    " Less sigma itself one is negative: sigma is not squared."
+                    if min(after, error_before) < sigma
+                    else ""
+                ),
+                "sigma not squared" if min(after, error_before) < sigma else None,
             )
         raise NoAnswer(
             "`share_closed` returns nan: where the error after is below the noise, the root needs `max(..., 0)`. "
@@ -322,7 +326,7 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
             Slip(
                 "noise left in",
                 "`share_closed` leaves the noise in both errors: subtract its square from both mean squared errors.",
-                lambda: closed_share(after, before, 0.0),
+                lambda: closed_share(after, error_before, 0.0),
             ),
             Slip(
                 "no root", "`share_closed` compares mean squares: take the root of both.", lambda: 1 - (1 - right) ** 2
@@ -331,27 +335,27 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
                 "no root",
                 "`share_closed` compares mean squares, with the noise in them: take the noise off and the root of "
                 "both.",
-                lambda: 1 - after / before,
+                lambda: 1 - after / error_before,
             ),
             Slip(
                 "sigma not squared",
                 "`share_closed` subtracts sigma; subtract its square.",
-                lambda: 1 - float(np.sqrt(max(after - sigma, 0) / abs(before - sigma))),
+                lambda: 1 - float(np.sqrt(max(after - sigma, 0) / abs(error_before - sigma))),
             ),
             Slip(
                 "before and after swapped",
                 "`share_closed` has the errors before and after swapped.",
-                lambda: closed_share(before, after, sigma),
+                lambda: closed_share(error_before, after, sigma),
             ),
             Slip(
                 "noise taken from one error only",
                 "`share_closed` subtracts the noise from one of the errors only.",
-                lambda: 1 - float(np.sqrt(max(after - sigma**2, 0) / before)),
+                lambda: 1 - float(np.sqrt(max(after - sigma**2, 0) / error_before)),
             ),
             Slip(
                 "root taken before the noise",
                 "`share_closed` subtracts sigma from the roots; subtract its square from the mean squares.",
-                lambda: 1 - float(max(np.sqrt(after) - sigma, 0) / (np.sqrt(before) - sigma)),
+                lambda: 1 - float(max(np.sqrt(after) - sigma, 0) / (np.sqrt(error_before) - sigma)),
             ),
         ],
     )
