@@ -68,6 +68,8 @@ def too_many_indices(stop: Stop, found: re.Match[str]) -> str | None:
                 counted = re.search(r"\[(\d+)\](?!.*\[\d+\])", owner)
                 asked = _from_zero(counted[1]) if counted else ""
                 zeros = zeros_of_one_size(stop, owner)
+                if len(shape) > 1:
+                    return f"{said}: it takes {len(shape)} indices, not {len(node.slice.elts)}."
                 takes = f"{said}: it is flat, and takes one index, not {len(node.slice.elts)}."
                 return f"{takes}{asked or ' ' * bool(zeros) + zeros}"
     return "The array has fewer axes than indices in the brackets: look at its `.shape`."
@@ -167,24 +169,26 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
 
 
 def time_and_input(stop: Stop, _: re.Match[str]) -> str | None:
-    """A time and an input of different lengths, handed to a function that simulates."""
+    """A time and an input of different lengths, handed to a function that simulates, or the input as the time."""
     for node in stop.expressions():
         if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("response")):
             continue
-        if len(node.args) == 2 and not any(one.arg in ("U", "inputs") for one in node.keywords):
+        named = {one.arg: one.value for one in node.keywords}
+        time = named.get("T", named.get("timepts", node.args[1] if len(node.args) > 1 else None))
+        given = named.get("U", named.get("inputs", node.args[2] if len(node.args) > 2 else None))
+        if time is not None and given is None:
             return (
                 f"What comes second in `{ast.unparse(node.func)}(system, ...)` is the time, not the input. Name the "
                 "input: `ct.forced_response(G, inputs=u)`."
             )
-        if len(node.args) > 2:
-            time, given = (stop.shape(part) for part in node.args[1:3])
-            if time and given and time[-1] != given[-1]:
-                name = ast.unparse(node.args[2])
-                return (
-                    f"The time `{ast.unparse(node.args[1])}` has {time[-1]} instants and the input `{name}` has "
-                    f"{given[-1]} samples: both must cover the same samples. (The time from zero is "
-                    f"`np.arange(len({name})) * Ts`.)"
-                )
+        shapes = [None if one is None else stop.shape(one) for one in (time, given)]
+        if time is not None and given is not None and shapes[0] and shapes[1] and shapes[0][-1] != shapes[1][-1]:
+            name = ast.unparse(given)
+            return (
+                f"The time `{ast.unparse(time)}` has {shapes[0][-1]} instants and the input `{name}` has "
+                f"{shapes[1][-1]} samples: both must cover the same samples. (The time from zero is "
+                f"`np.arange(len({name})) * Ts`.)"
+            )
     return "The second argument is the time, evenly spaced, and the third the input: print the first values of each."
 
 

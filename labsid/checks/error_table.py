@@ -150,6 +150,31 @@ TABLE: tuple[Translation, ...] = (
         coefficients,
     ),
     Translation("TypeError", "unrecognized keywords", unknown_keyword),
+    Translation(
+        "TypeError",
+        "filter expected",
+        "`filter` is Python's own. MATLAB's `filter(b, a, u)` is `scipy.signal.lfilter(b, a, u)`.",
+    ),
+    Translation(
+        "TypeError",
+        "arange: scalar arguments expected",
+        "`np.arange` takes its numbers one by one, `np.arange(start, stop, step)`, and no list or tuple of them.",
+    ),
+    Translation(
+        "ValueError",
+        "output array is not acceptable",
+        "`np.dot` multiplies two arrays: what comes third is where the result is put. More factors are joined by `@`.",
+    ),
+    Translation(
+        "IndexError",
+        "list assignment index out of range",
+        "An entry that a list does not have cannot be set: `append` adds one, or begin with an array, `np.zeros(n)`.",
+    ),
+    Translation(
+        "AttributeError",
+        "'TransferFunction' object has no attribute '[ABCD]'",
+        "It is a transfer function: the matrices A, B, C and D belong to a state space.",
+    ),
     Translation("ValueError", "not finite in the initial point|`x0` must have at most 1", start_of_a_search),
     Translation(
         "ValueError",
@@ -174,7 +199,9 @@ TABLE: tuple[Translation, ...] = (
         "The list of arrays is empty: print its `range`. (`range(1, n)` leaves out n, and with n = 1 it is empty.)",
     ),
     Translation(
-        "TypeError|IndexError", "slice indices must be integers|only integer|arrays used as indices", several_indices
+        "TypeError|IndexError",
+        "(?:slice|list) indices must be integers(?!.*(?:str|tuple)$)|only integer|arrays used as indices",
+        several_indices,
     ),
     Translation("TypeError", "'tuple' (and|object cannot)|and 'tuple'|concatenate tuple", tuple_for_a_part),
     Translation(
@@ -188,8 +215,8 @@ TABLE: tuple[Translation, ...] = (
         "setting an array element with a sequence",
         "One entry is set to a whole array: take one number, `[k]`.",
     ),
-    Translation("ValueError", "truth value of an array", compared_by_python),
-    Translation("ValueError", "truth value of an array", truth_of_an_array),
+    Translation("ValueError", "truth value of an(?: empty)? array", compared_by_python),
+    Translation("ValueError", "truth value of an(?: empty)? array", truth_of_an_array),
     Translation("ValueError|TypeError", "values to unpack|cannot unpack", unpacked),
     Translation(
         "TypeError|AttributeError",

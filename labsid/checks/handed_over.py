@@ -34,6 +34,8 @@ def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
     if written.endswith(".append") and len(call.args) > 1:
         handed = ", ".join(map(ast.unparse, call.args))
         return f"`append` adds one item. Several numbers together are a list: `{written}([{handed}])`."
+    if written.endswith((".uniform", ".standard_normal", ".random", ".normal")) and " given" in stop.text:
+        return "The shape is one argument, in brackets of its own, `(rows, columns)`."
     if written == "len" and len(call.args) == 2:
         table = ast.unparse(call.args[0])
         return f"`len({table})` is the number of rows; rows and columns are `{table}.shape[0]` and `{table}.shape[1]`."
@@ -123,7 +125,7 @@ def _called_within(stop: Stop, name: str) -> str:
     """The call in the line within which a function is called with other arguments than it takes."""
     call = next((node for node in stop.expressions() if isinstance(node, ast.Call)), None)
     if call is None or not name.startswith("_"):
-        return _missing(stop, name)
+        return _missing(stop, name) or f"`{name}` is called with other arguments than its first line has."
     return _told_by_help(stop, call)
 
 

@@ -192,6 +192,8 @@ def start_of_a_search(stop: Stop, _: re.Match[str]) -> str | None:
                     f"The search begins from one flat array of numbers, one for each parameter; `{start}` has shape "
                     f"{shape}."
                 )
+            if "dimension" in stop.text:
+                return f"The search begins from one flat list of numbers, `[a, b]`: `{start}` is none."
             if "finite" in stop.text:
                 return (
                     f"At the start, `{start}`, the model gives nan or inf, as a division by zero or the logarithm of a "

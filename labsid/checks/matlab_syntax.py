@@ -120,7 +120,11 @@ _MESSAGES: tuple[Spelling, ...] = (
         r"Missing parentheses in call to 'print'",
         "`print` is a function: `print(...)`. (A result is handed back by `return`.)",
     ),
-    Spelling(r"was never closed", "Count the brackets: one that opens is not closed."),
+    Spelling(
+        r"expected 'else'",
+        "`a if condition else b` needs both parts. The entries for which a condition holds are `t[condition]`.",
+    ),
+    Spelling(r"was never closed|incomplete input", "Count the brackets: one that opens is not closed."),
     Spelling(r"unmatched|does not match", "Count the brackets: one closes that was not opened, or of another kind."),
     Spelling(r"expected ':'", "The line of `if`, `for`, `while` or `def` ends with a colon."),
     Spelling(

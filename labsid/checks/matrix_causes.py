@@ -47,8 +47,8 @@ def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
             if isinstance(side, ast.BinOp) and all(shape is not None and len(shape) == 1 for shape in inner):
                 left, right = ast.unparse(side.left), ast.unparse(side.right)
                 return (
-                    f"`{left} @ {right}` is one number: both are flat. The matrix of all products of their entries is "
-                    f"`np.outer({left}, {right})`."
+                    f"`{left} @ {right}` is one number: both are flat. (The matrix of all products of their entries is "
+                    f"`np.outer({left}, {right})`.)"
                 )
             if alone or isinstance(side, ast.Constant):
                 return (
@@ -89,9 +89,14 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             return " ".join(filter(None, (said, _without_inverse(stop))))
         if one[0] == other[0] and re.fullmatch(r"(-?[\w.]+ \* )?\w+(\.T)?", left):
             turned = left[:-2] if left.endswith(".T") else f"{left}.T"
+            if len(one) == len(other) == 2 and other[1] == one[0]:
+                return f"{said} `{turned} @ {right}` and `{right} @ {left}` would fit."
             return f"{said} Is `{turned} @ {right}` meant?"
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
-        return f"{said} Is `{right} @ {left}` meant?" if is_swapped else said
+        if is_swapped:
+            return f"{said} Is `{right} @ {left}` meant?"
+        made = [name for name in (left, right) if name in stop.made and not stop.made[name].startswith("for ")]
+        return " ".join((said, *(f"`{name}` is made by `{stop.made[name]}`." for name in made)))
     return "In `A @ B` the columns of A must be as many as the rows of B."
 
 
@@ -199,7 +204,9 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                             f"`{ast.unparse(inner.left)} @ {b}`."
                         )
                 return said
-    return "`solve(A, b)` needs as many entries in b as A has rows."
+    sizes = re.search(r"size (\d+) is different from (\d+)", stop.text)
+    here = f" Here these are {sizes[1]} and {sizes[2]}." if sizes else ""
+    return f"`solve(A, b)` needs as many entries in b as A has rows.{here}"
 
 
 def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:
@@ -327,7 +334,7 @@ def not_square(stop: Stop, _: re.Match[str]) -> str | None:
                         f"`np.linalg.matrix_rank({name})`."
                     )
                 tall = (
-                    f" Least squares inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, ...)[0]`."
+                    f" (Least squares inverts `{name}.T @ {name}`, or takes `np.linalg.lstsq({name}, ...)[0]`.)"
                     if shape[0] > shape[1]
                     else ""
                 )

@@ -102,6 +102,12 @@ def _cut(stop: Stop, line: str, node: ast.expr, sizes: set[int]) -> str:
         return f"`{cut}` is a column of `{name}`, with {table[0]} entries; a row, `{name}[{k}]`, has {table[1]}."
     if isinstance(node.ctx, ast.Store):
         return _turned_target(stop, table, parts, name)
+    is_behind = line not in (
+        stop.part,
+        stop.line,
+    )  # a row is what a step of a recursion takes: another side may be wrong
+    if is_behind and "core dimension" in stop.text:
+        return ""
     if at == [True] or (at == [True, False] and _is_whole(parts[1])):
         k = ast.unparse(parts[0])
         return f"`{cut}` is a row of `{name}`, with {table[1]} entries; a column, `{name}[:, {k}]`, has {table[0]}."
