@@ -171,7 +171,7 @@ def limits_of(folder: Path, names: Sequence[str]) -> Iterator[dict[str, Any]]:
 
 
 def plant(
-    folder: Path, rng: np.random.Generator, experiment: Experiment, name: str, found: dict[str, Any]
+    folder: Path, rng: np.random.Generator, experiment: Experiment, name: str, limits: dict[str, Any]
 ) -> list[Planting]:
     """Write records of a rig with an effect of each of the `SIZES`, a few effects of those that it can have."""
     scales, made = experiment.scales, []
@@ -181,7 +181,7 @@ def plant(
     gain = float(clean_output(experiment, loaded)[-1] - y[-1]) / 0.01
     rows = [
         row
-        for row in found["limits"]
+        for row in limits["limits"]
         if (row["name"], row["parameter"]) in _PLANTED
         and row["named"] is not None
         and supports_effect(experiment.plain, row["name"])
