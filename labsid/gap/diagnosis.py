@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from labsid.gap.effects.drifts import GainStep
 from labsid.gap.fits.fitting import Problem, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
+from labsid.gap.fits.noisy_command import with_levels
 from labsid.gap.fits.number_search import search_numbers
 from labsid.gap.fits.unknown_input import about_unknown_input, after_unknown_input
 from labsid.gap.fits.unstable_poles import MOST_CORRECTED
@@ -62,6 +64,7 @@ from labsid.gap.simulations.long_record import (
     shorten_records,
 )
 from labsid.gap.simulations.model_check import TOPIC, check_model
+from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.gap.simulations.stepper_port import untried_inside
 from labsid.gap.simulations.structure_choice import UNDECIDED_TERM, explain_record
 from labsid.gap.verdict.answer import answer_from
@@ -445,6 +448,10 @@ def _prepare(
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     measured = _measured(record, gaps)
     rows = _included(record, exclude, measured)
+    if not isinstance(simulation, SimulatedOutput):  # which was made from the input as it is logged
+        record, more = with_levels(record, rows)
+        notes += more
+        holdout = None if holdout is None else with_levels(holdout)[0]
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     if is_slow:
         data = replace(data, at=np.flatnonzero(measured), stride=compared.stride)
@@ -494,6 +501,12 @@ def _prepare_several(
     notes = compared.notes + notes
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
+    if not isinstance(simulation, SimulatedOutput):
+        followed = list(map(with_levels, parts))
+        parts, notes = (
+            [part for part, _ in followed],
+            notes + tuple(dict.fromkeys(chain(*(said for _, said in followed)))),
+        )
     joined = join_records(parts, [_measured(part, times) for part, times in zip(parts, gaps, strict=True)])
     findings += _repeated([(f"the record {name}", one) for name, one in zip(joined.names, parts, strict=True)])
     simulation = read_exported(simulation, joined.record.Ts)

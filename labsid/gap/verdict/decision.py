@@ -61,7 +61,7 @@ class Evidence(NamedTuple):
     short : float
         Share of the gap left open on held-out samples, beyond chance.
     several : float
-        1 for two effects or more, else 0.
+        Number of effects beyond the first: each is one more that chance may have found.
     coloured : float
         1 for coloured noise beside effects, else 0: an effect outside the table often leaves a residual like it.
     reduction : float
@@ -527,7 +527,7 @@ def evidence_in(
     steps = len(path) - 1
     before, after = (mean_square(explanation.data, fit) for fit in (path[0], path[-1]))
     reduction = float(np.clip(0.5 * np.log(before / max(after, 1e-300)), 0.0, MAX_FIT_REDUCTION))
-    evidence = Evidence(several=float(steps >= 2), reduction=reduction)
+    evidence = Evidence(several=float(max(steps - 1, 0)), reduction=reduction)
     if "output-quantization" in explanation.unsimulated:
         return evidence  # rounding repeats with the input, and jumps
     colour = float(np.log(max(left.colour, 1.0)))
