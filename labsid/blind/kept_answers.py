@@ -18,9 +18,9 @@ import numpy as np
 
 from labsid._files import check_writable, write_file
 from labsid.blind.experiment import Case, OrdinaryCase
+from labsid.blind.limits import ROW as LIMITS
 from labsid.blind.metrics import CaseOutcome
 from labsid.blind.right_answers import is_right
-from labsid.blind.limits import ROW as LIMITS
 from labsid.blind.rows import DEFAULT_ROWS, ROWS
 from labsid.blind.runner import run_batch, run_folder
 from labsid.blind.suite import label_dict, make_cases, write_case

@@ -73,8 +73,8 @@ def fit_dropped_rows(stamps: FloatArray) -> EvenTimes | None:
     Returns
     -------
     EvenTimes or None
-        None if more than `MAX_DROPPED` of the rows would be missing, or `MAX_PAUSED` of them in a few pauses, or a stamp
-        deviates by more than `MAX_DEVIATION`.
+        None if more than `MAX_DROPPED` of the rows would be missing (`MAX_PAUSED` in a few pauses), or a stamp deviates
+        by more than `MAX_DEVIATION`.
     """
     steps = np.diff(stamps)
     usual = float(np.median(steps))
