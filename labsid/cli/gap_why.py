@@ -33,6 +33,7 @@ EVIDENCE = {
     "others": "number of other effects",
     "together": "1 if all of its set are found",
     "missed": "error without it",
+    "smooth": "1 if its law is a smooth curve",
 }
 """What each measure of `Evidence` and `PartialEvidence` says."""
 

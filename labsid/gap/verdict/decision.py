@@ -437,6 +437,8 @@ class PartialEvidence(NamedTuple):
         are then those of the set: its effects belong to one kind of rig, and each alone explains little.
     missed : float
         Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
+    smooth : float
+        1 if the law of the effect is a smooth curve, which imitates any other smooth law, else 0.
     """
 
     alone: float
@@ -446,12 +448,15 @@ class PartialEvidence(NamedTuple):
     others: float
     together: float = 0.0
     missed: float = 0.0
+    smooth: float = 0.0
 
 
-PARTIAL_PRIOR = -3.5  # the same of the effects of a partial explanation; lowered by hand from the fitted -2.7
-PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=-0.1, together=1.9, missed=1.9)
-"""Weights of that function: fitted to 154 named effects of `dev` records by the regression of
-`labsid.blind.calibration`; `others` and `together` were then set by hand (README)."""
+PARTIAL_PRIOR = -3.4  # the same of the effects of a partial explanation; lowered by hand from the fitted -2.6
+PARTIAL_WEIGHTS = PartialEvidence(
+    alone=1.2, lead=0.4, margin=1.2, agreement=1.2, others=-0.1, together=1.9, missed=2.0, smooth=-1.8
+)
+"""Weights of that function: fitted to 180 named effects of `dev` records by the regression of
+`labsid.blind.calibration`, but for `others` and `together` (README)."""
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
@@ -472,7 +477,8 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
         beside = others - len(step.mates)
         agreement, together = float(step.agreement), float(step.together is not None)
         missed = float(np.clip(-np.log(max(step.missed, 1e-6)), 0.0, MAX_REDUCTION))
-        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), agreement, beside, together, missed)
+        smooth, margin = float(step.name in names_where("smooth_law")), min(margin, MAX_MARGIN)
+        found[step.name] = PartialEvidence(alone, lead, margin, agreement, beside, together, missed, smooth)
     return found
 
 
