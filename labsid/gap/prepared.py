@@ -2,20 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
 from labsid._arrays import stretches_of
 from labsid.gap.dynamics.record_start import LEAST_START, MOST_SHARE
+from labsid.gap.fits.noisy_command import with_levels
 from labsid.gap.fits.unknown_input import about_unknown_input, after_unknown_input
 from labsid.gap.model_file import ExportedModel
 from labsid.gap.record.clock import at_sampling_time, clock_findings, stated_sampling_time
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.record.exclusion import MIN_SAMPLES, included_samples
 from labsid.gap.record.readings import at_readings, brought_to_samples
-from labsid.gap.record.record_findings import (
-    filtered_input,
-)
+from labsid.gap.record.record_findings import filtered_input
 from labsid.gap.simulations.baseline import (
     Baseline,
     Simulation,
@@ -31,6 +31,7 @@ from labsid.gap.simulations.long_record import (
     shorten_records,
 )
 from labsid.gap.simulations.model_check import TOPIC, check_model
+from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.gap.simulations.stepper_port import untried_inside
 from labsid.gap.verdict.several_records import (
     JoinedRecords,
@@ -139,6 +140,10 @@ def prepare(
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     measured = _measured(record, gaps)
     rows = _included(record, exclude, measured)
+    if not isinstance(simulation, SimulatedOutput):  # which was made from the input as it is logged
+        record, more = with_levels(record, rows)
+        notes += more
+        holdout = None if holdout is None else with_levels(holdout)[0]
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
     if is_slow:
         data = replace(data, at=np.flatnonzero(measured), stride=compared.stride)
@@ -206,6 +211,10 @@ def prepare_several(
     notes = compared.notes + notes
     for number, record in enumerate(parts, 1):
         _check_record(record, label(record, number))
+    if not isinstance(simulation, SimulatedOutput):
+        followed = list(map(with_levels, parts))
+        parts = [part for part, _ in followed]
+        notes += tuple(dict.fromkeys(chain.from_iterable(said for _, said in followed)))
     joined = join_records(parts, [_measured(part, times) for part, times in zip(parts, gaps, strict=True)])
     findings += _repeated([(f"the record {name}", part) for name, part in zip(joined.names, parts, strict=True)])
     simulation = read_exported(simulation, joined.record.Ts)

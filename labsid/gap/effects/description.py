@@ -74,6 +74,8 @@ class Description:
         Whether it is a force that depends on the position.
     bends_reading : bool
         Whether it bends or cuts the sensor's reading, as a spring of an unstable rig seems to.
+    smooth_law : bool
+        Whether its law is a smooth curve, which approximates any other smooth law; limits, steps and delays do not.
     sketch : Sketch, optional
         A curve of what it does, made from its parameters.
     """
@@ -94,6 +96,7 @@ class Description:
     shape_of_input: bool = False
     spring: bool = False
     bends_reading: bool = False
+    smooth_law: bool = False
     sketch: Sketch | None = None
 
     def missing(self, names: frozenset[str]) -> list[str]:

@@ -524,6 +524,7 @@ class CubicStiffness(PlantEffect):
         parameters={"cubic": Reported("cubic coefficient", "1/y^2")},
         confused_with=("output-nonlinearity", "input-nonlinearity"),
         spring=True,
+        smooth_law=True,
         sketch=Sketch(
             "Displacement from rest",
             "y",

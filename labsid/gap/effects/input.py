@@ -461,6 +461,7 @@ class Nonlinearity(curves.Curve, InputEffect):
             "centre": Reported("centre of the curve", "u", position=True),
         },
         confused_with=("output-nonlinearity", "sqrt-outflow", "input-saturation"),
+        smooth_law=True,
         shape_of_input=True,
         sketch=Sketch(
             "Command",
