@@ -95,7 +95,9 @@ def _is_apart(other: _Rig, own: _Rig) -> bool:
     gains = [abs(own.model.K - K) / abs(K) for K in (other.model.K, other.reading_gain)]
     t = np.linspace(0.0, other.held, 200)
     K, tau, td = other.model.K, other.model.tau, other.model.td
-    responses = [first_order_response(FirstOrderDelay(1.0, one, td), t, 1.0) for one in (tau, own.model.tau)]
+    responses = [
+        first_order_response(FirstOrderDelay(1.0, time_constant, td), t, 1.0) for time_constant in (tau, own.model.tau)
+    ]
     difference = float(np.sqrt(np.mean((responses[0] - responses[1]) ** 2)))
     return (
         min(gains) >= GAIN_APART
@@ -114,13 +116,13 @@ def _draw(own: Record, rig: _Rig, seed: np.random.SeedSequence) -> LabLog:
     numbers = uniform_samples(plan, _NUMBERS + changes.size)
     gain, side, slower, zero, sign, *tanks = numbers[:8].tolist()
     u = _other_input(own.u, changes, numbers[8:])
-    before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
+    u_before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
     K = rig.model.K * (0.72 + 0.12 * gain if side < 0.5 else 1.19 + 0.16 * gain)
     tau = _other_time_constant(rig, own.Ts, slower)
     y0 = rig.y0 + (1 if sign < 0.5 else -1) * (0.08 + 0.15 * zero) * rig.range
-    parameters = _tanks(before, after, K, tau, y0, *tanks)
-    louder = min(1.0, abs(K * (after - before)) / abs(rig.model.K * rig.amplitude))
-    upper, _ = steady_levels(parameters, min(before, after))
+    parameters = _tanks(u_before, after, K, tau, y0, *tanks)
+    louder = min(1.0, abs(K * (after - u_before)) / abs(rig.model.K * rig.amplitude))
+    upper, _ = steady_levels(parameters, min(u_before, after))
     fastest = parameters.upper_area / parameters.upper_orifice * np.sqrt(2 * upper / GRAVITY)
     return log_run(
         parameters,
