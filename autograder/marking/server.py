@@ -27,12 +27,17 @@ from autograder.results import gradebook
 from autograder.results.feedback import load_template, look_of, printable, values_of
 from autograder.results.gradebook import Mark
 from autograder.results.prose import keep_slow_texts, prose_html
+from labsid.plots.style import STYLE_SHEETS
 
 HOST = "127.0.0.1"
 MAX_BODY = 100_000  # bytes
 MAX_COMMENT = 10_000  # characters
 _FILES = Path(__file__).parent
-_STATIC = {"mark.css": "text/css; charset=utf-8", "mark.js": "text/javascript; charset=utf-8"}
+_STATIC = {
+    "page.css": (STYLE_SHEETS, "text/css; charset=utf-8"),
+    "mark.css": (_FILES, "text/css; charset=utf-8"),
+    "mark.js": (_FILES, "text/javascript; charset=utf-8"),
+}  # folder and type
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -102,7 +107,8 @@ class MarkingApp:
             return _text(HTTPStatus.NOT_FOUND, "Open the address that the command printed.")
         names = [unquote(part) for part in parts]
         if method == "GET" and len(names) == 1 and names[0] in _STATIC:
-            return Response(HTTPStatus.OK, _STATIC[names[0]], (_FILES / names[0]).read_bytes())
+            folder, kind = _STATIC[names[0]]
+            return Response(HTTPStatus.OK, kind, (folder / names[0]).read_bytes())
         if method == "GET" and names in ([], [""]):
             page = self._index(with_marks(self.out, self.questions))
             return _html(load_template("questions.html.j2", _FILES).render(page=page))

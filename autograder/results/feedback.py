@@ -19,6 +19,7 @@ from autograder.results.gradebook import Key, ManualGrades, Mark
 from autograder.results.prose import keep_slow_texts, prose_html
 from autograder.results.result_files import StoredResult
 from labsid._files import write_text
+from labsid.plots.style import STYLE_SHEETS
 
 TEMPLATES = Path(__file__).parent / "templates"
 _MARKS = {"right": "✓", "partial": "◐", "wrong": "✗", "wait": "…", "none": "·"}
@@ -236,7 +237,7 @@ def with_code(text: str) -> markupsafe.Markup:
 
 def load_template(name: str, folder: Path = TEMPLATES) -> jinja2.Template:
     """Load a page template; it escapes all values."""
-    loader = jinja2.FileSystemLoader(folder)
+    loader = jinja2.FileSystemLoader([folder, STYLE_SHEETS])
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     environment.filters |= {"with_code": with_code, "as_sentence": as_sentence}
     return environment.get_template(name)

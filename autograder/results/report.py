@@ -25,6 +25,12 @@ BINS = 10
 MAX_MISTAKES = 12
 HARD_TABLE = "what-was-hard.csv"
 STATISTICS_TABLE = "questions.csv"
+_CELL_MARKS = {
+    result_files.NOT_HANDED_IN: "–",
+    result_files.AS_RELEASED: "○",
+    result_files.COULD_NOT_BE_GRADED: "✗",
+    "waiting": "…",
+}  # of what the colour of a cell does not say
 _FAILURES = ("quarantined", "crashed", "timeout", "limit")
 
 
@@ -107,10 +113,14 @@ def report_page(
         for pair in find_similar(stored)
         if not any(pair.assignment == name and {pair.first, pair.second} <= group for name, group in same)
     ]
+    rows = _class_list(stored, names, manual)
+    found = {cell["status"] for row in rows for cell in row["cells"] if cell}
     return {
         "course": course,
         "names": {printable(student): printable(name) for student, name in (student_names or {}).items()},
-        "class": _class_list(stored, names, manual),
+        "class": rows,
+        "marks": _CELL_MARKS,
+        "statuses": [status for status in _CELL_MARKS if status in found],
         "students": len(graded),
         "submissions": len(stored),
         "isolation": [{"level": printable(level), "count": count} for level, count in levels.most_common()],
@@ -195,11 +205,12 @@ def _second_record(stored: Sequence[StoredResult]) -> str:
 def _class_list(
     stored: Sequence[StoredResult], assignments: Sequence[str], manual: ManualGrades
 ) -> list[dict[str, Any]]:
-    """A row for each student with the marks in each assignment, and the feedback page of each."""
+    """A row for each student with the marks in each assignment and the feedback pages; the lowest marks first."""
     results = {(result.student, result.assignment): result for result in stored}
     rows = []
     for student in dict.fromkeys(result.student for result in stored):
-        cells: list[dict[str, str] | None] = []
+        cells: list[dict[str, Any] | None] = []
+        lost: list[Decimal] = []
         for name in assignments:
             result = results.get((student, name))
             if result is None:
@@ -207,9 +218,23 @@ def _class_list(
                 continue
             marks = grades.totals(result, manual.scores)
             status = result.refusal or ("waiting" if marks.waiting else "")
-            cells.append({**_person(student, name), "score": plain_decimal(marks.score), "status": status})
-        rows.append({"id": printable(student), "cells": cells})
-    return rows
+            lost.append(_lost(marks))
+            cells.append(
+                {
+                    **_person(student, name),
+                    "score": plain_decimal(marks.score),
+                    "status": status,
+                    "lost": None if result.is_refused else round(100 * lost[-1]),
+                }
+            )
+        rows.append({"id": printable(student), "cells": cells, "lost": sum(lost, Decimal(0)) / len(lost)})
+    return sorted(rows, key=lambda row: -row["lost"])
+
+
+def _lost(marks: grades.Totals) -> Decimal:
+    """The share of the marks that is lost; those not yet given are not."""
+    lost = marks.max_score - marks.waiting - marks.score
+    return max(lost, Decimal(0)) / marks.max_score if marks.max_score else Decimal(0)
 
 
 def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[str, Any]:
@@ -218,6 +243,7 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
     max_score = max((total.max_score for total in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
     scores = sorted(total.score for total in totals)
     waiting = sum((total.waiting for total in totals), Decimal(0))
+    questions = _questions(handed_in, manual)
     return {
         "name": stored[0].assignment,
         "title": printable(stored[0].title),
@@ -237,7 +263,9 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
         "median": plain_decimal(_median(scores)) if scores else "–",
         "waiting": plain_decimal(waiting),
         "bars": _bars(scores, max_score),
-        "questions": _questions(handed_in, manual),
+        "lost": round(100 * sum(map(_lost, totals), Decimal(0)) / len(totals)) if totals else None,
+        "questions": [row for row in questions if row["lost"] != "0"],
+        "without_loss": sum(row["lost"] == "0" for row in questions),
         "slips": _slips(handed_in),
         "figures": question_figures(handed_in, manual.scores, _headings(handed_in)),
         "figures_table": STATISTICS_TABLE,

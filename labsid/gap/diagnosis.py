@@ -367,7 +367,8 @@ def _report(prepared: Prepared, explanation: Explanation, seed: int, progress: P
     report = build_report(record, answer, base, rng, holdout)
     if joined is not None:
         report["records"] = score_by_record(joined, data, answer.score, answer.start)
-    before, after = (output[inside] for output in answer.outputs)
+    shown_outputs = answer.outputs if joined is None else map(data.y_scale.back, answer.score.outputs)
+    before, after = (np.asarray(output)[inside] for output in shown_outputs)
     report["traces"] = figure_traces(record.t[inside], record.u[inside], y[inside], before, after, shown[inside])
     of_record += about_correction(report["gap"]["corrected"], MOST_CORRECTED)
     findings = [*prepared.findings, *of_record, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]

@@ -17,8 +17,9 @@ from labsid.plots.gap_curves import (
     trace_of,
     unit_of,
 )
-from labsid.plots.gap_details import figure_residual
-from labsid.plots.page_figures import in_both_widths, page_figure
+from labsid.plots.gap_details import figure_residual, figure_responses
+from labsid.plots.gap_records import figure_records
+from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, palette_png
 from labsid.plots.signal_names import as_text_lines, one_line, units_of
 from labsid.plots.style import (
     BLACK,
@@ -28,6 +29,7 @@ from labsid.plots.style import (
     SMALL_TEXT_SIZE,
     TIME,
     VERMILION,
+    error_colours,
     finish,
     make_headroom,
     new_figure,
@@ -171,7 +173,10 @@ def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
     else:
         figure = page_figure(narrow, 5.6, 0.0)
         panels = figure.subplot_mosaic([["time"] * len(parts), parts], height_ratios=[1.0, 1.7])
-    _time_strip(panels["time"], where["time"])
+    if report.get("by_record"):
+        _by_record(panels["time"], report["by_record"])
+    else:
+        _time_strip(panels["time"], where["time"])
     _bands(panels["frequency"], where["band_hz"])
     for signal in signals:
         cells = [cell for cell in where["operating"] if cell["signal"] == signal]
@@ -188,6 +193,18 @@ def _time_strip(ax: Axes, segments: list[list[float]]) -> None:
     ax.axhline(1.0, color=BLACK, linestyle=":", linewidth=1.4)
     ax.margins(x=0)
     finish(ax, "Gap over time", TIME, "Error power /\nits average", legend_columns=0)
+
+
+def _by_record(ax: Axes, shares: list[dict[str, Any]]) -> None:
+    """Draw the shares of gap and time in each of several records, the first one on top."""
+    at = np.arange(len(shares))
+    ax.barh(at, [100.0 * one["share"] for one in shares], 0.7, color=VERMILION, label="Gap")
+    time = np.array([100.0 * one["time"] for one in shares])
+    ax.vlines(time, at - 0.42, at + 0.42, color=BLACK, linewidth=1.8, label="Time")
+    ax.set_yticks(at, [one_line(one["name"]) for one in shares])
+    ax.invert_yaxis()
+    finish(ax, "Gap by record", "Share (%)", "")
+    ax.tick_params(axis="y", labelsize=LIMIT_TEXT_SIZE)
 
 
 def _bands(ax: Axes, bands: list[list[float]]) -> None:
@@ -218,7 +235,7 @@ def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom"
     """Draw the rms error of the simulation before in each cell of input and output that the record visits."""
     seen, labels = report["where"]["map"], _signals(report)
     rms = np.array(seen["rms"], float)  # None becomes NaN, which is not drawn
-    mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap="cividis", vmin=0.0)
+    mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap=error_colours(), vmin=0.0)
     finish(ax, "Operating map", labels["u"], labels["y"], legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
     bar.set_label(labels["error"], fontsize=SMALL_TEXT_SIZE)
@@ -304,13 +321,20 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
 
 def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """All figures of a report as PNG, for a wide and for a narrow screen."""
-    figures: dict[str, PageFigure] = {"first": figure_first, "simulations": figure_simulations}
+    figures: dict[str, PageFigure] = {"first": figure_first}
+    several = bool(report.get("record_traces"))
+    if several:
+        figures["records"] = figure_records
     if report["verdict"] != "none":
         figures["where"] = figure_location
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_experiment
+    if report.get("responses") is not None:
+        figures["responses"] = figure_responses
     if report.get("residual") is not None:
         figures["residual"] = figure_residual
     if any(row["detect"] is not None for row in report["limits"]):
         figures["limits"] = figure_limits
-    return in_both_widths(figures, report)
+    # The script replaces the figure of one record; without it a telephone shows the wide one.
+    one = {} if several else {"simulations": {"wide": palette_png(figure_simulations(report), DPI_ON_PAPER)}}
+    return one | in_both_widths(figures, report)

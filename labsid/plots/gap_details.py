@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labsid.plots.gap_curves import noise_band, unit_of
+from labsid.plots.gap_curves import noise_band, simulation_curves, unit_of
 from labsid.plots.page_figures import page_figure
 from labsid.plots.signal_names import as_text_lines
 from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, finish, new_figure
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -103,3 +105,64 @@ def figure_residual(report: dict[str, Any], narrow: bool = False) -> Figure:
     finish(ax, "Spectrum of the error", "Frequency (Hz)", f"{unit} per root of Hz", legend_columns=0)
     figure.legend(loc="outside lower right", ncols=3, fontsize=SMALL_TEXT_SIZE)
     return figure
+
+
+def figure_responses(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the frequency and the step response, measured with their 95 % errors, before and after.
+
+    Parameters
+    ----------
+    report : dict
+        Its `responses` are what `response_curves.find_response_curves` returns.
+    narrow : bool
+        Whether to fit the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    frequency, step = report["responses"].frequency, report["responses"].step
+    rows = 2 * (frequency is not None) + (step is not None)
+    figure = page_figure(narrow, 3.3, 2.6 * rows)
+    panels = list(np.ravel(figure.subplots(rows, 1) if narrow else figure.subplots(1, rows)))
+    unit = as_text_lines([f"{unit_of(report)} / {unit_of(report, 'u')}"])
+    if frequency is not None:
+        _draw_response(panels[0], report, frequency, np.abs, frequency.error * np.abs(frequency.measured))
+        panels[0].set(xscale="log", yscale="log")
+        for formatted in (panels[0].yaxis.set_major_formatter, panels[0].yaxis.set_minor_formatter):
+            formatted(_few_decades(*panels[0].get_ylim()))
+        finish(panels[0], "Gain", "Frequency (Hz)", unit, legend_columns=0)
+        _draw_response(panels[1], report, frequency, _degrees, np.rad2deg(np.minimum(frequency.error, np.pi)))
+        panels[1].set(xscale="log")
+        for ax in panels[:2]:
+            ax.xaxis.set_major_formatter("{x:g}")
+            ax.xaxis.set_minor_formatter("")
+        finish(panels[1], "Phase", "Frequency (Hz)", "Degrees", legend_columns=0)
+    if step is not None:
+        _draw_response(panels[-1], report, step, np.real, step.error)
+        finish(panels[-1], "Step response", "Time after the step (s)", unit, legend_columns=0)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=SMALL_TEXT_SIZE)
+    return figure
+
+
+def _few_decades(low: float, high: float) -> Any:
+    """A formatter of an axis of logarithms, which writes 1, 2 and 5 within a decade if there are few decades."""
+    from matplotlib.ticker import FuncFormatter
+
+    leading = ("1", "2", "5") if high < 100.0 * low else ("1",)
+    return FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in leading else "")
+
+
+def _degrees(response: np.ndarray) -> np.ndarray:
+    return np.asarray(np.rad2deg(np.unwrap(np.angle(response))))
+
+
+def _draw_response(
+    ax: Axes, report: dict[str, Any], response: Any, height: Callable[[np.ndarray], np.ndarray], error: np.ndarray
+) -> None:
+    """Draw the measured response with its error, and those of the simulations."""
+    middle = height(response.measured)
+    ax.fill_between(response.x, middle - error, middle + error, color=BLACK, alpha=0.18, linewidth=0)
+    ax.plot(response.x, middle, color=BLACK, alpha=0.6, linewidth=2.8, label="Measured")
+    for name, label, colour, style in simulation_curves(report):
+        ax.plot(response.x, height(getattr(response, name)), color=colour, linestyle=style, linewidth=1.5, label=label)

@@ -62,7 +62,7 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
         _line(error, source, f"e_{curve}", f"--{curve}", line_width=1.2)
     held = command.step("t", "u", source=source, name="u", mode="after", line_width=1.4)
     held.glyph.tags = [["line_color", "--ink"]]
-    if on_holdout or report["holdout_traces"] is None:
+    if not report.get("records") and (on_holdout or report["holdout_traces"] is None):
         _shade(error, report["gap"]["holdout"])
     _noise(error, noise_band(report)[0])
     _cursor([output, error, command])

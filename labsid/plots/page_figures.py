@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop and for a telephone
 DPI = 144  # one and a half times the width of the page
+DPI_ON_PAPER = 108  # of a figure that a screen shows without a script only: half of the size
 COLOURS = 96  # of a picture
 
 
@@ -26,12 +27,12 @@ def page_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figur
     return new_figure(NARROW, narrow_height) if narrow else new_figure(WIDE, wide_height)
 
 
-def palette_png(figure: Figure) -> bytes:
-    """The figure as PNG with a palette, a third of the size of one without."""
+def palette_png(figure: Figure, dpi: int = DPI) -> bytes:
+    """The figure as PNG with a palette, a third of the size of one without, at `dpi` dots per inch."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
-    figure.set_dpi(DPI)
+    figure.set_dpi(dpi)
     canvas = FigureCanvasAgg(figure)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # names of signals in any script

@@ -6,10 +6,12 @@ Figures are created without pyplot, so no global state or setting changes. matpl
 from __future__ import annotations
 
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
 Corner = Literal["upper right", "lower right"]
@@ -24,6 +26,9 @@ BLUE = "#0072B2"
 ORANGE = "#E69F00"
 VERMILION = "#D55E00"
 GREEN = "#009E73"
+
+STYLE_SHEETS = Path(__file__).parent
+"""Folder of page.css, the style sheet of all pages, in the same colours."""
 
 TIME = "Time (s)"
 TEXT_SIZE = 12
@@ -67,6 +72,13 @@ def make_headroom(ax: Axes, share: float) -> None:
     """Raise the upper y limit so that the top `share` of `ax` is free for a legend or a box."""
     lower, upper = ax.get_ylim()
     ax.set_ylim(lower, lower + (upper - lower) / (1.0 - share))
+
+
+def error_colours() -> Colormap:
+    """Colours of errors, pale to dark vermilion: the largest stand out, also where a dark page inverts the figure."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("errors", ["#F8E6DA", VERMILION, "#5E2600"])
 
 
 def save_png(figure: Figure, path: str | PathLike[str] | BinaryIO, dpi: int = 150) -> None:

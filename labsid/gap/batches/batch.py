@@ -129,7 +129,10 @@ def _diagnose(task: dict[str, Any]) -> dict[str, Any]:
     except OSError as error:
         return _error(f"{error.filename or files['records'][0]}: {error.strerror or error}", keep=False)
     except Exception as error:
-        return _error(f"internal error: {error!r}", keep=False)
+        what = f"{type(error).__name__}: {error}".removesuffix(": ")
+        return _error(
+            f"labsid failed, and the record is not at fault. Please report this, with the record: {what}", False
+        )
     return {"report": report, "keep": True}
 
 

@@ -11,22 +11,23 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from labsid._files import write_text
+from labsid.gap.batches.sparklines import HEIGHT, WIDTH, error_lines
 from labsid.gap.batches.workers import run_tasks, serve
 from labsid.gap.reports.html_report import write_html_report
 from labsid.gap.reports.page_parts import TEMPLATES, digest, load_template
 from labsid.gap.reports.quantities import closed_percent, counted, number, probability
-from labsid.gap.reports.sentences import capitalised, noun_without_article
+from labsid.gap.reports.sentences import capitalised, is_unchanged, noun_without_article
 
 if TYPE_CHECKING:
     from labsid.gap.search.beam_search import Progress
 
 VERDICTS = {
-    "unknown": ("Not explained", "before"),
-    "partial": ("Partly explained", "after"),
-    "effect": ("Explained", "after"),
-    "none": ("Without a gap", "floor"),
-    "error": ("Not diagnosed", "error"),
-}  # labels and colours, in the order of the page
+    "unknown": ("Not explained", "before", "?"),
+    "partial": ("Partly explained", "after", "◐"),
+    "effect": ("Explained", "after", "✓"),
+    "none": ("Without a gap", "floor", "○"),
+    "error": ("Not diagnosed", "error", "✗"),
+}  # labels, colours and marks, in the order of the page
 RECORD = ("record", "records")
 
 
@@ -76,23 +77,27 @@ def batch_page_content(
     return {
         "name": name,
         "count": counted(len(reports), *nouns),
+        "size": (f"{WIDTH:g}", f"{HEIGHT:g}"),
         "one": nouns[0],
         "several": nouns[1],
         "headline": ", ".join(f"{verdicts[key]} {VERDICTS[key][0].lower()}" for key in VERDICTS if verdicts[key]),
-        "verdicts": _bars((*VERDICTS[key], verdicts[key]) for key in VERDICTS if verdicts[key]),
-        "effects": _bars((_title(effect), "after", count) for effect, count in effects.most_common()),
+        "verdicts": _bars(((*VERDICTS[key], verdicts[key]) for key in VERDICTS if verdicts[key]), len(reports)),
+        "effects": _bars(((_title(effect), "after", "", n) for effect, n in effects.most_common()), len(reports)),
         "rows": sorted(rows, key=_rank),
         "errors": [{"stem": stem, "href": hrefs[stem], "message": errors[stem]} for stem in sorted(errors)],
     }
 
 
-def _bars(counts: Iterable[tuple[str, str, int]]) -> list[dict[str, Any]]:
-    """Counts as bars, with lengths in per cent of the longest."""
-    rows = list(counts)
-    longest = max((count for *_, count in rows), default=1)
+def _bars(counts: Iterable[tuple[str, str, str, int]], total: int) -> list[dict[str, Any]]:
+    """Counts as bars, with lengths in per cent of the total."""
     return [
-        {"label": label, "colour": colour, "value": count, "width": f"{100.0 * count / longest:.1f}"}
-        for label, colour, count in rows
+        {
+            "label": f"{mark} {label}".strip(),
+            "colour": colour,
+            "value": f"{count} of {total}",
+            "width": f"{100.0 * count / total:.1f}",
+        }
+        for label, colour, mark, count in counts
     ]
 
 
@@ -105,8 +110,9 @@ def _row(stem: str, report: dict[str, Any]) -> dict[str, Any]:
     return {
         "stem": stem,
         "runs": len(report.get("records", ())),
-        "verdict": VERDICTS[report["verdict"]][0],
-        "colour": VERDICTS[report["verdict"]][1],
+        **dict(zip(("verdict", "colour", "mark"), VERDICTS[report["verdict"]], strict=True)),
+        "line": error_lines(report),
+        "unchanged": is_unchanged(report),
         "severity": list(VERDICTS).index(report["verdict"]),
         "effects": [capitalised(_at_signal(effect)) for effect in effects],
         "ambiguous": [

@@ -27,6 +27,8 @@ def effect_curve(report: dict[str, Any], effect: dict[str, Any]) -> dict[str, An
         by that of the parameters; ``marks``, places on the axis of x with their 95 % error; ``visits``, the samples
         of the record on it; ``labels`` of both axes; ``title``. None without a curve.
     """
+    if "course" in effect:
+        return _course_in_time(report, effect)
     description = DESCRIPTIONS.get(effect["name"])
     sketch = None if description is None else description.sketch
     known = {name: one for name, one in effect["parameters"].items() if one["value"] is not None}
@@ -53,6 +55,24 @@ def effect_curve(report: dict[str, Any], effect: dict[str, Any]) -> dict[str, An
             _labelled(sketch.across, "s" if sketch.over == "t" else sketch.over, known, units),
             _labelled(sketch.label, sketch.unit, known, units),
         ),
+    }
+
+
+def _course_in_time(report: dict[str, Any], effect: dict[str, Any]) -> dict[str, Any]:
+    """A drift in time, with the 95 % error of its amplitude."""
+    t, y = (np.array(effect["course"][name], float) for name in ("t", "y"))
+    amplitude = effect["parameters"]["amplitude"]
+    error = DEVIATIONS * float(amplitude.get("stderr") or 0.0) / max(abs(float(amplitude["value"])), 1e-300)
+    _, units = _seen(report, effect, {})
+    return {
+        "title": capitalised(noun_without_article(effect["name"])),
+        "x": t,
+        "curve": y,
+        "plain": np.zeros(t.size),
+        "band": np.abs(y) * error,
+        "marks": [],
+        "visits": np.zeros(0),
+        "labels": ("Time (s)", _labelled("Change of the reading", "y", {}, units)),
     }
 
 

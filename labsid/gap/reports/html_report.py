@@ -18,6 +18,7 @@ from labsid.gap.reports.limit_rows import (
     short_noun,
     titled_rows,
 )
+from labsid.gap.reports.location import share_by_record
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import (
     TEMPLATES,
@@ -33,9 +34,10 @@ from labsid.gap.reports.page_parts import (
 )
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
+from labsid.gap.reports.response_curves import find_response_curves
 from labsid.gap.reports.rivals import rival_responses
 from labsid.gap.reports.signals_page import render_signals
-from labsid.gap.reports.traces import record_at, worst_stretch
+from labsid.gap.reports.traces import record_traces, worst_of_records, worst_stretch
 from labsid.gap.verdict.black_boxes import PATHS
 
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
@@ -161,16 +163,32 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
             {
                 "name": sentences.capitalised(joined([sentences.noun_without_article(name) for name in names])),
                 "probability": probability(row["probability"]),
-                "closed": "–" if closed is None else closed_percent(closed),
-                "width": "" if closed is None else f"{100.0 * min(max(closed, 0.0), 1.0):.0f}",
+                "chance": f"{100.0 * row['probability']:.1f}",
+                **_on_track(closed, gap["ci95"] if ours and not has_probabilities(report) else row.get("ci95")),
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
-                "held_out": closed_percent(gap["closed"], gap["ci95"])
+                "held_out": _on_track(gap["closed"], gap["ci95"])
                 if ours and gap["closed"] is not None and has_probabilities(report)
-                else "",
+                else None,
             }
         )
     return rows
+
+
+def _on_track(closed: float | None, ci95: list[float] | None) -> dict[str, str]:
+    """A closed share with its interval as text, and their places on a track of the whole gap in per cent."""
+    if closed is None:
+        return {"closed": "–", "at": "", "low": "", "span": ""}
+    at = f"{100.0 * min(max(closed, 0.0), 1.0):.1f}"
+    if ci95 is None:
+        return {"closed": closed_percent(closed), "at": at, "low": "", "span": ""}
+    low, high = (min(max(end, 0.0), 1.0) for end in ci95)
+    return {
+        "closed": closed_percent(closed, ci95),
+        "at": at,
+        "low": f"{100.0 * low:.1f}",
+        "span": f"{100.0 * (high - low):.1f}",
+    }
 
 
 def _kinds(report: dict[str, Any]) -> list[dict[str, str]]:
@@ -213,12 +231,15 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     from labsid.plots.gap import figures_as_png
 
     titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
-    stretch = worst_stretch(report, "record" if report["holdout_traces"] is None else "holdout")
-    if stretch is not None:
-        name, start = record_at(report, float(stretch["t"][0]))
-        stretch = stretch | {"t": stretch["t"] - start}
-        report = report | {"stretch": stretch, "stretch_of": name}
-    more = {"limits": titled, "residual": find_residual_curves(report)}
+    if report.get("records"):
+        name, _, worst = worst_of_records(report)
+        report = report | {"stretch": worst, "stretch_of": name, "record_traces": record_traces(report)}
+        shares = share_by_record(report["where"]["time"], report["records"], report["record"]["Ts"])
+        report = report | {"by_record": shares}
+    else:
+        part = "record" if report["holdout_traces"] is None else "holdout"
+        report = report | {"stretch": worst_stretch(report, part)}
+    more = {"limits": titled, "residual": find_residual_curves(report), "responses": find_response_curves(report)}
     figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
     return in_base64(figures | effect_pictures(report))
 
@@ -231,8 +252,13 @@ def scripts(report: dict[str, Any]) -> dict[str, Any]:
     library, own = panel_script(), page_script(report, (TEMPLATES / "replay.js").read_text(encoding="utf-8"))
     return {
         "own": own,
-        "library": base64.b64encode(gzip.compress(library.encode(), mtime=0)).decode("ascii"),
+        "library": _packed_text(library),
         "digests": [digest(text) for text in (library, own)],
-        "data": page_data(report),
+        "data": _packed_text(page_data(report)),
         "switches": bool(report.get("replay")),
     }
+
+
+def _packed_text(text: str) -> str:
+    """A text as the script of the page unpacks it: less than half its size."""
+    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode("ascii")

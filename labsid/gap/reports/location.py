@@ -1,6 +1,8 @@
 """Location of the gap in time, frequency and operating range, as shares of the baseline's squared error."""
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +33,33 @@ def share_by_time(t: FloatArray, e: FloatArray, Ts: float, marked: np.ndarray) -
     bounds = np.unique(np.concatenate([[0], edges, [e.size]]))
     total = float(e @ e) or 1.0
     return [[float(t[a]), float(t[b - 1] + Ts), float(e[a:b] @ e[a:b]) / total] for a, b in pairwise(bounds)]
+
+
+def share_by_record(
+    segments: Sequence[Sequence[float]], records: Sequence[Mapping[str, Any]], Ts: float
+) -> list[dict[str, Any]]:
+    """Shares of the gap and of the time in each of several records.
+
+    Parameters
+    ----------
+    segments : sequence of (float, float, float)
+        Of all records one after the other, as `share_by_time` returns them.
+    records : sequence of mapping
+        With ``name``, ``start`` in seconds and ``samples``.
+    Ts : float
+
+    Returns
+    -------
+    list of dict
+        ``name``, ``share`` and ``time``, in the order of the records; the shares add up to 1.
+    """
+    found = []
+    for row in records:
+        start, stop = row["start"], row["start"] + row["samples"] * Ts
+        share = sum(s * max(min(b, stop) - max(a, start), 0.0) / (b - a) for a, b, s in segments if b > a)
+        found.append({"name": str(row["name"]), "share": share, "time": stop - start})
+    share, time = (sum(one[key] for one in found) or 1.0 for key in ("share", "time"))
+    return [one | {"share": one["share"] / share, "time": one["time"] / time} for one in found]
 
 
 def share_by_frequency(e: FloatArray, Ts: float) -> list[list[float]]:

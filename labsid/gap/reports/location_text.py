@@ -4,7 +4,7 @@ from itertools import groupby
 from typing import Any
 
 from labsid._texts import joined
-from labsid.gap.reports.location import unevenness
+from labsid.gap.reports.location import share_by_record, unevenness
 from labsid.gap.reports.quantities import between, number, percent
 
 HALF = 0.5  # of the gap, that a reported band or range contains
@@ -18,10 +18,21 @@ MAX_RANGES = 2
 def location_sentences(report: dict[str, Any]) -> list[str]:
     """Sentences on where the gap lies in time, frequency and operating range."""
     where = report["where"]
-    texts = [_in_time(where["time"]), _in_frequency(where["band_hz"]), *_in_range(report)]
+    records = report.get("records")
+    in_time = _in_records(report) if records else _in_time(where["time"])
+    texts = [in_time, _in_frequency(where["band_hz"]), *_in_range(report)]
     if "only_on_holdout" in report:
         texts = [text.replace(" record", " holdout") for text in texts]
     return [text for text in texts if text]
+
+
+def _in_records(report: dict[str, Any]) -> str:
+    """In which of several records most of the gap lies."""
+    shares = share_by_record(report["where"]["time"], report["records"], report["record"]["Ts"])
+    worst = max(shares, key=lambda one: one["share"])
+    if worst["share"] - worst["time"] < MIN_EXCESS:
+        return "The gap is spread over all records."
+    return f"{percent(worst['share'])} of the gap lies in {worst['name']}, {percent(worst['time'])} of the samples."
 
 
 def _in_time(segments: list[list[float]]) -> str:

@@ -18,6 +18,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_curves import effect_curve
 from labsid.gap.reports.effect_texts import parameter_rows
 from labsid.gap.reports.quantities import closed_percent, number
+from labsid.plots.style import STYLE_SHEETS
 
 if TYPE_CHECKING:
     import jinja2
@@ -49,7 +50,11 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
 
 
 def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """Rms errors as bars, with lengths in per cent of the longest."""
+    """Rms errors as bars, with lengths in per cent of the longest.
+
+    They are a waterfall: beside the bar of an effect stands what it closes of the error above it, as `gone`, and beside
+    the bar of the noise what remains of the error after.
+    """
     gap = report["gap"]
     if sentences.is_unchanged(report):
         rows = [("Simulation", gap["before"], "before")]
@@ -59,9 +64,18 @@ def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
         rows = [("Before", gap["before"], "before"), *steps, after]
     rows += _noise_rows(report)
     longest = max(value for _, value, _ in rows) or 1.0
+    noise = len(rows) - len(_noise_rows(report))
+    last = 0 if report["verdict"] == "none" else noise  # nothing is closed of no gap, and nothing remains of it
     return [
-        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
-        for text, value, colour in rows
+        {
+            "label": text,
+            "value": number(value),
+            "width": f"{100.0 * value / longest:.1f}",
+            "colour": colour,
+            "gone": f"{100.0 * max(rows[k - 1][1] - value, 0.0) / longest:.1f}" if 0 < k <= last else "0.0",
+            "kind": "left" if k == noise else "closed",
+        }
+        for k, (text, value, colour) in enumerate(rows)
     ]
 
 
@@ -172,7 +186,7 @@ def load_template(name: str) -> "jinja2.Template":
     """A template of this package; values are escaped, and numbers stay on one line with their units."""
     import jinja2
 
-    loader = jinja2.FileSystemLoader(TEMPLATES)
+    loader = jinja2.FileSystemLoader([TEMPLATES, STYLE_SHEETS])
     environment = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, finalize=_no_break
     )

@@ -14,7 +14,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import parameter_label, parameter_value
 from labsid.gap.reports.javascript.models import script, structure
 from labsid.gap.reports.quantities import closed_percent, in_units, rounded
-from labsid.gap.reports.traces import packed, worst_stretch
+from labsid.gap.reports.traces import packed, worst_of_records, worst_stretch
 
 LONG = 6000  # samples, from which the panels open at the worst stretch, below a strip of the whole
 NOTHING = 1e-6  # of the fitted value: a smaller one is shown as zero
@@ -32,14 +32,18 @@ def page_data(report: dict[str, Any]) -> str:
     from labsid.plots.gap_panels import panels
 
     replay = _replay(report)
-    long = [name for name in ("record", "holdout") if replay[name] is not None and _samples(replay[name]) >= LONG]
-    parts = {name: replay[name] for name in ("record", "holdout") if replay[name] is not None}
+    parts = {name: dict(replay[name]) for name in ("record", "holdout") if replay[name] is not None}
+    if replay["combinations"]:
+        del parts["record"]["after"]  # the page simulates it
+    pieces = _pieces(report)
+    long = [] if pieces else [name for name, part in parts.items() if _samples(part) >= LONG]
     combinations = [_combination(report, one) for one in replay["combinations"]]
     names = dict.fromkeys(name for one in combinations for name in one["names"])
     content = {
         "parts": parts,
         "panels": {name: panels(report, name, name in long) for name in parts},
         "worst": {name: _worst(report, name) for name in parts},
+        "pieces": pieces,
         "long": long,
         "u_scale": replay["u_scale"],
         "y_scale": replay["y_scale"],
@@ -59,8 +63,26 @@ def _samples(part: dict[str, Any]) -> int:
 
 def _worst(report: dict[str, Any], name: str) -> list[float] | None:
     """Ends of the worst stretch in seconds; None without a gap, or where the report does not hold all samples."""
-    found = None if report["verdict"] == "none" else worst_stretch(report, name)
+    if report["verdict"] == "none":
+        return None
+    found = worst_of_records(report)[2] if report.get("records") else worst_stretch(report, name)
     return None if found is None else [float(found["t"][0]), float(found["t"][-1])]
+
+
+def _pieces(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """Name, first sample and number of samples of each of several records, and whether the worst stretch is there."""
+    if not report.get("records") or report.get("replay") is None:
+        return []
+    worst = worst_of_records(report)[0]
+    return [
+        {
+            "name": row["name"],
+            "start": round(row["start"] / report["record"]["Ts"]),
+            "samples": row["samples"],
+            "worst": row["name"] == worst,
+        }
+        for row in report["records"]
+    ]
 
 
 def _replay(report: dict[str, Any]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """The JSON report (layout ``labsid.gap/4``), from which the text and HTML reports are made."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -9,12 +10,14 @@ from labsid._arrays import FloatArray, stretches_of, up_to_next
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
+from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
 from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
 from labsid.gap.fits.residual_tests import input_correlation
 from labsid.gap.fits.switching import only_switches
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
+from labsid.gap.model_file import export_model
 from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
 from labsid.gap.reports import location
@@ -22,6 +25,7 @@ from labsid.gap.reports.experiment import Experiment, next_experiment
 from labsid.gap.reports.layout import SCHEMA
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.quantities import chance, counted, number, percent
+from labsid.gap.reports.share_intervals import share_interval
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.simulations.baseline import Baseline
 from labsid.gap.simulations.simulated_output import OutputModel, SimulatedOutput
@@ -37,6 +41,9 @@ LAGS = 20
 MIN_LOGGED = 0.3  # of the error left, from which the rounding of the log of the input is mentioned
 NOISELESS = 0.9  # rms of the added noise over the error that is left, from which it is nearly all of it
 LEAST_SHIFT = 3.0  # standard deviations of the noise, from which the shift of a simulated output is said
+COURSE = 80  # points of the time course of a drift
+INTERVALS = 8  # rows of the ranking with an interval
+SAME_SHARE = 0.005  # of the gap: an interval belongs to the share if it is of the same errors
 MIN_FLOOR = 0.5  # rms of the added noise over the error that is left, from which it is said
 
 
@@ -63,14 +70,14 @@ def build_report(
     explanation, decision, score, data = answer.explanation, answer.decision, answer.score, answer.explanation.data
     unit = data.y_scale.unit
     numbers = estimate_numbers(explanation.data, explanation.best)
-    effects = _effects(answer, numbers)
+    effects = [effect | _course(record, answer, effect["name"]) for effect in _effects(answer, numbers)]
     t, u, y, e = _located(record, answer, holdout)
     return _holdout(answer, holdout) | {
         "schema": SCHEMA,
         "verdict": decision.verdict,
         "effects": effects,
         "ambiguous": list(decision.ambiguous),
-        "ranking": _ranking(answer),
+        "ranking": _with_intervals(_ranking(answer), answer, holdout),
         "explanation": {**asdict(answer.complete), "evidence": answer.complete.evidence._asdict()},
         "where": {
             "path": effects[0]["path"] if effects else decision.verdict,
@@ -204,6 +211,17 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
     return found
 
 
+def _course(record: Record, answer: Answer, name: str) -> dict[str, Any]:
+    """The time course of a drift of the sensor, which its parameters do not tell; empty for other effects."""
+    fit, data = answer.explanation.best, answer.explanation.data
+    drift = next((effect for effect in fit.hypothesis.effects if isinstance(effect, Drift)), None)
+    if name != "output-drift" or drift is None or data.pieces:
+        return {}
+    at = np.unique(np.linspace(0, data.samples - 1, COURSE).astype(int))
+    course = data.y_scale.unit * drift.added(Fitted.of(fit, data))[at]
+    return {"course": {"t": record.t[at].tolist(), "y": course.tolist()}}
+
+
 def _step(explanation: Explanation, name: str) -> int:
     """Step of the path at which an effect is added; the last one for effects found in the samples."""
     for step, fit in enumerate(explanation.path):
@@ -266,6 +284,53 @@ def _ranking(answer: Answer) -> list[dict[str, Any]]:
         }
         for names, fit in ordered
     ]
+
+
+def _with_intervals(rows: list[dict[str, Any]], answer: Answer, holdout: Record | None) -> list[dict[str, Any]]:
+    """The first rows of the ranking with 95 % intervals of the closed shares; None where they cannot be computed."""
+    compared = _compared_errors(answer, holdout)
+    if compared is None:
+        return rows
+    before, after, floor = compared
+    found = []
+    for row in rows[:INTERVALS]:
+        fit = answer.fits.get(tuple(sorted(row["name"].split("+"))))
+        if fit is not None and row["closed"] is not None:
+            e = after(fit)
+            mean = closed_share(float(np.mean(before**2)), float(np.mean(e**2)), floor)
+            same = mean is not None and abs(mean - row["closed"]) < SAME_SHARE
+            row = row | {"ci95": share_interval(before, e, floor) if same else None}
+        found.append(row)
+    return [*found, *rows[INTERVALS:]]
+
+
+def _compared_errors(
+    answer: Answer, holdout: Record | None
+) -> tuple[FloatArray, Callable[[Fit], FloatArray], float] | None:
+    """Errors of the simulation before, those of any fit, and the noise, on the samples of the ranking.
+
+    None for several records, each of which is simulated by fits to the others, and where a given simulation would have
+    to run again.
+    """
+    data, scored = answer.explanation.data, answer.score.scored
+    if answer.decision.verdict not in ("partial", "unknown"):
+        rows = data.rows
+        floor = float(answer.explanation.best.noise.sigma2)
+        return (data.y - answer.before.output)[rows], lambda fit: (data.y - fit.output)[rows], floor
+    if data.pieces:
+        return None
+    if holdout is None:
+        y, output = data.y, answer.score.outputs[0]
+        return (y - output)[scored], lambda fit: (y - fit.output)[scored], answer.score.floor**2
+    if answer.explanation.best.hypothesis.plant.kind == "given":
+        return None
+    y, unit = data.y_scale.of(holdout.y), data.y_scale
+
+    def error(fit: Fit) -> FloatArray:
+        model = export_model(data, fit, start=answer.start)
+        return np.asarray((y - unit.of(model.simulate(holdout.u, holdout.y)))[scored])
+
+    return (y - answer.score.outputs[0])[scored], error, answer.score.floor**2
 
 
 def _acting_samples(answer: Answer, samples: int) -> np.ndarray:

@@ -10,6 +10,7 @@ from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.html_report import render_html
 from labsid.gap.reports.page_parts import in_frame
 from labsid.gap.reports.text_report import format_report
+from labsid.gap.reports.traces import record_traces
 from labsid.gap.verdict.gates import Why
 
 
@@ -82,9 +83,15 @@ class Diagnosis:
         return self.model.simulate(inputs, measured)
 
     def plot(self) -> Any:
-        """A matplotlib figure of the measured output and of the simulations before and after, with their errors."""
-        from labsid.plots.gap import figure_simulations
+        """A matplotlib figure of the measured output and of the simulations before and after, with their errors.
 
+        Several records have a row each, with the simulations that are scored.
+        """
+        from labsid.plots.gap import figure_simulations
+        from labsid.plots.gap_records import figure_records
+
+        if self.report.get("records"):
+            return figure_records(self.report | {"record_traces": record_traces(self.report)})
         return figure_simulations(self.report)
 
     def with_report(self, report: dict[str, Any]) -> "Diagnosis":

@@ -505,10 +505,11 @@ def records_sentence(report: dict[str, Any]) -> str | None:
         return None
     counts = sorted({row["unscored"] for row in report["records"]})
     first = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    dated = any("onset" in effect["parameters"] for effect in report["effects"])
     return (
         "The records share the parameters and the effects; each has its own offset and initial state. Each record was "
         f"simulated with fits to the others, its offset and initial state estimated from its first {first} samples, "
-        "which are not scored. Times run on from one record to the next, with a pause between them."
+        f"which are not scored.{' Times run on from one record to the next.' if dated else ''}"
     )
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from labsid._arrays import FloatArray, lies_within, stretches_of, window_sums
+from labsid._arrays import FloatArray, lies_within, window_sums
 
 MAX_POINTS = 2400  # samples of a figure
 STRETCH, FEWEST, MOST = 0.1, 40, 400  # share of the record in the worst stretch, and its samples
@@ -97,26 +97,55 @@ def worst_stretch(report: dict[str, Any], name: str) -> dict[str, FloatArray] | 
     if report.get("replay") is None:
         return None
     trace, scale = unpacked(report["replay"][name]), report["replay"]["y_scale"]
-    power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace["counts"]
-    between = np.cumsum(np.isnan(trace["before"]))  # a stretch lies within one of several records
-    length = min(max(int(STRETCH * power.size), FEWEST), MOST, power.size)
-    whole = between[length - 1 :] == between[: power.size - length + 1]
-    first = int(np.argmax(np.where(whole, window_sums(power, length), -1.0)))
-    part = {key: signal[first : first + length] for key, signal in trace.items()}
+    part = _worst(trace)
     return part | {key: scale["centre"] + scale["unit"] * part[key] for key in ("y", "before", "after")}
 
 
-def record_at(report: dict[str, Any], t: float) -> tuple[str, float]:
-    """Name of the one of several records that holds a time of the report, and its first time there.
+def _worst(trace: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """The stretch of a trace in which the simulation before has the largest error, where that counts."""
+    power = np.nan_to_num(trace["y"] - trace["before"]) ** 2 * trace["counts"]
+    length = min(max(int(STRETCH * power.size), FEWEST), MOST, power.size)
+    first = int(np.argmax(window_sums(power, length)))
+    return {key: signal[first : first + length] for key, signal in trace.items()}
 
-    With one record the name is empty and the time zero. Between the records there is no simulation.
+
+def record_traces(report: dict[str, Any]) -> list[dict[str, FloatArray]]:
+    """The traces of each of several records, with times from its own start.
+
+    Parameters
+    ----------
+    report : dict
+        Of several records: its traces are those of the fits that are scored.
+
+    Returns
+    -------
+    list of dict of ndarray
+        In the order of the records; ``counts`` is 1 at the samples that are scored, else 0.
     """
-    names = [row["name"] for row in report.get("records", ())]
-    if not names or report.get("replay") is None:
-        return "", 0.0
-    trace = unpacked(report["replay"]["record"])
-    starts = [trace["t"][start] for start, _ in stretches_of(np.isfinite(trace["before"]))]
-    if len(starts) != len(names):
-        return "", 0.0
-    at = max(int(np.searchsorted(starts, t, side="right")) - 1, 0)
-    return str(names[at]), float(starts[at])
+    trace, Ts = {name: np.array(x, float) for name, x in report["traces"].items()}, report["record"]["Ts"]
+    found = []
+    for row in report["records"]:
+        t = trace["t"] - row["start"]
+        own = {name: x[(t > -0.5 * Ts) & (t < (row["samples"] - 0.5) * Ts)] for name, x in trace.items()}
+        own["t"] = own["t"] - row["start"]
+        found.append(own | {"counts": (own["t"] > (row["unscored"] - 0.5) * Ts).astype(float)})
+    return found
+
+
+def worst_of_records(report: dict[str, Any]) -> tuple[str, float, dict[str, FloatArray]]:
+    """The stretch of several records in which the simulation before has the largest error: its record and samples.
+
+    Returns
+    -------
+    str
+        Name of the record.
+    float
+        Its start, in the times of the report.
+    dict of ndarray
+        Samples of the stretch, with times from the start of the record.
+    """
+    stretches = [_worst(trace) for trace in record_traces(report)]
+    power = [float(np.nansum((one["y"] - one["before"]) ** 2 * one["counts"])) for one in stretches]
+    worst = int(np.argmax(power))
+    row = report["records"][worst]
+    return str(row["name"]), float(row["start"]), stretches[worst]

@@ -165,7 +165,7 @@ def test_the_pages_run_nothing_of_a_student(client: Client) -> None:
     status, page, _ = client("GET", f"/{client.app.token}/")
     assert status == 200
     assert f'href="{client.question}"' in page
-    for name in ("mark.css", "mark.js"):
+    for name in ("page.css", "mark.css", "mark.js"):
         assert client("GET", f"/{client.app.token}/{name}")[0] == 200
 
 

@@ -153,7 +153,7 @@ def test_the_map_shows_the_rms_error_of_each_pair_that_the_record_visits():
     (mesh,) = chart.collections
     shown = np.ma.masked_invalid(mesh.get_array())
     np.testing.assert_array_equal(shown.reshape(2, 3).filled(-1.0), [[0.1, 0.2, 0.4], [-1.0, 0.3, 0.2]])
-    assert mesh.get_cmap().name == "cividis"
+    assert mesh.get_cmap().name == "errors"
 
 
 def test_the_rate_of_the_output_has_its_own_axis():

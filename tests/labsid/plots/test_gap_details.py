@@ -7,8 +7,9 @@ from gap_reports import PARAMETERS, report, seen_effect
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.effect_curves import effect_curve
 from labsid.gap.reports.residual_curves import ResidualCurves
+from labsid.gap.reports.response_curves import Response, ResponseCurves
 from labsid.model_structures.residuals import autocorrelation, cross_correlation
-from labsid.plots.gap_details import figure_effect, figure_residual
+from labsid.plots.gap_details import figure_effect, figure_residual, figure_responses
 
 
 @pytest.mark.parametrize("name", [name for name in PARAMETERS if DESCRIPTIONS[name].sketch is not None])
@@ -42,3 +43,25 @@ def test_the_residual_has_its_bands_and_the_noise(narrow, covered):
         scaled = [low, high] if abs(high) != 1.0 else [-one.band, one.band]
         assert scaled == pytest.approx([-one.band, one.band])
     assert covered(figure) == []
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_the_responses_are_drawn_with_the_error_of_the_measured_one(narrow, covered):
+    x = np.geomspace(0.01, 1.0, 20)
+    gain = 1.0 / (1.0 + 10j * x)
+    frequency = Response(x, gain, 0.8 * gain, 0.99 * gain, np.full(x.size, 0.1))
+    step = Response(10.0 * x, 1.0 - np.exp(-x), 0.8 * x, x, np.full(x.size, 0.05))
+    shown = report("input-delay") | {"units": {"u": "$V$", "y": "mm"}}
+    figure = figure_responses(shown | {"responses": ResponseCurves(frequency, step)}, narrow)
+    assert [ax.get_title() for ax in figure.axes] == ["Gain", "Phase", "Step response"]
+    for ax in figure.axes:
+        assert [line.get_label() for line in ax.lines] == ["Measured", "Before", "After"]
+        band = ax.collections[0].get_paths()[0].vertices[:, 1]
+        measured = ax.lines[0].get_ydata()
+        assert band.max() > measured.max()
+        assert band.min() < measured.min()
+    np.testing.assert_allclose(figure.axes[0].lines[1].get_ydata(), 0.8 * np.abs(gain))
+    assert figure.axes[2].get_ylabel() == r"mm / \$V\$"
+    assert covered(figure) == []
+    (alone,) = figure_responses(shown | {"responses": ResponseCurves(None, step)}, narrow).axes
+    assert alone.get_title() == "Step response"

@@ -1,5 +1,6 @@
 """Figures without pyplot: nothing global is touched, a notebook shows them, and they save."""
 
+import re
 import subprocess
 import sys
 from io import BytesIO
@@ -100,3 +101,8 @@ def test_colours_of_one_panel_stay_apart_for_colour_blind_readers(seen_by):
     for panel in panels:
         for one, other in combinations(panel, 2):
             assert np.linalg.norm(_lab(one, seen_by) - _lab(other, seen_by)) > 20, (one, other)
+
+
+def test_pages_and_figures_have_the_same_colours() -> None:
+    light = re.findall(r"--(before|after): (#\w+)", (style.STYLE_SHEETS / "page.css").read_text(encoding="utf-8"))[:2]
+    assert {name: colour.upper() for name, colour in light} == {"before": style.VERMILION, "after": style.BLUE}

@@ -1,5 +1,4 @@
 // The page: panels that zoom, sliders and switches of effects, which replay the simulations. Signals are scaled.
-const read = (id) => JSON.parse(document.getElementById(id).textContent);
 const element = (id) => document.getElementById(id);
 const decoded = (text, kind) => new kind(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
 const made = (tag, properties, ...children) => {
@@ -14,15 +13,18 @@ const written = (value, digits = 3) => {
   return value.toFixed(Math.max(digits - 1 - Math.floor(Math.log10(Number(size.toPrecision(digits)))), 0));
 };
 
-// The library that draws the panels is packed: a quarter of its size.
-const packed = decoded(element("panel-library").textContent, Uint8Array);
-const unpacked = new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip")));
-document.head.append(made("script", { textContent: await unpacked.text() }));
+// The data and the library that draws the panels are packed, to less than half their size.
+function unpacked(id) {
+  const packed = new Blob([decoded(element(id).textContent, Uint8Array)]);
+  return new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
+document.head.append(made("script", { textContent: await unpacked("panel-library") }));
 
-const data = read("replay-data");
+const data = JSON.parse(await unpacked("replay-data"));
 const SIGNALS = { u: Float64Array, y: Float32Array, before: Float32Array, after: Float32Array };
 const parts = Object.entries(data.parts).map(([name, part]) => {
-  const signals = Object.fromEntries(Object.entries(SIGNALS).map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
+  const kept = Object.entries(SIGNALS).filter(([key]) => key in part);
+  const signals = Object.fromEntries(kept.map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
   const t = part.t ? decoded(part.t, Float64Array) : signals.u.map((_, k) => part.start + k * part.Ts);
   const counts = new Uint8Array(t.length);
   for (const [start, stop] of [...part.fitted, ...part.scored]) counts.fill(1, start, stop);
@@ -37,9 +39,15 @@ for (const one of data.combinations) {
 }
 let chosen = data.combinations.find((one) => one.accepted) ?? null;
 
+// Of several records one is shown, in its own time.
+let piece = data.pieces.find((one) => one.worst) ?? null;
+for (const one of data.pieces) parts[0].t.set(parts[0].t.slice(one.start, one.start + one.samples).map((t, _, own) => t - own[0]), one.start);
+const seen = (signal) => (piece ? signal.slice(piece.start, piece.start + piece.samples) : signal);
+
 // Output of the chosen combination on a part, scaled; that of the simulation before without effects; null if unknown.
+// A page that simulates nothing shows the output after.
 function played(part) {
-  if (!chosen) return part.before;
+  if (!chosen) return data.combinations.length ? part.before : part.after;
   const isRecord = part.name === "record";
   const start = isRecord ? chosen : chosen.holdout;
   if (!start) return chosen.accepted ? part.after : null;
@@ -67,7 +75,7 @@ function errors(outputs) {
   const values = [];
   parts.forEach((part, i) => {
     if (!outputs[i]) return;
-    const place = part.name === "holdout" ? "holdout record" : "whole record";
+    const place = data.pieces.length ? "all records" : part.name === "holdout" ? "holdout record" : "whole record";
     for (const [name, runs] of [[part.name === "holdout" ? place : "scored samples", part.scored], [place, part.fitted]]) {
       if (runs.length) values.push([name, rms(part, outputs[i], runs), rms(part, part.before, runs)]);
     }
@@ -89,7 +97,8 @@ function show() {
   parts.forEach((part, i) => {
     const after = outputs[i] ?? part.y.map(() => NaN);
     const source = sources[part.name];
-    source.data = { ...source.data, after: back(after, data.y_scale), e_after: part.y.map((y, k) => (y - after[k]) * data.y_scale.unit) };
+    const columns = { ...part.columns, after: back(after, data.y_scale), e_after: part.y.map((y, k) => (y - after[k]) * data.y_scale.unit) };
+    source.data = Object.fromEntries(Object.entries(columns).map(([name, values]) => [name, seen(values)]));
     part.fit();
   });
   if (data.combinations.length) describe(outputs);
@@ -98,12 +107,13 @@ function show() {
 // The height of a panel is that of the samples that count, within the times that it shows.
 function fit(part, figures) {
   const { data: shown } = sources[part.name];
+  const counts = seen(part.counts);
   const columns = { output: ["y", "before", "after"], strip: ["y"], error: ["e_before", "e_after"], input: ["u"] };
   for (const figure of figures) {
     const { start, end } = figure.x_range;
     let low = Infinity, high = -Infinity;
-    for (let k = 0; k < part.t.length; k++) {
-      if (part.t[k] < start || part.t[k] > end || !(part.counts[k] || figure.name === "input")) continue;
+    for (let k = 0; k < shown.t.length; k++) {
+      if (shown.t[k] < start || shown.t[k] > end || !(counts[k] || figure.name === "input")) continue;
       for (const column of columns[figure.name]) {
         const value = shown[column][k];
         if (value < low) low = value;
@@ -161,6 +171,20 @@ function controls() {
   element("controls").hidden = false;
 }
 
+function turnTo(number) {
+  piece = data.pieces[number];
+  element("piece").value = number;
+  parts[0].look_at_piece();
+  show();
+}
+
+function choosePiece() {
+  const select = element("piece");
+  select.append(...data.pieces.map((one, number) => made("option", { value: number }, one.name)));
+  select.value = data.pieces.indexOf(piece);
+  select.addEventListener("change", () => turnTo(Number(select.value)));
+}
+
 // The tags of a model are pairs of a property and a colour of the page.
 function paint(models) {
   const style = getComputedStyle(document.documentElement);
@@ -200,7 +224,7 @@ async function begin() {
     const y = back(part.y, data.y_scale);
     sources[part.name] = source;
     const before = part.y.map((x, k) => (x - part.before[k]) * data.y_scale.unit);
-    source.data = { t: part.t, u: back(part.u, data.u_scale), y, before: back(part.before, data.y_scale), after: y, e_before: before, e_after: before };
+    part.columns = { t: part.t, u: back(part.u, data.u_scale), y, before: back(part.before, data.y_scale), after: y, e_before: before, e_after: before };
     const figures = models.filter((model) => model.type === "Figure");
     const times = figures.find((model) => model.name === "output").x_range;
     let waits = false;
@@ -211,6 +235,12 @@ async function begin() {
     times.change.connect(part.fit);
     const worst = data.worst[part.name];
     part.look = () => { if (worst) times.setv({ start: worst[0], end: worst[1] }); };
+    part.look_at_piece = () => {
+      const own = seen(part.t), ends = { start: own[0], end: own[own.length - 1] };
+      times.bounds = null;  // those of a shorter record would limit the ends
+      times.setv({ ...ends, reset_start: ends.start, reset_end: ends.end, bounds: [ends.start, ends.end] });
+    };
+    if (piece) part.look_at_piece();
     if (data.long.includes(part.name)) part.look();
     paint(models);
     dark.addEventListener("change", () => paint(models));
@@ -219,7 +249,11 @@ async function begin() {
     });
   }
   if (data.combinations.length) controls();
-  element("worst")?.addEventListener("click", () => parts.forEach((part) => part.look()));
+  if (piece) choosePiece();
+  element("worst")?.addEventListener("click", () => {
+    if (piece) turnTo(data.pieces.findIndex((one) => one.worst));
+    parts.forEach((part) => part.look());
+  });
   show();
   reveal(true);
 }

@@ -2,6 +2,7 @@
 // A click on a column title sorts the table by it; a second click reverses the order. Empty values stay at the end.
 const table = document.getElementById("records");
 for (const [column, title] of [...table.tHead.rows[0].cells].entries()) {
+  if (!title.dataset.first) continue;
   const button = document.createElement("button");
   button.append(...title.childNodes);
   title.append(button);

@@ -99,6 +99,20 @@ def test_every_record_gets_a_report(finished):
     assert "\n" not in answers["words"]["message"]
 
 
+def test_a_fault_of_the_program_is_said_in_words_and_tried_again(folder, monkeypatch):
+    def fails(*records, **how):
+        raise ZeroDivisionError("division by\nzero")
+
+    monkeypatch.setattr("labsid.gap.diagnosis.diagnose", fails)
+    task = {"files": {"records": [str(folder / "b.csv")], "holdout": [], "sim": []}, "seed": 0, "how": {}}
+    found = batch._diagnose(task)
+    assert found["report"]["message"] == (
+        "labsid failed, and the record is not at fault. Please report this, with the record: "
+        "ZeroDivisionError: division by zero"
+    )
+    assert not found["keep"]
+
+
 def test_the_table_and_what_is_printed(finished):
     out, printed, told = finished
     rows = summary_of(out)

@@ -56,13 +56,13 @@ def test_counts_by_verdict_and_by_effect():
     assert page["count"] == "6 records"
     assert page["headline"] == "1 not explained, 1 partly explained, 2 explained, 1 without a gap, 1 not diagnosed"
     assert [(bar["label"], bar["value"], bar["width"]) for bar in page["verdicts"]][1:3] == [
-        ("Partly explained", 1, "50.0"),
-        ("Explained", 2, "100.0"),
+        ("◐ Partly explained", "1 of 6", "16.7"),
+        ("✓ Explained", "2 of 6", "33.3"),
     ]
     assert {bar["label"]: bar["value"] for bar in page["effects"]} == {
-        "Transport delay": 2,
-        "Load step": 1,
-        "Lightly damped mode": 1,
+        "Transport delay": "2 of 6",
+        "Load step": "1 of 6",
+        "Lightly damped mode": "1 of 6",
     }
 
 

@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 from gap_reports import PARAMETERS, report, seen_effect
+from gap_search import searched
+from scipy.signal import lfilter
 
+from labsid.gap.diagnosis import diagnose
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.input import Backlash, DeadZone, Nonlinearity, Saturation
 from labsid.gap.effects.sketch import ends_of
 from labsid.gap.reports.effect_curves import effect_curve
+from labsid.records.record import Record
 
 DRAWN = [name for name in PARAMETERS if DESCRIPTIONS[name].sketch is not None]
 
@@ -74,3 +78,30 @@ def test_a_place_far_from_the_record_does_not_set_its_axis():
     signal = np.array([1.0, 2.0])
     assert ends_of(signal, 0.0, (0.5, 40.0)) == (0.5, 2.0)
     assert ends_of(signal, 0.1) == (0.9, 2.1)
+
+
+def test_a_drift_is_drawn_over_time_with_the_error_of_its_amplitude():
+    shown = report("output-drift") | {"units": {"u": "V", "y": "mm"}}
+    (drift,) = shown["effects"]
+    drift |= {"course": {"t": [0.0, 50.0, 100.0], "y": [-0.02, 0.0, 0.08]}}
+    curve = effect_curve(shown, drift)
+    np.testing.assert_array_equal(curve["curve"], [-0.02, 0.0, 0.08])
+    error = 1.96 * 0.00057 / 0.07595
+    np.testing.assert_allclose(curve["band"], [0.02 * error, 0.0, 0.08 * error])
+    assert curve["labels"] == ("Time (s)", "Change of the reading (mm)")
+    assert effect_curve(shown, report("output-drift")["effects"][0]) is None
+
+
+@searched("output-drift")
+def test_the_course_of_a_drift_is_that_of_the_record():
+    rng = np.random.default_rng(1)
+    u = np.repeat(rng.uniform(1.0, 4.0, 32), 20)
+    x = np.linspace(-1.0, 1.0, u.size)
+    added = 0.1 * x + 0.06 * x**2
+    y = u[0] + lfilter([0.0, 0.01], np.poly([0.95, 0.8]), u - u[0]) + added
+    t = 10.0 + 0.5 * np.arange(u.size)
+    found = diagnose(Record(t, u, y + 0.005 * rng.standard_normal(u.size), 0.5)).report
+    course = found["effects"][0]["course"]
+    true = np.interp(course["t"], t, added)
+    assert (course["t"][0], course["t"][-1]) == (t[0], t[-1])
+    np.testing.assert_allclose(np.subtract(course["y"], np.mean(course["y"])), true - true.mean(), atol=0.005)

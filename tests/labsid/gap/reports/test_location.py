@@ -12,6 +12,7 @@ from labsid.gap.reports.location import (
     most_uneven_signal,
     operating_map,
     share_by_frequency,
+    share_by_record,
     share_by_time,
     share_by_value,
     unevenness,
@@ -117,3 +118,12 @@ def test_the_map_covers_the_whole_error_and_unvisited_cells_are_empty() -> None:
     assert rms.shape == (14, 14)
     np.testing.assert_array_equal(np.isnan(rms), count == 0)
     assert float(np.nansum(rms**2 * count)) == pytest.approx(float(e @ e))
+
+
+def test_the_gap_is_shared_out_by_record() -> None:
+    rows = [{"name": "a", "start": 0.0, "samples": 100}, {"name": "b", "start": 60.0, "samples": 80}]
+    segments = [[0.0, 40.0, 0.3], [40.0, 60.0, 0.2], [60.0, 100.0, 0.5]]
+    first, second = share_by_record(segments, rows, 0.5)
+    assert (first["name"], second["name"]) == ("a", "b")
+    assert (first["share"], second["share"]) == pytest.approx((0.4 / 0.9, 0.5 / 0.9))
+    assert (first["time"], second["time"]) == pytest.approx((5 / 9, 4 / 9))

@@ -5,7 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from labsid.gap.reports.traces import extreme_samples, figure_traces, packed, record_at, worst_stretch
+from labsid.gap.reports.traces import (
+    extreme_samples,
+    figure_traces,
+    packed,
+    record_traces,
+    worst_of_records,
+    worst_stretch,
+)
 
 
 def test_a_short_record_is_shown_completely() -> None:
@@ -41,13 +48,13 @@ def test_every_stretch_shows_its_minimum_and_maximum() -> None:
         assert x[shown].min() == x[own].min()
 
 
-def _replayed(before: np.ndarray, names: tuple[str, ...] = ()) -> dict[str, Any]:
-    """A report that replays a record whose output is zero; the simulation before is NaN between several records."""
+def _replayed(before: np.ndarray) -> dict[str, Any]:
+    """A report that replays a record whose output is zero."""
     u = np.arange(float(before.size))
     part = {"start": 10.0, "Ts": 0.5, "u": packed(u, "<f8"), "y": packed(np.zeros(u.size))}
     part |= {"before": packed(before), "after": packed(before), "fitted": [[0, before.size]], "scored": []}
     replay = {"record": part, "y_scale": {"centre": 2.0, "unit": 3.0}}
-    return {"replay": replay, "records": [{"name": name} for name in names]}
+    return {"replay": replay}
 
 
 def test_the_worst_stretch_has_all_samples_of_it_in_the_units_of_the_record() -> None:
@@ -62,14 +69,27 @@ def test_the_worst_stretch_has_all_samples_of_it_in_the_units_of_the_record() ->
     assert worst_stretch({"replay": None}, "record") is None
 
 
-def test_the_worst_stretch_lies_within_one_of_several_records_and_has_its_time() -> None:
-    before = np.zeros(1000)
-    before[480:500], before[520:540] = 1.0, 1.0
-    before[500:520] = np.nan
-    shown = _replayed(before, ("first", "second"))
-    found = worst_stretch(shown, "record")
-    assert found is not None
-    assert np.isfinite(found["before"]).all()
-    assert record_at(shown, 10.0 + 0.5 * 499) == ("first", 10.0)
-    assert record_at(shown, 10.0 + 0.5 * 530) == ("second", 10.0 + 0.5 * 520)
-    assert record_at(_replayed(before), 12.0) == ("", 0.0)
+def _of_two_records() -> dict[str, Any]:
+    """A report of two records, of 100 and 80 samples at 0.5 s, with 20 samples between them."""
+    t = 0.5 * np.concatenate([np.arange(100), np.arange(120, 200)])
+    y, after = np.zeros(t.size), np.full(t.size, 0.1)
+    before = np.where(t < 5.0, 9.0, np.where(t >= 90.0, 2.0, 0.5))
+    rows = [{"name": "first", "start": 0.0, "samples": 100, "unscored": 10}]
+    rows += [{"name": "second", "start": 60.0, "samples": 80, "unscored": 10}]
+    return {"traces": figure_traces(t, t, y, before, after), "records": rows, "record": {"Ts": 0.5}}
+
+
+def test_each_record_has_its_own_time_and_its_first_samples_are_not_scored() -> None:
+    first, second = record_traces(_of_two_records())
+    np.testing.assert_allclose(first["t"], 0.5 * np.arange(100))
+    np.testing.assert_allclose(second["t"], 0.5 * np.arange(80))
+    np.testing.assert_array_equal(second["u"], second["t"] + 60.0)
+    for own in (first, second):
+        np.testing.assert_array_equal(own["counts"], np.arange(own["t"].size) >= 10)
+
+
+def test_the_worst_stretch_of_several_records_is_that_of_one_of_them() -> None:
+    name, start, stretch = worst_of_records(_of_two_records())  # 9 before 5 s is in samples that are not scored
+    assert (name, start, stretch["t"].size) == ("second", 60.0, 40)
+    assert stretch["t"][-1] == pytest.approx(39.5)
+    assert stretch["before"][-1] == 2.0
