@@ -18,7 +18,7 @@ from labsid.records.reading import Reading
 from labsid.records.record import Record
 from labsid.records.signal_quality import digits_of, runs
 from labsid.rig.lab.log import log_to_record
-from labsid.rig.lab.rig_model import RigModel, identify_rig
+from labsid.rig.rig_model import RigModel, identify_rig
 
 SHORTEST_REST = 25
 """Samples before the first change; those of the lab's own record are 51."""
@@ -28,6 +28,9 @@ SHORTEST_HOLD = 20
 
 LARGEST_ERROR, WORTH_A_WARNING = 0.1, 0.05
 """Root-mean-square error of the second-order model over the whole record, as a share of the range of the output."""
+
+WORST_CONDITION = 1e5
+"""Condition number of Phi above which the normal equations lose the digits that the checks ask for."""
 
 SLOWEST, FASTEST = 80.0, 5.0
 """Samples in the longest time constant; in the lab's own record 39."""
@@ -212,10 +215,15 @@ def _order(record: Record, orders: list[Identification | str]) -> Iterator[Findi
         level: Level = "ok"
         if order == 2 and (not found.model.is_stable or share > LARGEST_ERROR):
             why = "" if found.model.is_stable else ", and is unstable"
-            text, level = f"{text}{why}; at most {LARGEST_ERROR:.0%} make sense to a student", "refused"
+            text, level = f"{text}{why}; more than {LARGEST_ERROR:.0%} is no model to work with", "refused"
         elif order == 2 and share > WORTH_A_WARNING:
             level = "warning"
         yield Finding(level, f"order {order}", f"{text}.")
+    second = orders[1]
+    if not isinstance(second, str) and second.fit.condition_number > WORST_CONDITION:
+        text = f"The condition number of Phi is {second.fit.condition_number:.2g}, which costs digits of theta."
+        unit = "Give the output in a unit in which it is about as large as the input."
+        yield Finding("warning", "units", f"{text} {unit}")
     if len(shares) == 2 and shares[1] >= shares[0]:
         text = "The second-order model is no better than the first-order one: the post-lab's comparison shows that."
         yield Finding("warning", "order 2", text)

@@ -12,7 +12,7 @@ from labsid.cli.commands import main
 from labsid.lab.findings import Finding
 from labsid.records.reading import Reading
 from labsid.rig.lab.log import LabLog, log_to_record
-from labsid.rig.lab.rig_model import RigModel, make_rig_log
+from labsid.rig.rig_model import RigModel, make_rig_log
 
 ROOT = Path(__file__).resolve().parents[3]
 TANKS = ROOT / "data" / "SysIdenData_StudentVersion.mat"
@@ -65,6 +65,13 @@ def test_a_rest_at_zero_and_a_slow_logger_are_warned_of() -> None:
     fast = replace(MOTOR, Ts=0.001)
     (sampling,) = findings(np.repeat(LEVELS, 10 * HOLD), fast)["sampling"]
     assert (sampling.level, "--resample 0.00" in sampling.text) == ("warning", True)
+
+
+def test_units_that_cost_digits_are_warned_of() -> None:
+    small = replace(MOTOR, gain=3e-6, y_rest=1e-5, y_start=1e-5, noise=6e-8, lattice=0.0)
+    (units,) = findings(STAIRS, small)["units"]
+    assert (units.level, "about as large as the input" in units.text) == ("warning", True)
+    assert "units" not in findings(STAIRS)
 
 
 def test_a_start_up_that_does_not_settle_is_refused() -> None:

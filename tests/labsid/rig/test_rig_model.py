@@ -12,7 +12,7 @@ from labsid.checks.other_records import LAB_FILE, another_record
 from labsid.lab.offset import find_offsets
 from labsid.records.record import Record, load_record
 from labsid.rig.lab.log import lab_record_bytes, log_to_record
-from labsid.rig.lab.rig_model import identify_rig, lab_input, make_rig_log, make_student_log, rests_alike
+from labsid.rig.rig_model import identify_rig, lab_input, make_rig_log, make_student_log, rests_alike
 
 SECRET = b"the course's secret, of more than 16 bytes"
 
