@@ -21,7 +21,7 @@ from autograder.course.layout import RECORD_FILE, Course
 from autograder.course.own_rig import OwnRig, Quantity, read_rig_log
 from autograder.course.own_secret import shared_file
 from autograder.course.release import write_individual_release, write_release
-from autograder.course.rig_check import about_rig
+from autograder.course.rig_findings import about_rig
 from autograder.course.rig_texts import PASSAGES_FILE, read_for_rig, rig_words
 from autograder.course.settings import read_settings
 from autograder.sandbox.isolation import open_launcher

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from own_rigs import HOLD, LEVELS, MOTOR, motor_log, write_csv
 
-from autograder.course.rig_check import about_rig, check_rig
+from autograder.course.rig_check import check_rig
+from autograder.course.rig_findings import about_rig
 from labsid.cli.commands import main
 from labsid.lab.findings import Finding
 from labsid.records.reading import Reading
