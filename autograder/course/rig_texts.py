@@ -2,8 +2,8 @@
 
 The passages stand in ``notebooks/<assignment>/own-rig.toml``. A text in double braces in them stands for:
 
-``rig``, ``sentence``, ``picture``
-    The description in ``course.toml``.
+``rig``, ``sentence``, ``picture``, ``simulated``
+    The description in ``course.toml``; the last is a sentence where the record is made with a model, else empty.
 ``input``, ``input.name``, ``input.unit``, the same of ``output``, ``output.unit^2``, ``gain.unit``
     The signals; ``input`` is the name with the symbol.
 ``u.rest``, ``u.low``, ``u.high``, ``y.rest``
@@ -37,6 +37,8 @@ from labsid.rig.lab.log import log_to_record
 
 PASSAGES_FILE = "own-rig.toml"
 
+_SIMULATED = " The course's record is simulated with a model that was identified from a log of this rig."
+
 _PLACE = re.compile(r"\{\{([a-z0-9.^K]+)\}\}")
 
 
@@ -62,6 +64,7 @@ def rig_words(rig: OwnRig) -> RigWords:
         "rig": rig.name,
         "sentence": rig.sentence,
         "picture": "",
+        "simulated": _SIMULATED if rig.simulated else "",
         "gain.unit": f"{_bracketed(rig.output.unit)}/{_bracketed(rig.input.unit)}",
         "output.unit^2": f"{_bracketed(rig.output.unit)}^2",
     }
@@ -111,7 +114,7 @@ def _numbers(rig: OwnRig) -> dict[str, str]:
     digits = dict.fromkeys(("u.rest", "u.low", "u.high", "y.rest"), 4)
     return {key: _short(value, digits.get(key, 2)) for key, value in numbers.items()} | {
         "share": f"{np.sqrt(errors.mse_all) / span:.1%}".replace("%", " %"),
-        "signs": ", and both now take positive and negative values" if both else "",
+        "signs": "; both now take positive and negative values" if both else "",
         "order1.pole": f"{pole:.3f}",
         "mse1": f"{mse_1:.3g}",
         "mse2": f"{errors.mse_all:.3g}",

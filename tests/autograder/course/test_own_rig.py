@@ -157,6 +157,13 @@ def test_the_numbers_in_the_texts_are_those_of_the_record(course_of: Callable[[s
     assert "clip(kp * error + integral + u_offset, 2, 6.5)" in text
 
 
+def test_a_simulated_record_is_called_so(course_of: Callable[[str], Course]) -> None:
+    said = "The course's record is simulated with a model that was identified from a log of this rig."
+    for rig, is_said in (("heater", True), ("motor", False)):
+        source = nbformat.read(course_of(rig).source / LAB / f"{LAB}.ipynb", as_version=4)
+        assert any(said in cell.source for cell in source.cells) == is_said
+
+
 def test_a_picture_is_shown_where_the_rig_is_described(tmp_path: Path) -> None:
     (tmp_path / "rig.png").write_bytes(PNG)
     record = write_csv(tmp_path / "motor.csv", motor_log())
