@@ -7,8 +7,8 @@ from course_work import copy_course
 
 from autograder.course.build import build_course
 from autograder.course.layout import Course
+from labsid.checks.other_records.rig_model import RigModel, make_rig_log
 from labsid.rig.lab.log import LabLog
-from labsid.rig.rig_model import RigModel, make_rig_log
 
 MOTOR = RigModel(
     gain=30.0,

@@ -13,12 +13,12 @@ import numpy as np
 
 from autograder.course.layout import RECORD_FILE
 from labsid._files import write_file
+from labsid.checks.other_records.rig_model import RigModel, identify_rig, lab_input, make_rig_log, make_student_log
 from labsid.records.reading import Reading
 from labsid.records.record import read_record
 from labsid.records.several_signals import one_signal_each
 from labsid.rig.lab.instruments import AVERAGED, noise_reduced
 from labsid.rig.lab.log import LabLog, lab_record_bytes, log_to_record
-from labsid.rig.rig_model import RigModel, identify_rig, lab_input, make_rig_log, make_student_log
 
 PICTURES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".svg": "image/svg+xml"}
 """Types of a picture, by the end of its name."""

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from autograder.course.own_rig import read_rig_log
 from autograder.course.rig_findings import SHORTEST_REST, about_rig
+from labsid.checks.other_records.rig_model import identify_rig
 from labsid.lab.findings import Finding
 from labsid.lab.record_check import check_record
 from labsid.records.formats import read_raw
@@ -13,7 +14,6 @@ from labsid.records.reading import Reading
 from labsid.records.record import Record, read_record
 from labsid.records.signal_quality import runs
 from labsid.rig.lab.log import log_to_record
-from labsid.rig.rig_model import identify_rig
 
 _JUDGED_HERE = "sampling", "rest", "excitation"
 _AT_REST = "rest", "offsets", "first step"

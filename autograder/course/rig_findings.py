@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from labsid.checks.other_records import LAB_FILE, another_record
+from labsid.checks.other_records.rig_model import RigModel, identify_rig
 from labsid.lab.findings import Finding, Level
 from labsid.lab.identification import Identification, identify
 from labsid.lab.offset import Offsets, find_offsets
 from labsid.lab.step_response import cut_held_step, fit_step_response
 from labsid.records.record import Record
 from labsid.records.signal_quality import digits_of, runs
-from labsid.rig.rig_model import RigModel, identify_rig
 
 SHORTEST_REST = 25
 """Samples before the first change; those of the lab's own record are 51."""

@@ -1,7 +1,6 @@
 """Simulated lab rigs and the records they produce.
 
 - `labsid.rig.lab`: the coupled tanks of the lab in physical units, and the lab's records, shared or individual.
-- `labsid.rig.rig_model`: a model of a measured rig, identified from a record of it, and records made with it.
 - `labsid.rig.switchable`: tanks, motors, heaters and masses in normalised units, whose unmodelled effects can be
   switched on at any strength. The sealed check and the assignment ``sim-to-real-gap`` use them.
 - `labsid.rig.ordinary`: the files that people bring, most of them without a gap: systems with a direct term, exact

@@ -6,9 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from labsid.checks.other_records.other_tanks import ShownRig, draw_apart, draw_changes
+from labsid.checks.other_records.rig_model import RigModel, identify_rig, make_rig_log, rests_alike
 from labsid.records.record import Record
 from labsid.rig.lab.log import LabLog
-from labsid.rig.rig_model import RigModel, identify_rig, make_rig_log, rests_alike
 
 _RANGE_OF_THE_TANKS = 0.6
 """Range of the input of the tanks, for which the changes of the input are made (V)."""

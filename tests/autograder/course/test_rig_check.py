@@ -9,11 +9,11 @@ from own_rigs import HOLD, LEVELS, MOTOR, motor_log, write_csv
 
 from autograder.course.rig_check import check_rig
 from autograder.course.rig_findings import about_rig
+from labsid.checks.other_records.rig_model import RigModel, make_rig_log
 from labsid.cli.commands import main
 from labsid.lab.findings import Finding
 from labsid.records.reading import Reading
 from labsid.rig.lab.log import LabLog, log_to_record
-from labsid.rig.rig_model import RigModel, make_rig_log
 
 ROOT = Path(__file__).resolve().parents[3]
 TANKS = ROOT / "data" / "SysIdenData_StudentVersion.mat"

@@ -9,10 +9,10 @@ from own_rigs import MOTOR, motor_log
 from scipy.signal import lsim
 
 from labsid.checks.other_records import LAB_FILE, another_record
+from labsid.checks.other_records.rig_model import identify_rig, lab_input, make_rig_log, make_student_log, rests_alike
 from labsid.lab.offset import find_offsets
 from labsid.records.record import Record, load_record
 from labsid.rig.lab.log import lab_record_bytes, log_to_record
-from labsid.rig.rig_model import identify_rig, lab_input, make_rig_log, make_student_log, rests_alike
 
 SECRET = b"the course's secret, of more than 16 bytes"
 
