@@ -108,7 +108,7 @@ def course_release(
     key = read_secret(secret)
     listed = None if students is None else read_students(students)
     if worksheet is None:
-        done = write_individual_release(here, out, key, [one.id for one in listed or []], wanted, due)
+        done = write_individual_release(here, out, key, [student.id for student in listed or []], wanted, due)
     else:
         done = write_moodle_release(here, out, key, read_worksheet(worksheet), listed, wanted, due)
     for remark in done.remarks:
@@ -253,9 +253,9 @@ def course_grade(
         absent = [student for student in listed if student not in batch.students]
         if absent:
             warn(f"nothing handed in by {len(absent)} of {len(listed)} students: {', '.join(absent)}")
-    fresh = sum(one.fresh for one in graded)
+    fresh = sum(result.fresh for result in graded)
     print(class_table(out))
-    for reason, count in Counter(one.reason for one in graded if one.fresh and one.reason != "new").items():
+    for reason, count in Counter(result.reason for result in graded if result.fresh and result.reason != "new").items():
         print(f"graded again, changed {reason}: {count}")
     print(
         f"{fresh} submissions graded, {len(graded) - fresh} unchanged since the last run. Grades: {out / 'grades.csv'}"
@@ -321,7 +321,8 @@ def course_mark(
     app = MarkingApp(out, questions, user, lambda: datetime.now(UTC), hide_names=hide_names, values=values)
     server = make_server(app, port)
     address = f"http://127.0.0.1:{server.server_address[1]}/{app.token}/"
-    print(f"{sum(one.waiting for one in questions)} answers to mark, in {len(questions)} questions. Open {address}")
+    waiting = sum(question.waiting for question in questions)
+    print(f"{waiting} answers to mark, in {len(questions)} questions. Open {address}")
     print("Press Ctrl+C to end; every mark is saved at once.", flush=True)
     if open_browser:
         webbrowser.open(address)
@@ -332,8 +333,8 @@ def course_mark(
     finally:
         server.server_close()
         write_grades(out)
-    left = sum(one.waiting for one in with_marks(out, questions))
-    print(f"{left} answers left to mark. Next: labsid course feedback --out {out}")
+    still_waiting = sum(question.waiting for question in with_marks(out, questions))
+    print(f"{still_waiting} answers left to mark. Next: labsid course feedback --out {out}")
 
 
 @course.command("doctor")

@@ -48,7 +48,7 @@ def run_demo(out: Path, progress: Progress) -> None:
     lab = find_batch(course, submitted, LAB)
     rest = Batch(submitted, ("ada",), tuple(name for name in names if name != LAB))
     with open_executor("best", 2, None, print) as executor:
-        done = (one for batch in (lab, rest) for one in grade_batch(course, batch, graded, executor))
+        done = (result for batch in (lab, rest) for result in grade_batch(course, batch, graded, executor))
         list(progress(done, len(students) + len(rest.assignments), "grading"))
     print(f"2. Graded {len(students)} sample students (isolation: {executor.level}).\n")
     print(class_table(graded))

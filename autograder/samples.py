@@ -104,8 +104,8 @@ def _typed_in(course: Course) -> dict[str, str]:
     from labsid.lab.identification import identify
     from labsid.records.record import load_record
 
-    found = identify(load_record(course.record), order=2, start=2)
-    theta, model, mse = found.fit.theta.tolist(), found.model, found.verification
+    identified = identify(load_record(course.record), order=2, start=2)
+    theta, model, mse = identified.fit.theta.tolist(), identified.model, identified.verification
     return {
         "lab-1c-offsets-answer": f"""
 y_offset, u_offset = {model.y_offset!r}, {model.u_offset!r}

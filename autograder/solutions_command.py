@@ -63,7 +63,7 @@ def course_solutions(
     sheet = None if worksheet is None else read_worksheet(worksheet)
     listed = None if students is None else read_students(students)
     who = _participants(here.students_file, sheet, listed)
-    ids = None if key is None else [one.id for one in listed] if listed is not None else list(who.values())
+    ids = None if key is None else [student.id for student in listed] if listed is not None else list(who.values())
     plan = plan_solutions(names, ids)
     if plan.individual and not plan.students:
         raise ValueError(f"{plan.individual[0]} has individual data: give --students or --worksheet.")

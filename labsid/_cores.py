@@ -97,16 +97,16 @@ def _on_processes(
     try:
         for _ in range(workers - 1):
             children.append(_fork(forked, numbers, kept))
-        found = _results(own, numbers)
+        by_number = _results(own, numbers)
         for _, results in children:
-            found |= _received(results, kept)
+            by_number |= _received(results, kept)
     finally:
         os.close(numbers)
         for process, results in children:
             os.close(results)
             os.kill(process, signal.SIGKILL)  # it has ended, or its results are not needed
             os.waitpid(process, 0)
-    return found
+    return by_number
 
 
 def _results(call: Callable[[int], Any], numbers: int) -> dict[int, Any]:

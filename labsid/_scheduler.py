@@ -41,7 +41,7 @@ def connect(address: str, seconds: float) -> Any:
     for name in ("distributed", "distributed.client", "tornado", "tornado.application"):
         for handler in logging.getLogger(name).handlers:
             handler.setLevel(logging.CRITICAL + 1)  # errors are reported here, in one line
-    found: Future[Any] = Future()
+    client: Future[Any] = Future()
 
     class Quiet(Client):
         def start(self, **settings: Any) -> None:
@@ -53,13 +53,13 @@ def connect(address: str, seconds: float) -> Any:
 
     def connect() -> None:
         try:
-            found.set_result(Quiet(address, timeout=seconds, set_as_default=False))
+            client.set_result(Quiet(address, timeout=seconds, set_as_default=False))
         except BaseException as error:
-            found.set_exception(error)
+            client.set_exception(error)
 
     Thread(target=connect, daemon=True).start()
     try:
-        return found.result(seconds + 0.5)
+        return client.result(seconds + 0.5)
     except Exception as error:
         reason = str(error) or f"no answer within {seconds:g} s"
         raise ValueError(f"no Dask scheduler answers at {address} ({reason}). Start one: dask scheduler") from None

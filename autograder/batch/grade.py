@@ -93,7 +93,7 @@ def grade_batch(
     out.mkdir(parents=True, exist_ok=True)
     with _exclusive_writer(out):
         _require_same_secret(batch, out, secret)
-        previous = {(one.student, one.assignment): one for one in result_files.load_valid(out)}
+        previous = {(result.student, result.assignment): result for result in result_files.load_valid(out)}
         gradebook.prepare(course, out, batch.assignments)
         gradebook.enter(out, previous.values())  # an earlier run may have been killed before it entered them
         data_store = DataStore(course, secret, out / "records", read_settings(course).without_second_record)

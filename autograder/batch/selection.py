@@ -58,13 +58,13 @@ def find_batch(course: Course, submitted: Path, *wanted: str, due: Sequence[str]
     if students and wanted:
         return Batch(submitted, tuple(students), tuple(selected), tuple(ignored))
     owners = handed_in_by(course, submitted)
-    graded = [name for name, found in owners.items() if found and (due is None or name in due)]
+    graded = [name for name, students in owners.items() if students and (due is None or name in due)]
     if not graded:
         if not any(owners.values()):
             expected = "expected <student>/<assignment>/<assignment>.ipynb below it"
             untouched = "; every notebook in it is as released" if owners else ""
             raise ValueError(f"{submitted} holds no submission: {expected}{untouched}.")
-        submitted_names = ", ".join(name for name, found in owners.items() if found)
+        submitted_names = ", ".join(name for name, students in owners.items() if students)
         raise ValueError(
             f"nothing that is due was handed in; {submitted} holds {submitted_names}. Name what to grade: "
             "--assignment NAME"
@@ -121,18 +121,19 @@ def _selection_remarks(
     owners: Mapping[str, Sequence[str]], graded: Sequence[str], due: Sequence[str] | None
 ) -> Iterator[str]:
     """What is not graded and why; without due dates, also what fewer than half of the students handed in."""
-    students = len({student for found in owners.values() for student in found})
+    students = len({student for owners_of in owners.values() for student in owners_of})
     few = [name for name in graded if due is None and 2 * len(owners[name]) < students]
     most = " ".join(f"--assignment {name}" for name in graded if name not in few)
-    for name, found in owners.items():
-        if not found:
+    for name, owners_of in owners.items():
+        if not owners_of:
             yield f"{name}: not graded, because every notebook is as released."
         elif name not in graded:
-            handed_in = _count(len(found), "student")
+            handed_in = _count(len(owners_of), "student")
             yield f"{name}: not graded, because its due date in course.toml has not passed; {handed_in} handed it in."
         elif name in few:
             only = f" If it is not due, grade only what is: {most}" if most else ""
-            yield f"{name}: handed in by {len(found)} of {_count(students, 'student')}; the others get 0 marks.{only}"
+            given = f"handed in by {len(owners_of)} of {_count(students, 'student')}"
+            yield f"{name}: {given}; the others get 0 marks.{only}"
     for name in due or ():
         if name not in owners:
             yield f"{name}: not graded, because nobody handed it in."

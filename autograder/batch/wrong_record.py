@@ -73,8 +73,10 @@ def flag_wrong_record(
     if files:
         notes += (f"{name} is not the one that you were given",)
     results = tuple(
-        replace(one, reason=f"{one.reason} {STUDENT_MESSAGE}") if one.question in flagged else one
-        for one in result.results
+        replace(question_result, reason=f"{question_result.reason} {STUDENT_MESSAGE}")
+        if question_result.question in flagged
+        else question_result
+        for question_result in result.results
     )
     return replace(result, results=results, notes=result.notes + notes, flags=result.flags + tuple(flags))
 

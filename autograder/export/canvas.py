@@ -83,12 +83,12 @@ def export_canvas(
         sum and they are not to be scaled, or it is not clear who is who; nothing is written then.
     """
     everything = result_files.load_all(out)
-    graded = list(dict.fromkeys(one.assignment for one in everything))
+    graded = list(dict.fromkeys(result.assignment for result in everything))
     absent = [name for name in assignments if name not in graded]
     if absent or not graded:
         raise ValueError(f"{out} holds no results of {absent[0]!r}." if absent else f"{out} holds no results.")
-    stored = [one for one in everything if not assignments or one.assignment in assignments]
-    known = known_students(out, {one.student for one in everything})
+    stored = [result for result in everything if not assignments or result.assignment in assignments]
+    known = known_students(out, {result.student for result in everything})
     targets, remarks = _targets(book, stored, assignments, column)
     marks = {title: _marks_of(out, stored, names, weights or {}) for title, names in targets.items()}
     if book is None:
@@ -135,28 +135,30 @@ def _targets(
     book: CanvasGradebook | None, stored: Sequence[StoredResult], assignments: Sequence[str], column: str | None
 ) -> tuple[dict[str, list[str]], list[str]]:
     """The assignments whose marks go into each column, and remarks on those without one."""
-    titles = {one.assignment: one_line(one.title) or one.assignment for one in stored}
+    titles = {result.assignment: one_line(result.title) or result.assignment for result in stored}
     if column is not None:
         place = column if book is None else _only_column(book, column)
         return {place: list(titles)}, []
     if book is None:
         return {title: [name] for name, title in titles.items()}, []
-    found: dict[str, list[str]] = {}
-    without = []
+    columns: dict[str, list[str]] = {}
+    without_column = []
     for name, title in titles.items():
-        named = [one for one in book.assignment_columns if _plain(name_of(one)) in (_plain(name), _plain(title))]
+        named = [
+            column for column in book.assignment_columns if _plain(name_of(column)) in (_plain(name), _plain(title))
+        ]
         if len(named) > 1:
             raise ValueError(f"{book.path}: {' and '.join(named)} both have the name of {name}. Give --column, too.")
         if not named:
-            without.append(name)
+            without_column.append(name)
         else:
-            found.setdefault(named[0], []).append(name)
-    if not found or (assignments and without):
+            columns.setdefault(named[0], []).append(name)
+    if not columns or (assignments and without_column):
         raise ValueError(
-            f"{book.path} has no column with the name or title of {', '.join(without)}. Its columns are "
+            f"{book.path} has no column with the name or title of {', '.join(without_column)}. Its columns are "
             f"{', '.join(map(repr, book.assignment_columns)) or 'none'}. Name the one for the marks: --column NAME"
         )
-    return found, [f"{name}: no column of this gradebook, not written" for name in without]
+    return columns, [f"{name}: no column of this gradebook, not written" for name in without_column]
 
 
 def _only_column(book: CanvasGradebook, wanted: str) -> str:
@@ -185,7 +187,7 @@ def _require_points(
         if points is None or points == of_class.maximum:
             continue
         command = ["labsid", "course", "export", "--format", "canvas", "--worksheet", str(book.path), "--out", str(out)]
-        command += [word for one in assignments for word in ("--assignment", one)]
+        command += [word for assignment in assignments for word in ("--assignment", assignment)]
         command += ["--column", column] if column is not None else []
         raise ValueError(
             f"{name} is out of {plain_decimal(points)} points in Canvas, but the marks are out of "
@@ -198,22 +200,22 @@ def _filled_rows(
     book: CanvasGradebook, students: Mapping[int, str], marks: Mapping[str, _Marks], *, zero: bool
 ) -> tuple[list[list[str]], int, list[str]]:
     """The rows with their marks, the number of students who have some, and remarks."""
-    rows, remarks, without, unknown = [], [], [], []
+    rows, remarks, without_hand_in, unknown = [], [], [], []
     filled: set[str] = set()
-    for number, before in enumerate(book.rows):
-        row, student = list(before), students.get(number)
+    for number, old_row in enumerate(book.rows):
+        row, student = list(old_row), students.get(number)
         rows.append(row)
-        if book.is_test_student(before):
+        if book.is_test_student(old_row):
             continue
-        name = book.value(before, STUDENT) or book.value(before, LOGIN)
+        name = book.value(old_row, STUDENT) or book.value(old_row, LOGIN)
         unknown += [name] if student is None else []
         for column, of_class in marks.items():
             place = book.columns.index(column)
-            there = before[place].strip()
+            there = old_row[place].strip()
             total = None if student is None else of_class.by_student.get(student)
             if total is None:
                 if not there:
-                    without.append(name)
+                    without_hand_in.append(name)
                     row[place] = "0" if zero else row[place]
                 continue
             filled.add(str(student))
@@ -225,14 +227,14 @@ def _filled_rows(
             remarks += list(_said(str(student), column, there, value, total))
     remarks += [
         f"{student}: not in the gradebook"
-        for student in dict.fromkeys(one for of_class in marks.values() for one in of_class.by_student)
+        for student in dict.fromkeys(owner for of_class in marks.values() for owner in of_class.by_student)
         if student not in filled
     ]
     if unknown:
         remarks.append(f"not known in this class: {'; '.join(unknown)}")
-    if without:
+    if without_hand_in:
         given = "0 marks were given" if zero else "the mark is left empty; --zero gives 0 marks"
-        remarks.append(f"nothing handed in ({given}): {'; '.join(dict.fromkeys(without))}")
+        remarks.append(f"nothing handed in ({given}): {'; '.join(dict.fromkeys(without_hand_in))}")
     return rows, len(filled), remarks
 
 
@@ -245,15 +247,15 @@ def _said(student: str, column: str, there: str, value: str, total: Totals) -> I
 
 def _new_rows(known: Sequence[Student], marks: Mapping[str, _Marks], *, zero: bool) -> tuple[list[list[str]], int]:
     """The rows of a new gradebook, the points possible first; one for each student."""
-    rows = [[f"    {POINTS}", "", "", "", "", *(plain_decimal(one.maximum) for one in marks.values())]]
-    people = {one.id: one for one in known}
+    rows = [[f"    {POINTS}", "", "", "", "", *(plain_decimal(column.maximum) for column in marks.values())]]
+    people = {student_known.id: student_known for student_known in known}
     filled = 0
-    for student, one in people.items():
+    for student, person in people.items():
         totals = [of_class.by_student.get(student) for of_class in marks.values()]
         values = [("0" if zero else "") if total is None else plain_decimal(total.score) for total in totals]
-        first, last = one.first_and_last_name
+        first, last = person.first_and_last_name
         name = ", ".join(filter(None, (last, first))) or student
-        rows.append([name, "", "", one.username or student, "", *values])
+        rows.append([name, "", "", person.username or student, "", *values])
         filled += any(total is not None for total in totals)
     return rows, filled
 

@@ -47,7 +47,7 @@ def export_csv(out: Path) -> Path:
     for row in rows:
         most[row["assignment"]] = max(Decimal(row["max_score"]), most.get(row["assignment"], Decimal(0)))
     graded = {row["student"] for row in rows}
-    for student in dict.fromkeys(one.id for one in known_students(out, graded)):
+    for student in dict.fromkeys(person.id for person in known_students(out, graded)):
         if student not in graded:
             rows += [_without_hand_in(student, name, marks) for name, marks in most.items()]
     write_grades(out)

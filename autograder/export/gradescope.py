@@ -42,26 +42,26 @@ def export_gradescope(out: Path, *assignments: str) -> tuple[Path, tuple[str, ..
         If OUT has no results of an assignment.
     """
     everything = result_files.load_all(out)
-    graded = list(dict.fromkeys(one.assignment for one in everything))
+    graded = list(dict.fromkeys(entry.assignment for entry in everything))
     absent = [name for name in assignments if name not in graded]
     if absent or not graded:
         raise ValueError(f"{out} holds no results of {absent[0]!r}." if absent else f"{out} holds no results.")
     names = [name for name in graded if not assignments or name in assignments]
-    found = {(one.student, one.assignment): one for one in everything}
-    titles = {one.assignment: one_line(one.title) or one.assignment for one in everything}
+    stored_results = {(entry.student, entry.assignment): entry for entry in everything}
+    titles = {entry.assignment: one_line(entry.title) or entry.assignment for entry in everything}
     manual = gradebook.read_manual_grades(out).scores
-    totals = {key: grades.totals(one, manual) for key, one in found.items()}
+    totals = {key: grades.totals(entry, manual) for key, entry in stored_results.items()}
     most = {name: max(total.max_score for key, total in totals.items() if key[1] == name) for name in names}
     rows: list[Sequence[str]] = []
-    people = {one.id: one for one in known_students(out, {one.student for one in everything})}
-    for student, one in people.items():
+    people = {someone.id: someone for someone in known_students(out, {someone.student for someone in everything})}
+    for student, person in people.items():
         values: list[str] = []
         for name in names:
-            result = found.get((student, name))
+            result = stored_results.get((student, name))
             score = None if result is None or not _is_handed_in(result) else totals[student, name].score
             values += ["" if score is None else plain_decimal(score), plain_decimal(most[name])]
             values += [(result.submitted or "") if result is not None else "", ""]
-        rows.append([*one.first_and_last_name, student, one.email, "", *values])
+        rows.append([*person.first_and_last_name, student, person.email, "", *values])
     columns = [*IDENTITY, *(f"{titles[name]}{part}" for name in names for part in _PARTS)]
     path = out / "gradescope" / "grades.csv"
     path.parent.mkdir(parents=True, exist_ok=True)

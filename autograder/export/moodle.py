@@ -97,54 +97,58 @@ def export_moodle(
             "'Feedback comments' and 'Offline grading worksheet', and download it again."
         )
     everything = result_files.load_all(out)
-    graded = {one.assignment for one in everything}
+    graded = {result.assignment for result in everything}
     absent = [name for name in assignments if name not in graded]
     if absent:
         raise ValueError(f"{out} holds no results of {absent[0]!r}.")
-    stored = [one for one in everything if not assignments or one.assignment in assignments]
+    stored = [result for result in everything if not assignments or result.assignment in assignments]
     factors = factors_of(stored, weights or {})
     maximum = sum((most * factor for most, factor in factors.values()), Decimal(0))
-    who = identify(sheet, known_students(out, {one.student for one in everything}))
+    who = identify(sheet, known_students(out, {result.student for result in everything}))
     if not scale:
         _require_maximum(out, sheet, assignments, factors, maximum)
     manual = gradebook.read_manual_grades(out).scores
     by_student: dict[str, list[StoredResult]] = {}
-    for one in stored:
-        by_student.setdefault(one.student, []).append(one)
+    for result in stored:
+        by_student.setdefault(result.student, []).append(result)
     pages = {(path.parent.name, path.stem): path.read_bytes() for path in write_feedback(out, texts)}
     rows: list[dict[str, str]] = []
     files: dict[str, bytes] = {}
-    found: set[str] = set()
-    without: list[str] = []
+    in_worksheet: set[str] = set()
+    without_hand_in: list[str] = []
     remarks: list[str] = []
     for row in sheet.rows:
         participant = who.students.get(participant_number(row) or "")
         student = None if participant is None else participant.id
         if student not in by_student:
             is_empty = participant is not None and not row[GRADE].strip(" -") and not _is_locked(row)
-            without += [str(student)] if is_empty else []
+            without_hand_in += [str(student)] if is_empty else []
             rows.append({**row, GRADE: "0", FEEDBACK: _NOTHING} if zero and is_empty else row)
             continue
-        found.add(student)
-        marks = sum_totals([(grades.totals(one, manual), factors[one.assignment][1]) for one in by_student[student]])
+        in_worksheet.add(student)
+        marks = sum_totals(
+            [(grades.totals(result, manual), factors[result.assignment][1]) for result in by_student[student]]
+        )
         filled, remark = _fill_in(row, replace(marks, max_score=maximum), by_student[student])
         rows.append(filled)
         remarks += [f"{student}: {remark}"] if remark else []
         folder = participant_folder(row)
-        mine = [one.assignment for one in by_student[student]]
+        mine = [result.assignment for result in by_student[student]]
         for name in mine:
             page = "feedback.html" if len(mine) == 1 else f"feedback-{name}.html"
             files[f"{folder}/{page}"] = pages[student, name]
-    remarks += [f"{student}: not in the worksheet" for student in by_student if student not in found]
-    if without:
+    remarks += [f"{student}: not in the worksheet" for student in by_student if student not in in_worksheet]
+    if without_hand_in:
         given = "0 marks were given" if zero else "the grade is left empty; --zero gives 0 marks"
-        remarks.append(f"nothing handed in ({given}): {', '.join(without)}")
+        remarks.append(f"nothing handed in ({given}): {', '.join(without_hand_in)}")
     target = out / "moodle"
     target.mkdir(parents=True, exist_ok=True)
     write_file(target / "worksheet.csv", worksheet_text(sheet, rows).encode(errors="backslashreplace"))
     write_file(target / "feedback.zip", zip_bytes(files))
     write_grades(out)
-    return MoodleExport(target / "worksheet.csv", target / "feedback.zip", len(found), tuple(map(one_line, remarks)))
+    return MoodleExport(
+        target / "worksheet.csv", target / "feedback.zip", len(in_worksheet), tuple(map(one_line, remarks))
+    )
 
 
 def _require_maximum(
@@ -156,18 +160,19 @@ def _require_maximum(
 ) -> None:
     """Refuse a worksheet with another maximum, and say what to type."""
     asked = {value for row in sheet.rows if (value := _maximum_grade(row.get(MAXIMUM, ""))) is not None}
-    other = sorted(asked - {maximum})
-    if not other:
+    other_maxima = sorted(asked - {maximum})
+    if not other_maxima:
         return
     command = ["labsid", "course", "export", "--format", "moodle", "--worksheet", str(sheet.path), "--out", str(out)]
     fitting = [name for name, (marks, _) in factors.items() if len(factors) > 1 and asked == {marks}]
     ways = [(f"for {name} alone", [*command, "--assignment", name]) for name in fitting]
     named = [word for name in assignments for word in ("--assignment", name)]
-    ways.append((f"to convert the marks to {other[0]}", [*command, *named, "--scale"]))
+    ways.append((f"to convert the marks to {other_maxima[0]}", [*command, *named, "--scale"]))
     parts = ", ".join(f"{name} {plain_decimal(marks * factor)}" for name, (marks, factor) in factors.items())
     raise ValueError(
-        f"the worksheet's maximum is {plain_decimal(other[0])}, but the marks are out of {plain_decimal(maximum)} "
-        f"({parts}); nothing was written. Type, " + "; ".join(f"{what}: {shlex.join(line)}" for what, line in ways)
+        f"the worksheet's maximum is {plain_decimal(other_maxima[0])}, but the marks are out of "
+        f"{plain_decimal(maximum)} ({parts}); nothing was written. Type, "
+        + "; ".join(f"{what}: {shlex.join(line)}" for what, line in ways)
     )
 
 
@@ -193,16 +198,16 @@ def _is_locked(row: Mapping[str, str]) -> bool:
 
 def _comment(marks: Totals, stored: Sequence[StoredResult]) -> str:
     """The comment in the worksheet; it names the assignments that it is about."""
-    names = [one.assignment for one in stored]
+    names = [result.assignment for result in stored]
     parts = [f"{', '.join(names)}: {plain_decimal(marks.score)} of {plain_decimal(marks.max_score)} marks."]
     if marks.waiting:
         parts.append(f"{plain_decimal(marks.waiting)} marks not yet graded by hand.")
-    for one in stored:
-        about = f"{one.assignment}: " if len(stored) > 1 else ""
-        parts += [f"{about}Extension until {one.extension}."] if one.extension else []
-        parts += [f"{about}{one.late}"] if one.late else []
-        parts += [f"{about}{_refusal_text(one)}"] if one.is_refused else []
-    slips = dict.fromkeys(question.slip for one in stored for question in one.questions if question.slip)
+    for result in stored:
+        about = f"{result.assignment}: " if len(stored) > 1 else ""
+        parts += [f"{about}Extension until {result.extension}."] if result.extension else []
+        parts += [f"{about}{result.late}"] if result.late else []
+        parts += [f"{about}{_refusal_text(result)}"] if result.is_refused else []
+    slips = dict.fromkeys(question.slip for result in stored for question in result.questions if question.slip)
     if slips:
         parts.append(f"Common mistakes: {'; '.join(filter(None, slips))}.")
     parts.append("See the feedback file for details.")

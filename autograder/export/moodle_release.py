@@ -54,17 +54,17 @@ def write_moodle_release(
     """
     shared = shared_files(course, assignments, due=due, data_come_apart=True)
     table = course.students_file
-    before = read_students(table) if table.is_file() else []
-    who = identify(sheet, merge_students(before, students or []))
+    known_students = read_students(table) if table.is_file() else []
+    who = identify(sheet, merge_students(known_students, students or []))
     listed = None if students is None else {student.id for student in students}
     packages: dict[str, bytes] = {}
-    found: set[str] = set()
+    in_worksheet: set[str] = set()
     for row in sheet.rows:
         number = participant_number(row)
         if number is None or (listed is not None and who.students[number].id not in listed):
             continue
         student = who.students[number].id
-        found.add(student)
+        in_worksheet.add(student)
         own = individual_files(course, secret, student, assignments)
         if not own:
             raise ValueError(
@@ -76,6 +76,8 @@ def write_moodle_release(
     beside = packages_beside(out).with_suffix(".zip")
     write_file(out, zip_bytes(shared))
     write_file(beside, zip_bytes(packages))
-    write_students(table, merge_students(before, list(who.students.values())))
-    remarks = tuple(f"{one.id}: not in the worksheet" for one in students or () if one.id not in found)
+    write_students(table, merge_students(known_students, list(who.students.values())))
+    remarks = tuple(
+        f"{student.id}: not in the worksheet" for student in students or () if student.id not in in_worksheet
+    )
     return IndividualRelease(out, beside, len(packages), remarks)

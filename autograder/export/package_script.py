@@ -65,59 +65,59 @@ def run_checks(submission: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
         environment = {name: os.environ[name] for name in ("PATH", "LANG", "PYTHONPATH") if name in os.environ}
         environment |= {"HOME": folder, "TMPDIR": folder, "MPLBACKEND": "agg"}
         command = [sys.executable, "-m", "labsid.hand_in.checked_result", str(work / "hand-in.ipynb"), assignment]
-        other: dict[str, Any] = {}
+        user_options: dict[str, Any] = {}
         if os.geteuid() == 0:
             nobody = pwd.getpwnam("nobody")
             for path in (work, *work.iterdir()):
                 os.chown(path, nobody.pw_uid, nobody.pw_gid)
-            other = {"user": nobody.pw_uid, "group": nobody.pw_gid, "extra_groups": []}
+            user_options = {"user": nobody.pw_uid, "group": nobody.pw_gid, "extra_groups": []}
         try:
             done = subprocess.run(
-                command, capture_output=True, timeout=SECONDS, cwd=folder, env=environment, check=False, **other
+                command, capture_output=True, timeout=SECONDS, cwd=folder, env=environment, check=False, **user_options
             )
         except subprocess.TimeoutExpired:
             raise ProblemError(f"the notebook takes longer than {SECONDS} s.") from None
     try:
-        found: dict[str, Any] = json.loads(done.stdout)
+        judged: dict[str, Any] = json.loads(done.stdout)
     except ValueError:
         last = (done.stderr.decode(errors="replace").strip().splitlines() or ["no output"])[-1]
         raise ProblemError(f"the checks could not be run: {last[:300]}") from None
-    if "error" in found:
-        raise ProblemError(str(found["error"]))
-    return found
+    if "error" in judged:
+        raise ProblemError(str(judged["error"]))
+    return judged
 
 
-def for_gradescope(found: Mapping[str, Any]) -> dict[str, Any]:
+def for_gradescope(judged: Mapping[str, Any]) -> dict[str, Any]:
     """The results that Gradescope reads: a test for each question, with marks where the checks can give them."""
     tests = []
-    for one in found["questions"]:
-        test: dict[str, Any] = {"name": f"{one['id']}: {one['heading']}", "visibility": "visible"}
-        if one["state"] in _UNJUDGED:
-            test["output"] = _UNJUDGED[one["state"]]
+    for question in judged["questions"]:
+        test: dict[str, Any] = {"name": f"{question['id']}: {question['heading']}", "visibility": "visible"}
+        if question["state"] in _UNJUDGED:
+            test["output"] = _UNJUDGED[question["state"]]
         else:
-            test |= {"score": float(one["earned"]), "max_score": float(one["marks"])}
-            test |= {"status": "passed" if one["state"] == "right" else "failed", "output": _said(one)}
+            test |= {"score": float(question["earned"]), "max_score": float(question["marks"])}
+            test |= {"status": "passed" if question["state"] == "right" else "failed", "output": _said(question)}
         tests.append(test)
-    output = "\n\n".join([HONESTY, *found["remarks"]])
+    output = "\n\n".join([HONESTY, *judged["remarks"]])
     return {"output": output, "visibility": "visible", "stdout_visibility": "hidden", "tests": tests}
 
 
-def for_github(found: Mapping[str, Any]) -> dict[str, Any]:
+def for_github(judged: Mapping[str, Any]) -> dict[str, Any]:
     """The results that the reporter of GitHub Classroom reads."""
     tests = []
     most = 0.0
-    for one in found["questions"]:
-        if one["state"] in _UNJUDGED:
+    for question in judged["questions"]:
+        if question["state"] in _UNJUDGED:
             continue
-        most += float(one["marks"])
-        is_right = one["state"] == "right"
+        most += float(question["marks"])
+        is_right = question["state"] == "right"
         tests.append(
             {
-                "name": f"{one['id']}: {one['heading']}",
+                "name": f"{question['id']}: {question['heading']}",
                 "status": "pass" if is_right else "fail",
-                "score": float(one["earned"]),
-                "message": None if is_right else _said(one),
-                "test_code": f'check("{one["id"]}")',
+                "score": float(question["earned"]),
+                "message": None if is_right else _said(question),
+                "test_code": f'check("{question["id"]}")',
                 "filename": "",
                 "line_no": 0,
                 "execution_time": "0s",
@@ -150,8 +150,8 @@ def main() -> int:
     settings = json.loads((HERE / "settings.json").read_text(encoding="utf-8"))
     system = settings["system"]
     try:
-        found = run_checks(options.submission, settings)
-        result = for_gradescope(found) if system == "gradescope" else for_github(found)
+        judged = run_checks(options.submission, settings)
+        result = for_gradescope(judged) if system == "gradescope" else for_github(judged)
     except ProblemError as error:
         result = refused(str(error), system)
     options.results.parent.mkdir(parents=True, exist_ok=True)

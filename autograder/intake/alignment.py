@@ -91,7 +91,9 @@ def align_by_text(cells: Sequence[Mapping[str, Any]], template: Template) -> Ali
         start, end = matched.get(first, -1) + 1, matched.get(last, len(cells))
         free = [at for at in range(start, end) if _plain(cells[at]["source"]) not in given]
         for is_code in (True, False):
-            expected = [one.cell_id for one in places[first + 1 : last] if one.cell_id in own and one.code == is_code]
+            expected = [
+                place.cell_id for place in places[first + 1 : last] if place.cell_id in own and place.code == is_code
+            ]
             there = [at for at in free if bool(cells[at]["code"]) == is_code]
             if len(expected) == 1 and len(there) > 1:  # cells of the student's own beside the answer
                 there = [at for at in there if _keeps_what_is_given(cells[at]["source"], texts[expected[0]])] or there
@@ -131,48 +133,48 @@ def _longest_rising(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """The longest part of pairs, sorted by the first number, whose second numbers rise."""
     ends: list[int] = []
     last: list[int] = []
-    before: list[int | None] = []
+    predecessors: list[int | None] = []
     for index, (_, at) in enumerate(pairs):
         length = bisect_left(ends, at)
         ends[length : length + 1] = [at]
         last[length : length + 1] = [index]
-        before.append(last[length - 1] if length else None)
-    found: list[tuple[int, int]] = []
+        predecessors.append(last[length - 1] if length else None)
+    rising: list[tuple[int, int]] = []
     index_now = last[-1] if last else None
     while index_now is not None:
-        found.append(pairs[index_now])
-        index_now = before[index_now]
-    return found[::-1]
+        rising.append(pairs[index_now])
+        index_now = predecessors[index_now]
+    return rising[::-1]
 
 
 def _match_nearly(
     cells: Sequence[Mapping[str, Any]], places: Sequence[Place], anchors: Sequence[int], matched: Mapping[int, int]
 ) -> dict[int, int]:
     """Anchors whose text changed a little, each between its neighbours; never a check, whose text is short."""
-    found: dict[int, int] = {}
+    nearly: dict[int, int] = {}
     taken = set(matched.values())
     comparisons = 0
     for index in anchors:
         text = _plain(places[index].text)
         if index in matched or not _SHORTEST_NEAR <= len(text) <= _LONGEST_NEAR:
             continue
-        known = {**matched, **found}
-        start = max((at for one, at in known.items() if one < index), default=-1) + 1
-        end = min((at for one, at in known.items() if one > index), default=len(cells))
+        known = {**matched, **nearly}
+        start = max((at for place, at in known.items() if place < index), default=-1) + 1
+        end = min((at for place, at in known.items() if place > index), default=len(cells))
         near = []
         for at in range(start, end):
-            other = _plain(cells[at]["source"])
-            if at in taken or bool(cells[at]["code"]) != places[index].code or len(other) > _LONGEST_NEAR:
+            cell_text = _plain(cells[at]["source"])
+            if at in taken or bool(cells[at]["code"]) != places[index].code or len(cell_text) > _LONGEST_NEAR:
                 continue
             comparisons += 1
             if comparisons > _MOST_COMPARISONS:
-                return found
-            if _is_near(text, other):
+                return nearly
+            if _is_near(text, cell_text):
                 near.append(at)
         if len(near) == 1:
-            found[index] = near[0]
+            nearly[index] = near[0]
             taken.add(near[0])
-    return found
+    return nearly
 
 
 def _is_near(text: str, other: str) -> bool:

@@ -157,14 +157,14 @@ def find_students(book: CanvasGradebook, known: Iterable[Student]) -> dict[int, 
         for value in (student.id, student.username, student.email):
             if value and ids.setdefault(value.casefold(), student).id != student.id:
                 raise ValueError(f"{value} is both {described(ids[value.casefold()])} and {described(student)}.")
-    found: dict[int, str] = {}
+    students: dict[int, str] = {}
     owners: dict[str, str] = {}
     for number, row in enumerate(book.rows):
         name = one_line(book.value(row, STUDENT)) or f"row {number + 1}"
         said = [ids.get(book.value(row, column).casefold()) for column in (LOGIN, SIS_USER)]
-        people = {one.id: one for one in said if one is not None}
+        people = {student.id: student for student in said if student is not None}
         if len(people) > 1:
-            both = " and ".join(described(one) for one in people.values())
+            both = " and ".join(described(student) for student in people.values())
             raise ValueError(f"{book.path}: the row of {name} belongs to two students by its IDs, {both}.")
         if not people and (by_number := ids.get(book.value(row, USER).casefold())) is not None:
             people = {by_number.id: by_number}
@@ -174,8 +174,8 @@ def find_students(book: CanvasGradebook, known: Iterable[Student]) -> dict[int, 
                     f"{book.path}: the rows of {owners[student_id]} and {name} both belong to {student_id}."
                 )
             owners[student_id] = name
-            found[number] = student_id
-    return found
+            students[number] = student_id
+    return students
 
 
 def as_worksheet(book: CanvasGradebook, known: Iterable[Student] = ()) -> Worksheet:

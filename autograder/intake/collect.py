@@ -99,28 +99,31 @@ def collect_submissions(
         if not participants:
             raise ValueError(f"{path} contains no submission: expected {_EXPECTED[found_system]}.")
         table = out / STUDENTS_FILE
-        before = read_students(table) if table.is_file() else []
-        decided = merge_students(before, known)
-        names = {number: one.name for number, one in participants.items()}
+        written_before = read_students(table) if table.is_file() else []
+        decided = merge_students(written_before, known)
+        names = {number: participant.name for number, participant in participants.items()}
         if found_system == "canvas":  # whose names are one word
-            spelled = ((one.participant, one.name) for one in decided if one.participant in names)
+            spelled = ((student.participant, student.name) for student in decided if student.participant in names)
             names |= {number: name for number, name in spelled if _letters(name) == _letters(names[number])}
         if found_system == "gradescope":  # it has no number of a person that a later export has, too
-            decided = merge_students([replace(one, participant="") for one in decided])
+            decided = merge_students([replace(student, participant="") for student in decided])
         who = identify(of_whom, decided, names)
         in_sheet = {participant_number(row) for row in (of_whom.rows if of_whom is not None else ())}
-        new = [replace(one, participant=_lasting(one.participant, found_system)) for one in who.students.values()]
-        write_students(table, merge_students(before, new))
+        new = [
+            replace(student, participant=_lasting(student.participant, found_system))
+            for student in who.students.values()
+        ]
+        write_students(table, merge_students(written_before, new))
         pool = Pool(POOL)
-        for one in sorted(participants.values(), key=lambda one: (one.name, int(one.number))):
-            found = read_hand_in(archive, one, templates, Budget(SHARE, MOST, pool))
-            student = who.students[one.number].id
-            remarks = _write_hand_in(out / student, found, wanted, download.times.get(one.number))
-            remarks += download.remarks.get(one.number, [])
-            if of_whom is not None and one.number not in in_sheet:
+        for owner in sorted(participants.values(), key=lambda participant: (participant.name, int(participant.number))):
+            hand_in = read_hand_in(archive, owner, templates, Budget(SHARE, MOST, pool))
+            student = who.students[owner.number].id
+            remarks = _write_hand_in(out / student, hand_in, wanted, download.times.get(owner.number))
+            remarks += download.remarks.get(owner.number, [])
+            if of_whom is not None and owner.number not in in_sheet:
                 in_what = "gradebook" if found_system == "canvas" else "worksheet"
-                remarks.append(f"not in the {in_what}: {_described(student, one)} is the ID")
-            yield one_line(f"{student} ({one.name}): {'; '.join(remarks)}")
+                remarks.append(f"not in the {in_what}: {_described(student, owner)} is the ID")
+            yield one_line(f"{student} ({owner.name}): {'; '.join(remarks)}")
     if strays:
         yield one_line(f"files of no participant: {', '.join(strays[:10])}{' ...' if len(strays) > 10 else ''}")
 
@@ -152,10 +155,10 @@ def _read_download(
         return list_canvas(archive), None
     if system == "gradescope":
         try:
-            found = list_gradescope(archive)
+            download = list_gradescope(archive)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-        return found, Worksheet(tuple(found.rows[0]) if found.rows else (), tuple(found.rows), "", path)
+        return download, Worksheet(tuple(download.rows[0]) if download.rows else (), tuple(download.rows), "", path)
     participants, strays = list_participants(archive)
     return Download(participants, strays, {} if sheet is None else _times(sheet, zone)), sheet
 
@@ -179,17 +182,17 @@ def _times(sheet: Worksheet, zone: tzinfo | None) -> dict[str, str]:
     return {number: utc_timestamp(time.replace(tzinfo=zone)) for number, time in found if number and time is not None}
 
 
-def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp: str | None) -> list[str]:
+def _write_hand_in(folder: Path, hand_in: HandIn, wanted: Sequence[str], timestamp: str | None) -> list[str]:
     """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too."""
     written: list[str] = []
     folder.mkdir(parents=True, exist_ok=True)
-    for name, versions in sorted(found.versions.items()):
+    for name, versions in sorted(hand_in.versions.items()):
         if name in wanted:
-            notes = _write_assignment(folder, name, versions, found, timestamp)
+            notes = _write_assignment(folder, name, versions, hand_in, timestamp)
             written.append(f"{name} ({', '.join(notes)})" if notes else name)
-    _note_unread(folder, found, wanted)
-    others = [name for name in sorted(found.versions) if name not in wanted]
-    untouched = sorted(found.untouched - found.versions.keys())
+    _note_unread(folder, hand_in, wanted)
+    others = [name for name in sorted(hand_in.versions) if name not in wanted]
+    untouched = sorted(hand_in.untouched - hand_in.versions.keys())
     for name in untouched:
         if name in wanted and not any((folder / name).glob("*.ipynb")):
             _write_below(folder.parent, Path(folder.name, name, UNTOUCHED_FILE), f"{UNTOUCHED}\n".encode())
@@ -198,13 +201,13 @@ def _write_hand_in(folder: Path, found: HandIn, wanted: Sequence[str], timestamp
         remarks.append(f"as released, not collected: {', '.join(untouched)}")
     if others:
         remarks.append(f"other assignments, not collected: {', '.join(others)}")
-    if not found.versions and not found.untouched:
+    if not hand_in.versions and not hand_in.untouched:
         remarks.append("no notebook of this course")
-        found.skipped.extend(f"{path}: a copy that a program made by itself" for path in found.left_out)
-    if found.problem:
-        remarks.append(found.problem)
-    if found.skipped:
-        remarks.append(f"skipped: {', '.join(found.skipped[:5])}{' ...' if len(found.skipped) > 5 else ''}")
+        hand_in.skipped.extend(f"{path}: a copy that a program made by itself" for path in hand_in.left_out)
+    if hand_in.problem:
+        remarks.append(hand_in.problem)
+    if hand_in.skipped:
+        remarks.append(f"skipped: {', '.join(hand_in.skipped[:5])}{' ...' if len(hand_in.skipped) > 5 else ''}")
     return remarks
 
 
@@ -230,18 +233,18 @@ def _write_assignment(
     folder: Path,
     name: str,
     versions: Sequence[Version],
-    found: HandIn,
+    hand_in: HandIn,
     timestamp: str | None,
 ) -> list[str]:
     """Write one assignment of a participant; returns notes on it."""
     latest, doubts = newest_version(versions)
-    doubts += tuple(said for named, said in found.unread if named == name)[:MAX_DOUBTS]
+    doubts += tuple(said for named, said in hand_in.unread if named == name)[:MAX_DOUBTS]
     files = {f"{name}.ipynb": latest.data}
     record = find_assignment(name).record_file
-    if record is not None and record in found.data:
-        beside = _beside(latest, found.data[record])
-        files[record] = newest_version(beside or found.data[record])[0].data
-    sent = _beside(latest, found.tries.get(tries_file_name(name), ()))
+    if record is not None and record in hand_in.data:
+        beside = _beside(latest, hand_in.data[record])
+        files[record] = newest_version(beside or hand_in.data[record])[0].data
+    sent = _beside(latest, hand_in.tries.get(tries_file_name(name), ()))
     inner = Path(folder.name, name)
     if timestamp is not None:
         files[TIMESTAMP_FILE] = f"{timestamp}\n".encode()

@@ -109,19 +109,19 @@ def read_hand_in(
     archive: zipfile.ZipFile, participant: Participant, templates: Mapping[str, Template], budget: Budget
 ) -> HandIn:
     """Read the files of one participant; whatever goes wrong is a remark."""
-    found = HandIn()
+    hand_in = HandIn()
     paths = {id(info): path for info, path in participant.entries}
     try:
         for info, _ in participant.entries:
             for entry in read_entries(archive, [info], budget):
-                _add_outer(found, entry, paths[id(info)], templates, budget)
+                _add_outer(hand_in, entry, paths[id(info)], templates, budget)
     except OverBudgetError as error:
-        found.problem = f"not everything was read: {error}"
+        hand_in.problem = f"not everything was read: {error}"
     except Exception as error:  # of what students hand in, no list of errors is complete
-        found.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
-    if found.problem:
-        found.unread.append((None, found.problem))
-    return found
+        hand_in.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
+    if hand_in.problem:
+        hand_in.unread.append((None, hand_in.problem))
+    return hand_in
 
 
 def _add_outer(
@@ -150,15 +150,15 @@ def _match_owner(path: str) -> tuple[re.Match[str] | None, str]:
     """
     parts = [part for part in path.split("/") if part not in ("", ".")]
     for index, part in enumerate(parts if path.endswith("/") else parts[:-1]):
-        found = _FOLDER.fullmatch(part)
-        if found is not None:
-            return found, "/".join(parts[index + 1 :])
-    found = _FILE.fullmatch(parts[-1]) if parts and len(_ONE_MARKER.findall(parts[-1])) == 1 else None
-    return found, path if found is None else found["rest"]
+        matched = _FOLDER.fullmatch(part)
+        if matched is not None:
+            return matched, "/".join(parts[index + 1 :])
+    matched = _FILE.fullmatch(parts[-1]) if parts and len(_ONE_MARKER.findall(parts[-1])) == 1 else None
+    return matched, path if matched is None else matched["rest"]
 
 
 def _add_file(
-    found: HandIn,
+    hand_in: HandIn,
     path: str,
     entry: ArchiveEntry,
     packed_in: ArchiveEntry | None,
@@ -170,13 +170,13 @@ def _add_file(
     if base in _OF_SYSTEMS or base.startswith("._"):
         return
     if not _AUTOMATIC.isdisjoint(folders):
-        found.left_out.append(shortened(path))
+        hand_in.left_out.append(shortened(path))
         return
     times = (entry.modified, None) if packed_in is None else (packed_in.modified, entry.modified)
     if entry.problem:
-        found.skipped.append(f"{shortened(path)}: {entry.problem}")
+        hand_in.skipped.append(f"{shortened(path)}: {entry.problem}")
         if NOTEBOOK_ENDING.search(base) or base.lower().endswith(".zip"):
-            found.unread.append((_named_in(path, templates), found.skipped[-1]))
+            hand_in.unread.append((_named_in(path, templates), hand_in.skipped[-1]))
     elif NOTEBOOK_ENDING.search(base):
         over: OverBudgetError | None = None
         try:
@@ -187,21 +187,21 @@ def _add_file(
             over, name, work, is_untouched = error, _named_in(path, templates), entry.data, False
             is_readable = True
         if name is None:
-            found.skipped.append(f"{shortened(path)}: not a notebook of this course")
+            hand_in.skipped.append(f"{shortened(path)}: not a notebook of this course")
         elif is_untouched:
-            found.untouched.add(name)
+            hand_in.untouched.add(name)
         else:
-            found.versions.setdefault(name, []).append(Version(path, name, *times, work, entry.data, is_readable))
+            hand_in.versions.setdefault(name, []).append(Version(path, name, *times, work, entry.data, is_readable))
         if over is not None:
             raise over
     elif base in {tries_file_name(name) for name in templates}:
         if len(entry.data) <= MAX_BYTES:
-            found.tries.setdefault(base, []).append(Version(path, base, *times, entry.data, entry.data))
+            hand_in.tries.setdefault(base, []).append(Version(path, base, *times, entry.data, entry.data))
     elif base in _data_files(tuple(templates)):
         stem = base.rpartition(".")[0]
-        found.data.setdefault(base, []).append(Version(path, stem, *times, entry.data, entry.data))
+        hand_in.data.setdefault(base, []).append(Version(path, stem, *times, entry.data, entry.data))
     else:
-        found.skipped.append(shortened(path))
+        hand_in.skipped.append(shortened(path))
 
 
 @cache

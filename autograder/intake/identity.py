@@ -77,10 +77,10 @@ def identify(
     decided: dict[str, Student] = {}
     unlisted: set[str] = set()
     for number, person in people.items():
-        found = _decided_before(person, known) or _first_usable(rows.get(number, {}), columns) or number
-        found = spelled.get(found.casefold(), found)
-        decided[number] = Student(found, person.name, person.email, person.username, number)
-        if found.casefold() not in spelled:
+        student_id = _decided_before(person, known) or _first_usable(rows.get(number, {}), columns) or number
+        student_id = spelled.get(student_id.casefold(), student_id)
+        decided[number] = Student(student_id, person.name, person.email, person.username, number)
+        if student_id.casefold() not in spelled:
             unlisted.add(number)
     _refuse_shared(known, decided.values(), rows)
     return WhoIsWho(decided, frozenset(unlisted))
@@ -131,10 +131,12 @@ def _refuse_shared(known: Iterable[Student], decided: Iterable[Student], rows: M
     owners: dict[str, tuple[Student, str]] = {}
     participants: dict[str, Student] = {}
     for student in decided:
-        other = participants.setdefault(student.id.casefold(), student)
-        if other is not student:
-            same = "the same ID" if other.id == student.id else f"IDs that differ in case, {other.id} and {student.id}"
-            raise ValueError(f"{_who(other)} and {_who(student)} have {same}. {_REMEDY}")
+        holder = participants.setdefault(student.id.casefold(), student)
+        if holder is not student:
+            same = (
+                "the same ID" if holder.id == student.id else f"IDs that differ in case, {holder.id} and {student.id}"
+            )
+            raise ValueError(f"{_who(holder)} and {_who(student)} have {same}. {_REMEDY}")
     known = tuple(known)
     numbers = {(student.id.casefold(), student.participant) for student in known}
     for student in known:

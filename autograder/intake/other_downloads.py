@@ -86,7 +86,7 @@ def list_canvas(archive: zipfile.ZipFile, users: Collection[str] = ()) -> Downlo
     users : collection of str
         The numbers of the users in the gradebook, if there is one.
     """
-    found = Download()
+    download = Download()
     for info in archive.infolist():
         path = entry_name(info)
         if path.endswith("/"):
@@ -94,19 +94,19 @@ def list_canvas(archive: zipfile.ZipFile, users: Collection[str] = ()) -> Downlo
         base = path.rpartition("/")[2]
         readings = list(_readings(base))
         if len(readings) > 1:
-            readings = [one for one in readings if one[1] in users]
+            readings = [reading for reading in readings if reading[1] in users]
         if len(readings) != 1:
-            found.strays.append(path)
+            download.strays.append(path)
             continue
         name, user, rest = readings[0]
         is_late = name.endswith(_LATE)
-        person = found.participants.setdefault(user, Participant(name.removesuffix(_LATE), user))
+        person = download.participants.setdefault(user, Participant(name.removesuffix(_LATE), user))
         person.entries.append((info, rest))
         if is_late:
-            found.remarks[user] = ["late in Canvas, whose download has no times: no penalty is taken off"]
-    for person in found.participants.values():
+            download.remarks[user] = ["late in Canvas, whose download has no times: no penalty is taken off"]
+    for person in download.participants.values():
         _name_attempts(person.entries)
-    return found
+    return download
 
 
 def _name_attempts(entries: list[tuple[zipfile.ZipInfo, str]]) -> None:
@@ -143,7 +143,7 @@ def list_gradescope(archive: zipfile.ZipFile) -> Download:
     told = _read_metadata(entry.data)
     top = entry_name(table).removesuffix(METADATA)
     files: dict[str, list[tuple[zipfile.ZipInfo, str]]] = {}
-    found = Download()
+    download = Download()
     for info in archive.infolist():
         path = entry_name(info)
         if path.endswith("/") or info is table:
@@ -152,22 +152,22 @@ def list_gradescope(archive: zipfile.ZipFile) -> Download:
         if below and folder in told and told[folder].people:
             files.setdefault(folder, []).append((info, below))
         else:
-            found.strays.append(path)
+            download.strays.append(path)
     for name, entries in files.items():
         people = told[name].people
         for place, person in people.items():
-            number = str(_FIRST_NUMBER + len(found.participants))
+            number = str(_FIRST_NUMBER + len(download.participants))
             row = {column: one_line(person.get(key, "")) for key, column in _COLUMNS.items()}
             if not any(row[column] for column in (EMAIL, ID_COLUMNS[0])):  # Gradescope has no other name of a person
                 row[ID_COLUMNS[0]] = f"{name}_{place}"
             row[FULL_NAME] = row[FULL_NAME] or row[EMAIL] or row[ID_COLUMNS[0]]
-            found.participants[number] = Participant(row[FULL_NAME], number, list(entries))
-            found.rows.append({IDENTIFIER: f"Participant {number}", **row})
+            download.participants[number] = Participant(row[FULL_NAME], number, list(entries))
+            download.rows.append({IDENTIFIER: f"Participant {number}", **row})
             if (when := _utc(told[name].created_at)) is not None:
-                found.times[number] = when
+                download.times[number] = when
             if len(people) > 1:
-                found.remarks[number] = [f"handed in by {len(people)} together ({name})"]
-    return found
+                download.remarks[number] = [f"handed in by {len(people)} together ({name})"]
+    return download
 
 
 def _metadata_entry(archive: zipfile.ZipFile) -> zipfile.ZipInfo | None:
@@ -199,18 +199,18 @@ def _read_metadata(text: bytes) -> Mapping[str, _Submission]:
 
     Events are read, and no objects made of them: the table has texts of students, and marks of Ruby's types.
     """
-    found: dict[str, _Submission] = {}
+    submissions: dict[str, _Submission] = {}
     try:
         for path, value in _scalars(text):
             match [part.removeprefix(":") for part in path]:
                 case [name, "submitters", place, ("name" | "sid" | "email") as key]:
-                    found.setdefault(name, _Submission()).people.setdefault(place, {})[key] = value
+                    submissions.setdefault(name, _Submission()).people.setdefault(place, {})[key] = value
                 case [name, "created_at"] | [name, "created_at", "utc"]:
-                    found.setdefault(name, _Submission()).created_at = value
+                    submissions.setdefault(name, _Submission()).created_at = value
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         said = one_line(str(error))[:200]
         raise ValueError(f"{METADATA} cannot be read ({said}). Export the submissions again.") from None
-    return found
+    return submissions
 
 
 @dataclass(slots=True)
@@ -249,7 +249,7 @@ def _scalars(text: bytes) -> Iterator[tuple[list[str], str]]:
                 stack[-1].key = value
                 continue
             if 0 < len(stack) <= 4:
-                yield [one.at for one in stack], value
+                yield [level.at for level in stack], value
         else:
             continue
         if stack:

@@ -100,16 +100,16 @@ def read_submission(folder: Path, student: str, template: Template) -> Submissio
     """
     name = f"{template.assignment}.ipynb"
     try:
-        found = _find_notebook(folder, template.assignment)
-        if found is None and (why := _why_not_read(folder)):
+        notebook = _find_notebook(folder, template.assignment)
+        if notebook is None and (why := _why_not_read(folder)):
             return quarantined_submission(student, template.assignment, why)
-        if found is None:
+        if notebook is None:
             note = UNTOUCHED if is_plain_file(folder / UNTOUCHED_FILE, MAX_NOTE_CHARACTERS) else NOT_SUBMITTED
             return Submission(student, template.assignment, "missing", (), (note,))
-        name, notes = found[0].name, found[1]
-        if any(path.is_symlink() for path in (folder.parent, folder, found[0])):
+        name, notes = notebook[0].name, notebook[1]
+        if any(path.is_symlink() for path in (folder.parent, folder, notebook[0])):
             raise ValueError("it is a symbolic link, or is below one: submit the file itself")
-        cells = _read_cells(found[0])
+        cells = _read_cells(notebook[0])
         notes += _note_on_versions(folder)
     except Exception as error:  # of what students hand in, no list of errors is complete
         return quarantined_submission(student, template.assignment, f"{name} cannot be read: {error}")

@@ -119,18 +119,20 @@ def confirm_on_hidden_records(
                 refused, flags = {}, (*flags, f"not run on another record: {error}")
                 break
             runs += 1
-            found = _run(record, seed, assets, judge_on, replace(submission, cells=cells))
-        wrong = {question: one for question, one in found.items() if question in asked and not one.is_right}
+            by_question = _run(record, seed, assets, judge_on, replace(submission, cells=cells))
+        wrong = {
+            question: result for question, result in by_question.items() if question in asked and not result.is_right
+        }
         for question in asked:
             seconds[question] += (time.monotonic() - began) / len(asked)
-        lucky = [one.question for one in results if one.question in refused and one.question not in wrong]
+        lucky = [result.question for result in results if result.question in refused and result.question not in wrong]
         if lucky:
             flags += (f"right on a third record, not on the second: {', '.join(lucky)}",)
         refused, asked = wrong, set(wrong)
-    lost = [one.question for one in results if one.question in refused]
+    lost = [result.question for result in results if result.question in refused]
     if lost:
         flags += (f"right on the student's own record alone: {', '.join(lost)}",)
-    return Confirmed(tuple(_with(one, refused, seconds) for one in results), runs, flags)
+    return Confirmed(tuple(_with(result, refused, seconds) for result in results), runs, flags)
 
 
 def record_seed(secret: bytes, submission: Submission, number: int) -> bytes:

@@ -240,7 +240,7 @@ class _NotebookJudge:
         for answer in self.answers:
             start = time.monotonic()
             uses = answer.question.uses
-            wrong = [other for other in self.answers if other.question.id in uses and not other.is_sound]
+            wrong = [answer for answer in self.answers if answer.question.id in uses and not answer.is_sound]
             if not answer.attempts:
                 answer.attempts.append(examiner.judge_later(answer.asked, answer.known))
             if wrong and not answer.crashed:
@@ -266,7 +266,7 @@ def _judge_beside_wrong(
         Whether it is right by right values, in a shape from which later steps can start.
     """
     steps = ", ".join(wrong_steps(wrong))
-    as_columns = any(differ_in_shape(other.own, other.right) for other in wrong)
+    as_columns = any(differ_in_shape(replacement.own, replacement.right) for replacement in wrong)
     first = answer.attempts.pop()
     if not first.passed and as_columns:
         first = examiner.judge_later(answer.asked, answer.known, as_columns)

@@ -144,17 +144,17 @@ def _legend(axes: AxesValue) -> Iterator[str]:
     lines = [(label, shown.get(label)) for label in axes.legend[:8]]
     lines += [(text, None) for text in axes.texts[: 8 - len(lines)]]
     longest = max((len(_label_text(label, 40)) for label, _ in lines), default=0)
-    left = _WIDTH - _RIGHT - 40 - 7 * longest
+    x_left = _WIDTH - _RIGHT - 40 - 7 * longest
     if lines:
         yield (
-            f'<rect x="{left:.0f}" y="{_TOP + 5}" width="{34 + 7 * longest:.0f}" height="{16 * len(lines) + 5}" '
+            f'<rect x="{x_left:.0f}" y="{_TOP + 5}" width="{34 + 7 * longest:.0f}" height="{16 * len(lines) + 5}" '
             'fill="#fff" fill-opacity=".85" stroke="#d9e0e7"/>'
         )
     for row, (label, colour) in enumerate(lines):
         at = _TOP + 20 + 16 * row
         if colour is not None:
-            yield f'<path d="M{left + 5:.0f} {at - 4}h18" stroke="{_colour(colour)}" stroke-width="2"/>'
-        yield _text(label, left + 28, at, "start", 40)
+            yield f'<path d="M{x_left + 5:.0f} {at - 4}h18" stroke="{_colour(colour)}" stroke-width="2"/>'
+        yield _text(label, x_left + 28, at, "start", 40)
 
 
 def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:

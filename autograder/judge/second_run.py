@@ -165,24 +165,26 @@ class SecondRun:
         The run goes on with the shape in which the answer is right, and otherwise as it was.
         """
         answer, carried, known, actions = self._answers[asked.key], self._carried, self._known, execution.actions
-        used = [one for one in carried if one.question in answer.question.uses or any(map(answer.reads, one.right))]
-        if not any(one.in_doubt for one in used):
+        used = [step for step in carried if step.question in answer.question.uses or any(map(answer.reads, step.right))]
+        if not any(step.in_doubt for step in used):
             return attempt, asked
         tried = [self._shapes()]
         for shape in (Shape.FLAT, Shape.COLUMN):
-            self._carried = [one.in_shape(shape) if one.in_doubt else one for one in carried]
+            self._carried = [step.in_shape(shape) if step.in_doubt else step for step in carried]
             if self._shapes() in tried:
                 continue
             tried.append(self._shapes())
             self._known = known | {
-                name: value for one in self._carried for name, value in one.replacement.right.items()
+                name: value for step in self._carried for name, value in step.replacement.right.items()
             }
-            new = {id(old.replacement): one.replacement for old, one in zip(carried, self._carried, strict=True)}
+            new = {
+                id(old.replacement): new_step.replacement for old, new_step in zip(carried, self._carried, strict=True)
+            }
             execution.do_again([with_replacements(action, new) for action in actions])
             again = Examination(asked.key, asked.question, asked.cells)
-            found = examiner.judge_here(again, self._known, self._as_columns(asked.key))
-            if found.passed:
-                return found, again
+            verdict = examiner.judge_here(again, self._known, self._as_columns(asked.key))
+            if verdict.passed:
+                return verdict, again
         self._carried, self._known = carried, known
         if len(tried) > 1:
             execution.do_again(actions)

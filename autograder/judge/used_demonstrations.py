@@ -25,13 +25,13 @@ def with_used_demonstrations(cells: Sequence[NotebookCell]) -> tuple[NotebookCel
         As they are if no demonstration is used, or a cell cannot be parsed: then its author has no value of it either.
     """
     used = _used_elsewhere(cells)
-    found = list(cells)
+    kept_cells = list(cells)
     for k in reversed(range(len(cells))):
         cell = cells[k]
         if cell.kind == "demonstration" and cell.code and not used.isdisjoint(_computed(cell.source)):
-            found[k] = replace(cell, kind="given")
+            kept_cells[k] = replace(cell, kind="given")
             used |= used_names(cell.source)  # it may itself go on from another one
-    return tuple(found)
+    return tuple(kept_cells)
 
 
 def _used_elsewhere(cells: Iterable[NotebookCell]) -> set[str]:

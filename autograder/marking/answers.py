@@ -99,23 +99,23 @@ def open_questions(
     ValueError
         If OUT holds no results, or no answer to such a question.
     """
-    stored = [one for one in result_files.load_all(out) if assignment in (None, one.assignment)]
-    texts = {name: read_questions(course, name) for name in {one.assignment for one in stored}}
+    stored = [graded for graded in result_files.load_all(out) if assignment in (None, graded.assignment)]
+    texts = {name: read_questions(course, name) for name in {graded.assignment for graded in stored}}
     questions: dict[tuple[str, str], OpenQuestion] = {}
-    for one in stored:
-        for result in one.questions:
+    for graded in stored:
+        for result in graded.questions:
             if result.status != "manual" or result.score is not None or question not in (None, result.question):
                 continue
-            key = one.assignment, result.question
-            heading = one.headings.get(result.question, result.question)
-            text = texts[one.assignment].get(result.question, QuestionText("", ""))
-            first = OpenQuestion(one.assignment, one.title, result.question, heading, result.max_score, text, ())
+            key = graded.assignment, result.question
+            heading = graded.headings.get(result.question, result.question)
+            text = texts[graded.assignment].get(result.question, QuestionText("", ""))
+            first = OpenQuestion(graded.assignment, graded.title, result.question, heading, result.max_score, text, ())
             known = questions.get(key, first)
-            questions[key] = replace(known, answers=(*known.answers, OpenAnswer(one.student, result.answer)))
+            questions[key] = replace(known, answers=(*known.answers, OpenAnswer(graded.student, result.answer)))
     if not questions:
         wanted = " ".join(filter(None, (question, assignment and f"in {assignment}")))
         raise ValueError(f"{out} holds no answer to an open question{wanted and f' {wanted}'}.")
-    order = {(one.assignment, result.question): None for one in stored for result in one.questions}
+    order = {(graded.assignment, result.question): None for graded in stored for result in graded.questions}
     names = sorted({name for name, _ in questions}, key=in_course_order)
     in_order = [key for name in names for key in order if key[0] == name and key in questions]
     return with_marks(out, [questions[key] for key in in_order])
@@ -138,7 +138,10 @@ def with_marks(out: Path, questions: Iterable[OpenQuestion]) -> list[OpenQuestio
             ticked=() if mark is None else mark.ticked,
         )
 
-    return [replace(one, answers=tuple(marked(answer, one) for answer in one.answers)) for one in questions]
+    return [
+        replace(question, answers=tuple(marked(answer, question) for answer in question.answers))
+        for question in questions
+    ]
 
 
 def find_question(questions: Sequence[OpenQuestion], assignment: str, question: str) -> OpenQuestion | None:

@@ -119,15 +119,15 @@ class MarkingApp:
     def _index(self, questions: list[OpenQuestion]) -> dict[str, Any]:
         rows = [
             {
-                "address": f"{quote(one.assignment)}/{quote(one.question)}",
-                "heading": printable(one.heading),
-                "assignment": one.assignment,
-                "id": one.question,
-                "points": plain_decimal(one.max_score),
-                "answers": len(one.answers),
-                "waiting": one.waiting,
+                "address": f"{quote(question.assignment)}/{quote(question.question)}",
+                "heading": printable(question.heading),
+                "assignment": question.assignment,
+                "id": question.question,
+                "points": plain_decimal(question.max_score),
+                "answers": len(question.answers),
+                "waiting": question.waiting,
             }
-            for one in questions
+            for question in questions
         ]
         return {"base": f"/{self.token}/", "marker": self.marker, "questions": rows}
 
@@ -166,13 +166,14 @@ class MarkingApp:
             "task": prose_html(shown.text.task) if shown.text.task else "",
             "model": prose_html(shown.text.model) if shown.text.model else "",
             "criteria": [
-                {"text": prose_html(one.text), "points": plain_decimal(one.points)} for one in shown.text.rubric
+                {"text": prose_html(criterion.text), "points": plain_decimal(criterion.points)}
+                for criterion in shown.text.rubric
             ],
             "answers": answers,
             "waiting": shown.waiting,
             **{
-                side: f"{quote(one[0].assignment)}/{quote(one[0].question)}" if one else ""
-                for side, one in neighbours.items()
+                side: f"{quote(neighbour[0].assignment)}/{quote(neighbour[0].question)}" if neighbour else ""
+                for side, neighbour in neighbours.items()
             },
         }
 
@@ -183,8 +184,8 @@ class MarkingApp:
             key, score, comment, ticked = asked["student"], asked["score"], asked["comment"], asked.get("ticked")
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             raise ValueError("expected a JSON object with student, score and comment.") from None
-        found = self._by_key(shown).get(key) if isinstance(key, str) else None
-        if found is None:
+        answer = self._by_key(shown).get(key) if isinstance(key, str) else None
+        if answer is None:
             raise ValueError(f"there is no answer of {key!r}.")
         if not isinstance(comment, str) or len(comment) > MAX_COMMENT:
             raise ValueError(f"the comment must be text of at most {MAX_COMMENT} characters.")
@@ -194,7 +195,7 @@ class MarkingApp:
         elif score is not None:
             mark = Mark(_points(score, shown.max_score), self.marker, self.now())
         with self._lock:
-            gradebook.enter_mark(self.out, (found.student, shown.assignment, shown.question), mark, printable(comment))
+            gradebook.enter_mark(self.out, (answer.student, shown.assignment, shown.question), mark, printable(comment))
         if mark is None:
             return {"score": "", "look": "wait", "state": "not marked", "ticked": []}
         look = look_of(mark.score, shown.max_score)

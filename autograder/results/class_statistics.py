@@ -105,28 +105,28 @@ def question_figures(
     scores: dict[str, dict[str, float]] = {}
     wrong: dict[str, list[tuple[str | None, str, str]]] = {}
     for result in stored:
-        for one in result.questions:
-            score = manual.get((result.student, result.assignment, one.question), one.score)
-            of_question = shares.setdefault(one.question, {})
-            if score is None or not one.max_score:
+        for entry in result.questions:
+            score = manual.get((result.student, result.assignment, entry.question), entry.score)
+            of_question = shares.setdefault(entry.question, {})
+            if score is None or not entry.max_score:
                 continue
-            of_question[result.student] = min(float(score / one.max_score), 1.0)
-            scores.setdefault(result.student, {})[one.question] = float(score)
-            if score < one.max_score and one.status != "manual" and not is_stub(one.answer):
-                wrong.setdefault(one.question, []).append((one.slip, one.reason, one.answer))
+            of_question[result.student] = min(float(score / entry.max_score), 1.0)
+            scores.setdefault(result.student, {})[entry.question] = float(score)
+            if score < entry.max_score and entry.status != "manual" and not is_stub(entry.answer):
+                wrong.setdefault(entry.question, []).append((entry.slip, entry.reason, entry.answer))
     return tuple(
         QuestionFigures(
             question,
             (headings or {}).get(question, ""),
-            len(found),
-            fmean(found.values()),
-            _discrimination(question, found, scores),
+            len(of_students),
+            fmean(of_students.values()),
+            _discrimination(question, of_students, scores),
             _enough(len(wrong.get(question, ()))),
-            _enough(len(unnamed := [one[1:] for one in wrong.get(question, ()) if not one[0]])),
+            _enough(len(unnamed := [mistake[1:] for mistake in wrong.get(question, ()) if not mistake[0]])),
             _kinds(unnamed),
         )
-        for question, found in shares.items()
-        if len(found) >= SMALLEST_GROUP
+        for question, of_students in shares.items()
+        if len(of_students) >= SMALLEST_GROUP
     )
 
 
@@ -134,14 +134,19 @@ def statistics_csv(figures: Mapping[str, Sequence[QuestionFigures]]) -> str:
     """The figures by assignment as a table without names: a row for each question, and one for each kind below it."""
     rows = []
     for assignment, questions in figures.items():
-        for one in questions:
-            counts = (one.not_right, one.without_a_name)
-            numbers = [f"{one.difficulty:.3f}", "" if one.discrimination is None else f"{one.discrimination:.3f}"]
+        for of_question in questions:
+            counts = (of_question.not_right, of_question.without_a_name)
+            numbers = [
+                f"{of_question.difficulty:.3f}",
+                "" if of_question.discrimination is None else f"{of_question.discrimination:.3f}",
+            ]
             numbers += ["" if count is None else str(count) for count in counts]
-            rows.append([assignment, one.question, str(one.answers), *numbers, "", "", "", ""])
-            for number, kind in enumerate(one.kinds, start=1):
+            rows.append([assignment, of_question.question, str(of_question.answers), *numbers, "", "", "", ""])
+            for number, kind in enumerate(of_question.kinds, start=1):
                 blank = [""] * 5
-                rows.append([assignment, one.question, *blank, str(number), str(kind.count), kind.reason, kind.code])
+                rows.append(
+                    [assignment, of_question.question, *blank, str(number), str(kind.count), kind.reason, kind.code]
+                )
     return csv_text(COLUMNS, rows)
 
 

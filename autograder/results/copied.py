@@ -77,8 +77,8 @@ def find_copied(cells: Sequence[NotebookCell], released: Iterable[str]) -> Copie
             code.append(cell.source)
         elif cell.kind in ("question", "tests"):
             name = cell.id or ""
-            found = (window for source in code for window in _windows(source) if window not in given)
-            known = next((_reference()[window] for window in found if window in _reference()), None)
+            windows = (window for source in code for window in _windows(source) if window not in given)
+            known = next((_reference()[window] for window in windows if window in _reference()), None)
             if known is not None:
                 same_as[name] = known
             if any(map(carries_code, code)):

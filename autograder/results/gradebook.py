@@ -83,11 +83,11 @@ def database_url(out: Path) -> str:
         from traitlets.config.loader import PyFileConfigLoader
 
         try:
-            found = PyFileConfigLoader(config.name, str(out.resolve())).load_config().CourseDirectory.get("db_url")
+            url = PyFileConfigLoader(config.name, str(out.resolve())).load_config().CourseDirectory.get("db_url")
         except Exception as error:  # the configuration is a Python program: it can raise anything
             raise ValueError(f"{config} cannot be read: {type(error).__name__}: {error}") from None
-        if isinstance(found, str):
-            return found
+        if isinstance(url, str):
+            return url
     return f"sqlite:///{(out / 'gradebook.db').resolve()}"
 
 
@@ -156,7 +156,7 @@ def enter(out: Path, stored: Iterable[StoredResult]) -> int:
     with open_gradebook(database_url(out)) as gradebook:
         db, table = gradebook.db, _entered_table(gradebook)
         entered = {(student, name): digest for student, name, digest in db.execute(select(table)).all()}
-        digests = {(one.student, one.assignment): (one, entry_digest(one)) for one in stored}
+        digests = {(result.student, result.assignment): (result, entry_digest(result)) for result in stored}
         new = {key: pair for key, pair in digests.items() if entered.get(key) != pair[1]}
         if not new:
             return 0

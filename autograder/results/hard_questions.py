@@ -95,14 +95,14 @@ def what_was_hard(
     for tries in sent:
         own = {question: tuple(tried for tried in tries if tried.question == question) for question in headings}
         students += any(own.values())
-        for question, found in own.items():
-            by_question[question] += [found] if found else []
+        for question, of_question in own.items():
+            by_question[question] += [of_question] if of_question else []
     if students < SMALLEST_GROUP:
         return None
     rows = [
-        _question(question, headings[question], found)
-        for question, found in by_question.items()
-        if len(found) >= SMALLEST_GROUP
+        _question(question, headings[question], tries)
+        for question, tries in by_question.items()
+        if len(tries) >= SMALLEST_GROUP
     ]
     rows.sort(key=lambda row: -(row.tries_until_right or 0))
     return HardAssignment(assignment, students, max(handed_in, students), tuple(rows))
@@ -123,10 +123,10 @@ def hard_csv(assignments: Iterable[HardAssignment]) -> str:
 
 
 def _question(question: str, heading: str, found: Sequence[StudentTries]) -> HardQuestion:
-    solved = [tries for tries in found if any(one.right for one in tries)]
+    solved = [tries for tries in found if any(attempt.right for attempt in tries)]
     until = [_until_right(tries) for tries in solved]
     first = Counter(tries[0].slip for tries in found if not tries[0].right)
-    unnamed = sum(any(one.slip == OTHER for one in tries) for tries in found)
+    unnamed = sum(any(attempt.slip == OTHER for attempt in tries) for tries in found)
     enough = len(solved) >= SMALLEST_GROUP
     return HardQuestion(
         question,

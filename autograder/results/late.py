@@ -155,12 +155,12 @@ def read_timestamp(text: str) -> datetime | None:
 
     Without a time zone it is in UTC, as in nbgrader.
     """
-    found = re.match(r"\s*(\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}(?::\d{2}(?:\.\d{1,6})?)?)\s*(\S*)\s*$", text[:200])
-    if found is None:
+    matched = re.match(r"\s*(\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}(?::\d{2}(?:\.\d{1,6})?)?)\s*(\S*)\s*$", text[:200])
+    if matched is None:
         return None
     try:
-        when = datetime.fromisoformat(found[1])
-        zone = found[2]
+        when = datetime.fromisoformat(matched[1])
+        zone = matched[2]
         if re.fullmatch(r"[+-]\d{2}:?\d{2}", zone):
             return datetime.fromisoformat(f"{when.isoformat()}{zone}").astimezone(UTC)
         return when.replace(tzinfo=time_zone(zone) if zone not in ("", "Z") else UTC).astimezone(UTC)

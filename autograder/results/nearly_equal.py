@@ -111,19 +111,19 @@ def _pairs(submissions: Sequence[StoredResult]) -> dict[tuple[int, int], tuple[i
 def _described(group: Sequence[StoredResult], counts: Sequence[tuple[int, int]]) -> NearlyEqual:
     fewest, compared = min(counts)
     first, *others = group
-    asked = list(dict.fromkeys(question for one in group for question in one.work))
-    equal = [name for name in asked if all(one.work.get(name) == first.work.get(name) for one in others)]
-    results = [{question.question: question for question in one.questions} for one in group]
+    asked = list(dict.fromkeys(question for member in group for question in member.work))
+    equal = [name for name in asked if all(member.work.get(name) == first.work.get(name) for member in others)]
+    results = [{question.question: question for question in member.questions} for member in group]
     texts = {name: {" ".join(of[name].answer.split()) for of in results if name in of} for name in equal}
     wrong = [name for name in equal if all(name in of and _has_lost_marks(of[name]) for of in results)]
     return NearlyEqual(
         first.assignment,
-        tuple(one.student for one in group),
+        tuple(member.student for member in group),
         fewest,
         max(counts)[0],
         compared,
         tuple(name for name in asked if name not in equal),
-        sum(len(found) == 1 for found in texts.values()),
+        sum(len(distinct) == 1 for distinct in texts.values()),
         tuple(wrong),
     )
 

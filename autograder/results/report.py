@@ -55,7 +55,10 @@ def write_report(out: Path, texts: FeedbackTexts | None = None) -> Path:
     names = {student: name for student, name in listed.items() if name} | gradebook.read_names(out)
     page = report_page(stored, gradebook.read_manual_grades(out), names, texts.title, sent, tuple(listed))
     write_text(path, load_template("report.html.j2").render(page=page))
-    write_text(out / STATISTICS_TABLE, statistics_csv({one["name"]: one["figures"] for one in page["assignments"]}))
+    write_text(
+        out / STATISTICS_TABLE,
+        statistics_csv({assignment["name"]: assignment["figures"] for assignment in page["assignments"]}),
+    )
     table = out / HARD_TABLE
     if page["hard"]:
         write_text(table, hard_csv(page["hard"]))
@@ -97,8 +100,8 @@ def report_page(
     levels = Counter(result.isolation for result in stored)
     equal = find_equal(stored)
     nearly = find_nearly_equal(stored)
-    same = [(one.assignment, set(one.students)) for one in equal if one.question is None]
-    same += [(one.assignment, set(one.students)) for one in nearly]
+    same = [(group.assignment, set(group.students)) for group in equal if group.question is None]
+    same += [(group.assignment, set(group.students)) for group in nearly]
     pairs = [
         pair
         for pair in find_similar(stored)
@@ -121,13 +124,13 @@ def report_page(
         ),
         "equal": [
             {
-                "assignment": one.assignment,
-                "question": one.question,
-                "students": [_person(student, one.assignment) for student in one.students],
+                "assignment": group.assignment,
+                "question": group.question,
+                "students": [_person(student, group.assignment) for student in group.students],
             }
-            for one in equal
+            for group in equal
         ],
-        "nearly": [_nearly_equal(one) for one in nearly],
+        "nearly": [_nearly_equal(group) for group in nearly],
         "similar": [
             {
                 "assignment": pair.assignment,
@@ -138,8 +141,8 @@ def report_page(
             }
             for pair in pairs
         ],
-        "copied": [one for result in stored for one in _copied(result)],
-        "hard": [one for name in names if (one := _hard(by_name[name], (sent or {}).get(name, ()))) is not None],
+        "copied": [copy for result in stored for copy in _copied(result)],
+        "hard": [hard for name in names if (hard := _hard(by_name[name], (sent or {}).get(name, ()))) is not None],
         "hard_table": HARD_TABLE,
     }
 
@@ -212,20 +215,22 @@ def _class_list(
 def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[str, Any]:
     handed_in = [result for result in stored if not result.is_refused]
     totals = [grades.totals(result, manual.scores) for result in handed_in]
-    max_score = max((one.max_score for one in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
-    scores = sorted(one.score for one in totals)
-    waiting = sum((one.waiting for one in totals), Decimal(0))
+    max_score = max((total.max_score for total in (grades.totals(result, {}) for result in stored)), default=Decimal(0))
+    scores = sorted(total.score for total in totals)
+    waiting = sum((total.waiting for total in totals), Decimal(0))
     return {
         "name": stored[0].assignment,
         "title": printable(stored[0].title),
         "handed_in": len(handed_in),
         "refused": [
-            f"{count} {words}" for words, count in Counter(one.refusal for one in stored).most_common() if words
+            f"{count} {words}" for words, count in Counter(result.refusal for result in stored).most_common() if words
         ],
         "second_record": _second_record(handed_in),
-        "late": sum(one.penalty > 0 for one in totals),
+        "late": sum(total.penalty > 0 for total in totals),
         "extensions": [
-            {"who": _person(one.student, one.assignment), "due": one.extension} for one in stored if one.extension
+            {"who": _person(result.student, result.assignment), "due": result.extension}
+            for result in stored
+            if result.extension
         ],
         "max_score": plain_decimal(max_score),
         "mean": plain_decimal((sum(scores, Decimal(0)) / len(scores)).quantize(Decimal("0.01"))) if scores else "–",

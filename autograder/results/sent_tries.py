@@ -35,12 +35,14 @@ def gather_tries(
     out : Path
         Receives ``tries/<assignment>.json``, or nothing if nobody sent tries.
     """
-    sent = sorted(filter(None, (_read_sent(submitted / one / assignment, assignment, questions) for one in students)))
+    sent = sorted(
+        filter(None, (_read_sent(submitted / student / assignment, assignment, questions) for student in students))
+    )
     path = _stored_path(out, assignment)
     if not sent:
         path.unlink(missing_ok=True)
         return
-    document = {"schema": SCHEMA, "sent": [[astuple(one) for one in tries] for tries in sent]}
+    document = {"schema": SCHEMA, "sent": [[astuple(attempt) for attempt in tries] for tries in sent]}
     write_text(path, json.dumps(document) + "\n")
 
 

@@ -77,16 +77,16 @@ def find_equal(stored: Iterable[StoredResult]) -> list[EqualWork]:
     The code of equal notebooks has the same normal form in every question. Of free texts only the words count.
     """
     owners: dict[tuple[str, str | None, object], list[str]] = {}
-    for one in stored:
-        if sum(size for _, size in one.work.values()) >= MIN_NOTEBOOK_NODES:
-            code = tuple(sorted((question, digest) for question, (digest, _) in one.work.items()))
-            owners.setdefault((one.assignment, None, code), []).append(one.student)
-        for question in one.questions:
+    for result in stored:
+        if sum(size for _, size in result.work.values()) >= MIN_NOTEBOOK_NODES:
+            code = tuple(sorted((question, digest) for question, (digest, _) in result.work.items()))
+            owners.setdefault((result.assignment, None, code), []).append(result.student)
+        for question in result.questions:
             words = tuple(re.findall(r"\w+", question.answer.casefold())) if question.status == "manual" else ()
             if len(words) >= MIN_WORDS:
-                owners.setdefault((one.assignment, question.question, words), []).append(one.student)
-    found = [EqualWork(name, question, tuple(who)) for (name, question, _), who in owners.items() if len(who) > 1]
-    return sorted(found, key=lambda one: (one.question is not None, -len(one.students), one.assignment, one.students))
+                owners.setdefault((result.assignment, question.question, words), []).append(result.student)
+    equal = [EqualWork(name, question, tuple(who)) for (name, question, _), who in owners.items() if len(who) > 1]
+    return sorted(equal, key=lambda one: (one.question is not None, -len(one.students), one.assignment, one.students))
 
 
 def code_fingerprints(cells: Sequence[NotebookCell], released: Mapping[str, str]) -> dict[str, tuple[str, int]]:

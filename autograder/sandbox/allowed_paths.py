@@ -51,7 +51,7 @@ def hidden_folders() -> list[Path]:
             hidden.add(folder)
             continue
         hidden |= {(folder / package.name).resolve() for package in own if (folder / package.name).is_dir()}
-    return sorted(path for path in hidden if not any(other in path.parents for other in hidden))
+    return sorted(path for path in hidden if not any(folder in path.parents for folder in hidden))
 
 
 def _packages_folders() -> Iterator[Path]:

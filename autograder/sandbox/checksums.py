@@ -65,19 +65,19 @@ class _Reading:
         """The checksum of a value, and of what is in it."""
         waiting = [value]
         while waiting and self.looked_at < self._items:
-            one = waiting.pop()
+            item = waiting.pop()
             self.looked_at += 1
-            kind = type(one)
+            kind = type(item)
             if issubclass(kind, np.ndarray):
-                waiting += self._read_array(np.ndarray.view(one, np.ndarray))
+                waiting += self._read_array(np.ndarray.view(item, np.ndarray))
             elif issubclass(kind, _CONTAINERS):
-                if id(one) in self._seen:  # again, or within itself
-                    self._add(b"again %d" % self._seen[id(one)])
+                if id(item) in self._seen:  # again, or within itself
+                    self._add(b"again %d" % self._seen[id(item)])
                     continue
-                self._seen[id(one)] = len(self._seen)
-                waiting += self._read_container(one, kind)
+                self._seen[id(item)] = len(self._seen)
+                waiting += self._read_container(item, kind)
             else:
-                self._add(_state(one, kind))
+                self._add(_state(item, kind))
         return self._sum
 
     def _add(self, data: bytes) -> None:

@@ -180,7 +180,7 @@ def open_shell() -> Any:
 def _run(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     from IPython.utils.capture import capture_output
 
-    replacements = [_decode_replacement(one) for one in request.get("replacements", ())]
+    replacements = [_decode_replacement(encoded) for encoded in request.get("replacements", ())]
     with capture_output() as captured:
         result = run_replacing(shell, request["source"], replacements, _CALLS[0].function)
     if "matplotlib.pyplot" in sys.modules:

@@ -115,17 +115,17 @@ def _next_submission_sees(launcher: ProcessLauncher, path: str) -> bool:
 def _orphan_runs() -> bool:
     """Whether the process that a submission left behind still runs after 2 s; kills it."""
     for _ in range(20):
-        found = []
+        orphans = []
         with contextlib.suppress(OSError):
             for name in os.listdir("/proc"):
                 if name.isdigit():
                     with contextlib.suppress(OSError):
                         if Path(f"/proc/{name}/comm").read_text(encoding="utf-8").strip() == ORPHAN:
-                            found.append(int(name))
-        if not found:
+                            orphans.append(int(name))
+        if not orphans:
             return False
         time.sleep(0.1)
-    for pid in found:
+    for pid in orphans:
         with contextlib.suppress(OSError):
             os.kill(pid, 9)
     return True

@@ -64,14 +64,14 @@ class ThroughHooks:
                 yield self._rescued(statement, names)
             else:
                 yield statement
-            hooks = [one for name in names for one in _hook(name, bound is None or name in bound)]
+            hooks = [hook for name in names for hook in _hook(name, bound is None or name in bound)]
             if hooks and in_loop:
                 key = next(_KEYS)
                 once = ast.parse(f"if {key} not in {SEEN}:\n    {SEEN}.add({key})").body
                 once[0].body += hooks  # type: ignore[attr-defined]
                 hooks = once
-            for one in hooks:
-                yield _placed(one, statement)
+            for hook in hooks:
+                yield _placed(hook, statement)
 
     def _change_inner(
         self, node: ast.AST, bound: Collection[str] | None, in_loop: bool = False, nested: int = 0

@@ -111,7 +111,7 @@ class _Process:
 
 def _list_processes(ended: bool = False) -> dict[int, _Process]:
     """Every visible process by its ID."""
-    found: dict[int, _Process] = {}
+    processes: dict[int, _Process] = {}
     with contextlib.suppress(OSError):
         for name in os.listdir("/proc"):
             if not name.isdigit():
@@ -120,5 +120,5 @@ def _list_processes(ended: bool = False) -> dict[int, _Process]:
                 with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as file:
                     fields = file.read().rpartition(")")[2].split()
                 if ended or fields[0] != "Z":
-                    found[int(name)] = _Process(int(fields[1]), int(fields[3]), int(fields[21]) * _PAGE_BYTES)
-    return found
+                    processes[int(name)] = _Process(int(fields[1]), int(fields[3]), int(fields[21]) * _PAGE_BYTES)
+    return processes

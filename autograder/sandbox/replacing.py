@@ -216,12 +216,12 @@ def _set_missing(
     serve: Callable[[str], Callable[..., Any]],
 ) -> bool:
     """Set what replaces a name that the cells did not make; returns whether there is anything."""
-    for one in replacements:
-        if name in one.functions:
+    for replacement in replacements:
+        if name in replacement.functions:
             _serve_as(variables, name, serve)
             return True
-        if name in one.right:
-            variables[name] = as_object(one.right[name])
+        if name in replacement.right:
+            variables[name] = as_object(replacement.right[name])
             return True
     return False
 
@@ -233,19 +233,19 @@ def _replace_made(
     serve: Callable[[str], Callable[..., Any]],
 ) -> None:
     """Replace the value of a name that a statement has just made, or an entry of it, if that is a wrong one."""
-    for one in replacements:
-        if name in one.functions:
+    for replacement in replacements:
+        if name in replacement.functions:
             _serve_as(variables, name, serve)
             return
-        for other, wrong in one.wrong.items():
-            is_named = name == other
-            if not is_named and name in one.kept | one.names:
+        for value_name, wrong in replacement.wrong.items():
+            is_named = name == value_name
+            if not is_named and name in replacement.kept | replacement.names:
                 continue
             holder, keys = (variables, [name]) if is_named else _entries(variables, name)
             for key in keys:
-                has_name = is_named or (isinstance(key, str) and key == other)
-                fitted = _fit(one.right[other], holder[key], wrong, is_named, has_name)
-                if fitted is not None and (has_name or not _has_kept(variables, one, wrong)):
+                has_name = is_named or (isinstance(key, str) and key == value_name)
+                fitted = _fit(replacement.right[value_name], holder[key], wrong, is_named, has_name)
+                if fitted is not None and (has_name or not _has_kept(variables, replacement, wrong)):
                     holder[key] = fitted
 
 

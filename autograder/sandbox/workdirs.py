@@ -70,14 +70,14 @@ def remove_folder(folder: Path) -> None:
         folder.unlink()
         return
     names = itertools.count()
-    found = True
-    while found:
-        found = False
+    moved = True
+    while moved:
+        moved = False
         for inner in _folders_in(folder):
             for deeper in _folders_in(inner):  # move it up, to keep its path short
                 with contextlib.suppress(OSError):
                     os.rename(deeper, folder / f"{_PREFIX}{next(names)}")
-                    found = True
+                    moved = True
             shutil.rmtree(inner, ignore_errors=True)
     shutil.rmtree(folder, ignore_errors=True)
 

@@ -30,14 +30,14 @@ def complete_observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
     ----------
     cases : iterable of CaseOutcome
     """
-    found = []
+    observed = []
     for case in cases:
         if case.result is not None and case.result.get("verdict") != "error":
-            one, true = case.result["explanation"], set(case.label["labels"])
-            near = {*one["names"], *case.result["ambiguous"]}
-            right = case.label["row"] != "partial" and (true <= near if true else not one["names"])
-            found.append((one["evidence"], right))
-    return found
+            explanation, true = case.result["explanation"], set(case.label["labels"])
+            near = {*explanation["names"], *case.result["ambiguous"]}
+            right = case.label["row"] != "partial" and (true <= near if true else not explanation["names"])
+            observed.append((explanation["evidence"], right))
+    return observed
 
 
 def partial_observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
@@ -47,12 +47,12 @@ def partial_observations(cases: Iterable[CaseOutcome]) -> list[Observation]:
     ----------
     cases : iterable of CaseOutcome
     """
-    found = []
+    observed = []
     for case in cases:
         if case.result is not None and case.result.get("verdict") == "partial":
             for effect in case.result["effects"]:
-                found.append((effect["evidence"], effect["name"] in case.label["labels"]))
-    return found
+                observed.append((effect["evidence"], effect["name"] in case.label["labels"]))
+    return observed
 
 
 def fit_weights(found: Sequence[Observation]) -> tuple[float, dict[str, float]]:
@@ -94,10 +94,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     results, _ = run_batch(cases, chosen.jobs)
     outcomes = [CaseOutcome(label_dict(case), results.get(case.name)) for case in cases]
     for prefix, kind, observations in _FITS:
-        found = observations(outcomes)
-        constant, weights = fit_weights(found)
+        observed = observations(outcomes)
+        constant, weights = fit_weights(observed)
         values = ", ".join(f"{name}={weight:.1f}" for name, weight in weights.items())
-        print(f"# {len(found)} observations, {sum(right for _, right in found)} of them right")
+        print(f"# {len(observed)} observations, {sum(right for _, right in observed)} of them right")
         print(f"{prefix}PRIOR = {constant:.1f}\n{prefix}WEIGHTS = {kind}({values})")
 
 

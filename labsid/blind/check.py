@@ -1,15 +1,17 @@
 """The sealed check from end to end: make the cases, run the diagnosis, compare with the labels, print the table."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.blind import limits
 from labsid.blind.closure import compare_closure, held_out_samples, pooled_closure, simulate_linear_fit
 from labsid.blind.experiment import Case, OrdinaryCase, redraw, run_experiment, to_record
-from labsid.blind.metrics import CaseOutcome
+from labsid.blind.metrics import CaseOutcome, Metric
 from labsid.blind.output_error import discrete_poles, fit_linear
 from labsid.blind.rows import TIME_INVARIANT_EFFECTS
 from labsid.blind.runner import Replay, run_batch, run_replays
@@ -37,9 +39,9 @@ def run_sealed_check(
     ----------
     suite : {"dev", "final"}
     per_row : int, optional
-        Records in each row of the table; by default 80 in `dev` and 220 in `final`.
+        Records in each row of the table, or planted effects; by default 80 in `dev` and 220 in `final`.
     rows : sequence of str, optional
-        Rows to run; by default all.
+        Rows to run, and `limits`; by default all of `labsid.blind.rows.DEFAULT_ROWS`.
     jobs : int
         Number of parallel processes.
     replays : int, optional
@@ -69,7 +71,8 @@ def run_sealed_check(
     with Progress(*layout, transient=True) as progress:
         making = progress.add_task("making rigs", total=None)
         made: list[Case | OrdinaryCase] = []
-        for case in make_cases(suite, per_row, rows, jobs):
+        others = [row for row in rows or () if row != limits.ROW]
+        for case in make_cases(suite, per_row, others, jobs) if others or not rows else ():
             made.append(case)
             progress.update(making, completed=len(made))
         progress.update(making, total=len(made))
@@ -86,7 +89,13 @@ def run_sealed_check(
         again = again[: (per_row or PER_ROW[suite]) if replays is None else replays]
         playing = progress.add_task("simulating fresh records", total=len(again))
         replayed = evaluate_replays(again, jobs, lambda n: progress.update(playing, completed=n))
+        planted: list[Metric] = []
+        if limits.ROW in (rows or ()):
+            progress.add_task("planting effects of the stated sizes", total=None)
+            seed = limits.SEED if suite == "dev" else diagnosis_hash()
+            planted = limits.limit_metrics(per_row or PER_ROW[suite], seed, jobs)
     scores = score_cases(outcomes, replayed, seconds)
+    scores = replace(scores, metrics=(*scores.metrics, *planted))
     print_scores(scores, f"labsid gap blind --suite {suite}: {len(made)} records")
     if report is not None:
         report.write_text(markdown(scores), encoding="utf-8")

@@ -85,12 +85,12 @@ def left_by_overflow(experiment: Experiment, setup: Setup) -> float:
     v, y = sign * input_signal(experiment), sign * clean_output(experiment, setup)
     brim = m.stop_high if sign > 0 else -m.stop_low
     start = (float(y[0]), float(y[0]))
-    left = []
+    residuals = []
     for first, second in (times.real, times.real[::-1]):
         tank = plain_motion(LAGGED_TANK, float(first), float(second))._replace(brim_lower=brim)
         basis = np.column_stack([plant_output(Setup("tank with a lag", tank), v, start), np.ones(y.size)])
-        left.append(y - basis @ np.linalg.lstsq(basis, y)[0])
-    return float(np.sqrt(np.mean(np.square(left), axis=1).min()))
+        residuals.append(y - basis @ np.linalg.lstsq(basis, y)[0])
+    return float(np.sqrt(np.mean(np.square(residuals), axis=1).min()))
 
 
 def _left_by_delays(experiment: Experiment, setup: Setup) -> float:

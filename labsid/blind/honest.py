@@ -49,17 +49,17 @@ def has_right_numbers(case: CaseOutcome) -> bool:
 
     True of a record without free numbers.
     """
-    true, found = case.label.get("numbers"), found_numbers(case.result)
+    true, numbers = case.label.get("numbers"), found_numbers(case.result)
     if true is None:
         return True
-    if not set(true["determined"]) | set(true["undetermined"]) <= set(found):
+    if not set(true["determined"]) | set(true["undetermined"]) <= set(numbers):
         return False
-    near = [_is_near(found[name][0], value) for name, value in true["determined"].items()]
-    near += [found[name][1] is None for name in true["undetermined"]]
+    near = [_is_near(numbers[name][0], value) for name, value in true["determined"].items()]
+    near += [numbers[name][1] is None for name in true["undetermined"]]
     if true["combination"]:
-        one, two = (found[name][0] for name in true["undetermined"])
+        first, second = (numbers[name][0] for name in true["undetermined"])
         product = "*" in true["combination"]
-        near.append(_is_near(one * two, true["value"]) if product else _is_near(one, true["value"] * two))
+        near.append(_is_near(first * second, true["value"]) if product else _is_near(first, true["value"] * second))
     return all(near)
 
 
@@ -75,7 +75,9 @@ def found_numbers(result: dict[str, Any] | None) -> dict[str, tuple[float, float
     if listed is None:
         named = ((result or {}).get("simulation") or {}).get("numbers") or {}
         listed = [{"name": name, **number} for name, number in named.items()]
-    return {one["name"]: (float(one["value"]), one["stderr"]) for one in listed if one["value"] is not None}
+    return {
+        number["name"]: (float(number["value"]), number["stderr"]) for number in listed if number["value"] is not None
+    }
 
 
 def count_kinds(cases: Sequence[CaseOutcome]) -> tuple[KindCounts, ...]:

@@ -57,8 +57,10 @@ def draw_joint(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | No
     gap = _linear_gap(command, y, joint, Ts)
     if (effects and gap < CLEAR_RATIOS[0] * sigma) or (not effects and gap > 0.2 * sigma):
         return None
-    left = {one: _linear_gap(command, _without(joint, one, command, Ts, start), joint, Ts) for one in effects}
-    if len(effects) > 1 and max(left.values()) > (1.0 - MIN_SHARE) * gap:
+    gaps_without = {
+        effect: _linear_gap(command, _without(joint, effect, command, Ts, start), joint, Ts) for effect in effects
+    }
+    if len(effects) > 1 and max(gaps_without.values()) > (1.0 - MIN_SHARE) * gap:
         return None
     degrees = bool(rng.random() < 0.25)
     of_u = (
@@ -70,7 +72,11 @@ def draw_joint(rng: np.random.Generator, i: int, name: str) -> OrdinaryCase | No
     made = OrdinaryRecord(
         answers=(effects,),
         files={".csv": table_text("t,u,y", "%.8g", t, of_u * command, noisy)},
-        truth={"cause": min(left, key=lambda one: left[one]) if left else "none", "law": joint.law, "degrees": degrees},
+        truth={
+            "cause": min(gaps_without, key=lambda effect: gaps_without[effect]) if gaps_without else "none",
+            "law": joint.law,
+            "degrees": degrees,
+        },
     )
     return OrdinaryCase(name=name, row="joints", kind=kind, made=made)
 

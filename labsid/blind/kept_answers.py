@@ -18,6 +18,7 @@ import numpy as np
 
 from labsid._files import check_writable, write_file
 from labsid.blind.experiment import Case, OrdinaryCase
+from labsid.blind.limits import ROW as LIMITS
 from labsid.blind.metrics import CaseOutcome
 from labsid.blind.right_answers import is_right
 from labsid.blind.rows import DEFAULT_ROWS, ROWS
@@ -211,6 +212,7 @@ def read_answers(file: Path) -> Answers:
 def row_meanings() -> str:
     """The name of each row and what its records are, as text."""
     meanings = {row: (draw.__doc__ or "").splitlines()[0] for row, draw in ROWS.items()}
+    meanings[LIMITS] = "Effects of the sizes that `labsid gap limits` states, planted (labsid gap blind)."
     meanings[MEASURED] = "The records of a folder, with --records (labsid gap compare)."
     return "\n".join(fill(f"{row:14}{meaning}", WIDTH, subsequent_indent=" " * 14) for row, meaning in meanings.items())
 

@@ -1,8 +1,9 @@
 """Row `limits`: plant effects of the sizes that ``labsid gap limits`` states into rigs without one, and diagnose them.
 
-``python -m labsid.blind.limits`` draws rigs without an effect, asks what their records could have shown, and plants
-effects of the smallest named size, and of half of it, under new noise. It prints how many are named, and in how many
-records without a named effect the planted size is beyond what the report excludes.
+``labsid gap blind --row limits`` and ``python -m labsid.blind.limits`` draw rigs without an effect, ask what their
+records could have shown, and plant effects of the smallest named size, and of half of it, under new noise. They print
+how many are named, and in how many records without a named effect the planted size is beyond what the report excludes;
+the second one each planted effect, too.
 """
 
 import argparse
@@ -19,7 +20,7 @@ import numpy as np
 
 from labsid.blind.draws import draw_experiment, log_uniform
 from labsid.blind.experiment import Experiment, input_signal, run_experiment, to_record
-from labsid.blind.metrics import wilson
+from labsid.blind.metrics import Metric, rate, wilson
 from labsid.blind.runner import run_folder
 from labsid.blind.strength import STRONGEST_NOISE, WEAKEST_NOISE, clean_output, output_spread
 from labsid.blind.suite import write_record
@@ -29,6 +30,7 @@ from labsid.rig.switchable.plants import Scales
 from labsid.rig.switchable.setup import Setup
 from labsid.rig.switchable.simulation import Noise
 
+ROW = "limits"
 SEED = 20261
 EFFECTS_A_RIG = 4
 SIZES = {"named": 1.0, "half": 0.5}  # planted sizes over the smallest that is named
@@ -171,7 +173,7 @@ def limits_of(folder: Path, names: Sequence[str]) -> Iterator[dict[str, Any]]:
 
 
 def plant(
-    folder: Path, rng: np.random.Generator, experiment: Experiment, name: str, found: dict[str, Any]
+    folder: Path, rng: np.random.Generator, experiment: Experiment, name: str, limits: dict[str, Any]
 ) -> list[Planting]:
     """Write records of a rig with an effect of each of the `SIZES`, a few effects of those that it can have."""
     scales, made = experiment.scales, []
@@ -181,7 +183,7 @@ def plant(
     gain = float(clean_output(experiment, loaded)[-1] - y[-1]) / 0.01
     rows = [
         row
-        for row in found["limits"]
+        for row in limits["limits"]
         if (row["name"], row["parameter"]) in _PLANTED
         and row["named"] is not None
         and supports_effect(experiment.plain, row["name"])
@@ -252,6 +254,59 @@ def is_larger(parameter: str, value: float, other: float) -> bool:
     return value < other if parameter in ("high", "rate") else value > other
 
 
+def plant_and_diagnose(rigs: int, seed: int, jobs: int) -> tuple[list[Planting], dict[str, dict[str, Any]]]:
+    """Draw rigs, ask for their limits, plant effects, and diagnose the records.
+
+    Parameters
+    ----------
+    rigs : int
+        Number of rigs; a few have a gap without an effect by chance, and get none.
+    seed : int
+    jobs : int
+        Number of parallel processes.
+
+    Returns
+    -------
+    list of Planting
+    dict
+        Reports by name of the record.
+    """
+    with TemporaryDirectory(prefix="labsid-blind-") as scratch:
+        drawn, planted = Path(scratch, "rigs"), Path(scratch, "planted")
+        drawn.mkdir()
+        planted.mkdir()
+        rng = np.random.default_rng(seed)
+        experiments = {f"r{number:03d}": draw_rig(rng) for number in range(rigs)}
+        for name, experiment in experiments.items():
+            write_record(drawn / f"{name}.csv", to_record(run_experiment(experiment), experiment.scales, name))
+        plantings: list[Planting] = []
+        for (name, experiment), stated in zip(experiments.items(), limits_of(drawn, list(experiments)), strict=True):
+            if stated["verdict"] == "none":
+                plantings += plant(planted, rng, experiment, name, stated)
+        results, _ = run_folder(planted, jobs, count=len(plantings))
+    return plantings, results
+
+
+def limit_metrics(per_row: int, seed: int, jobs: int) -> list[Metric]:
+    """Metrics of the row.
+
+    Parameters
+    ----------
+    per_row : int
+        Planted effects of each of the `SIZES`, rounded up to whole rigs.
+    seed : int
+    jobs : int
+    """
+    counts = judge(*plant_and_diagnose(-(-per_row // EFFECTS_A_RIG), seed, jobs))
+    named, half, wrong, excluded = ([True] * hits + [False] * (of - hits) for hits, of in counts.values())
+    return [
+        rate("limits: planted at the size `named`: named", named, (0.85, 0.95), (0.88, 0.92)),
+        rate("limits: planted at half of it: named", half, 0.15, 0.15, below=True),
+        rate("limits: planted, and another effect named", wrong),
+        rate("limits: larger than what a report without effects excludes", excluded, 0.05, 0.05, below=True),
+    ]
+
+
 def main() -> None:
     """Draw, plant, diagnose, and print the counts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -259,19 +314,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--jobs", type=int, default=1)
     asked = parser.parse_args()
-    with TemporaryDirectory(prefix="labsid-blind-") as scratch:
-        rigs, planted = Path(scratch, "rigs"), Path(scratch, "planted")
-        rigs.mkdir()
-        planted.mkdir()
-        rng = np.random.default_rng(asked.seed)
-        experiments = {f"r{number:03d}": draw_rig(rng) for number in range(asked.rigs)}
-        for name, experiment in experiments.items():
-            write_record(rigs / f"{name}.csv", to_record(run_experiment(experiment), experiment.scales, name))
-        plantings: list[Planting] = []
-        for (name, experiment), stated in zip(experiments.items(), limits_of(rigs, list(experiments)), strict=True):
-            if stated["verdict"] == "none":
-                plantings += plant(planted, rng, experiment, name, stated)
-        results, _ = run_folder(planted, asked.jobs, count=len(plantings))
+    plantings, results = plant_and_diagnose(asked.rigs, asked.seed, asked.jobs)
     for planting in plantings:
         result = results.get(planting.name, {"verdict": "missing", "effects": []})
         said = ", ".join(f"{effect['name']} {effect['probability']:.2f}" for effect in result["effects"])

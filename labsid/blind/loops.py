@@ -141,8 +141,8 @@ def stabilised_error(u: FloatArray, y: FloatArray, F: FloatArray) -> float:
     filtered_u, filtered_y, free = (lfilter([1.0], F, x) for x in (u - u[0], y - y[0], impulse))
     columns = [_late(filtered_y, k) for k in range(1, n + 1)] + [_late(filtered_u, k) for k in range(1, n + 2)]
     columns += [_late(free, k) for k in range(n)] + [np.ones(y.size)]
-    left = projected_residual(np.column_stack(columns), filtered_y, np.ones(y.size))
-    return float(np.sqrt(np.mean(left**2)))
+    residual = projected_residual(np.column_stack(columns), filtered_y, np.ones(y.size))
+    return float(np.sqrt(np.mean(residual**2)))
 
 
 def _late(x: FloatArray, samples: int) -> FloatArray:

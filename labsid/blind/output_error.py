@@ -135,13 +135,13 @@ def _basis(u: FloatArray, a1: float, a2: float, taps: int) -> FloatArray:
     n = u.size
     basis = np.zeros((n, taps + 3))
     free0, free1 = 1.0, -a1
-    previous, before = u[0] / (1.0 + a1 + a2), u[0] / (1.0 + a1 + a2)
+    previous, earlier = u[0] / (1.0 + a1 + a2), u[0] / (1.0 + a1 + a2)
     for k in range(n):
         if k == 0:
             now = previous
         else:
-            now = u[k - 1] - a1 * previous - a2 * before
-            before, previous = previous, now
+            now = u[k - 1] - a1 * previous - a2 * earlier
+            earlier, previous = previous, now
         basis[k, 0] = now
         for j in range(1, taps):
             basis[k, j] = basis[k - j, 0] if k >= j else basis[0, 0]
@@ -170,10 +170,10 @@ def projected_residual(basis: FloatArray, y: FloatArray, weight: FloatArray) -> 
                     s += q[i, k] * q[j, k]
                 for k in range(n):
                     q[j, k] -= s * q[i, k]
-        left = 0.0
+        orthogonal = 0.0
         for k in range(n):
-            left += q[j, k] ** 2
-        unit = 1.0 / np.sqrt(left) if left > 1e-22 * size else 0.0
+            orthogonal += q[j, k] ** 2
+        unit = 1.0 / np.sqrt(orthogonal) if orthogonal > 1e-22 * size else 0.0
         for k in range(n):
             q[j, k] *= unit
     r = y * weight

@@ -70,8 +70,8 @@ def wrong_claims(case: CaseOutcome, above: float, with_signal: bool = True) -> l
     -------
     list of dict
     """
-    likely = [one for one in _said(case) if float(one.get("probability") or 0.0) > above]
-    return [one for one in likely if _is_wrong(case, one, with_signal)]
+    likely = [effect for effect in _said(case) if float(effect.get("probability") or 0.0) > above]
+    return [effect for effect in likely if _is_wrong(case, effect, with_signal)]
 
 
 def names_outputs(case: CaseOutcome) -> bool:

@@ -120,31 +120,31 @@ def draw_short(rng: np.random.Generator, i: int, name: str) -> Case | None:
 
 def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
     """Two effects, each clear alone and visible beside the other."""
-    one = EFFECTS[i % len(EFFECTS)]
-    two = str(rng.choice(EFFECTS))
-    if one == two or frozenset((one, two)) in _INDISTINGUISHABLE:
+    first_name = EFFECTS[i % len(EFFECTS)]
+    second_name = str(rng.choice(EFFECTS))
+    if first_name == second_name or frozenset((first_name, second_name)) in _INDISTINGUISHABLE:
         return None
-    rigs = [rig for rig in RIGS if all(supports_effect(example_rig(rig), e) for e in (one, two))]
+    rigs = [rig for rig in RIGS if all(supports_effect(example_rig(rig), e) for e in (first_name, second_name))]
     suited = [
         x
-        for x in _SUITABLE_INPUTS.get(one, _KEEPS_MOVING)
-        if x in _SUITABLE_INPUTS.get(two, _KEEPS_MOVING) and x in _KEEPS_MOVING
+        for x in _SUITABLE_INPUTS.get(first_name, _KEEPS_MOVING)
+        if x in _SUITABLE_INPUTS.get(second_name, _KEEPS_MOVING) and x in _KEEPS_MOVING
     ]
     if not rigs or not suited:
         return None
-    experiment = draw_experiment(rng, one, int(rng.integers(1200, 3001)), tuple(suited), tuple(rigs))
+    experiment = draw_experiment(rng, first_name, int(rng.integers(1200, 3001)), tuple(suited), tuple(rigs))
     at = effect_context(experiment.plain, input_signal(experiment))
-    first, second = draw_effect(rng, one, at), draw_effect(rng, two, at)
+    first, second = draw_effect(rng, first_name, at), draw_effect(rng, second_name, at)
     ratio = log_uniform(rng, 6.0, 18.0)
     scaled = scale_to_ratio(experiment, first, ratio, (WEAKEST_NOISE, 0.02), rng)
     if scaled is None:
         return None
     alone, sigma = scaled
-    if not is_distinct(one, experiment, alone, sigma):
+    if not is_distinct(first_name, experiment, alone, sigma):
         return None
     share = sigma / output_spread(experiment)
     second_scaled = scale_to_ratio(experiment, second, log_uniform(rng, 6.0, 18.0), (0.8 * share, 1.25 * share), rng)
-    if second_scaled is None or not is_distinct(two, experiment, *second_scaled):
+    if second_scaled is None or not is_distinct(second_name, experiment, *second_scaled):
         return None
     both = merge_effects(experiment.plain, alone, second_scaled[0])
     start = discrete_poles(poles(experiment.plain.motion))
@@ -155,7 +155,7 @@ def draw_pair(rng: np.random.Generator, i: int, name: str) -> Case | None:
             return None
     if fit_linear(v, y, start).rmse < CLEAR_RATIOS[0] * sigma:
         return None
-    return complete_case(rng, experiment, both, sigma, name, "pair", (one, two), draw_noise_colour(rng))
+    return complete_case(rng, experiment, both, sigma, name, "pair", (first_name, second_name), draw_noise_colour(rng))
 
 
 def draw_none(rng: np.random.Generator, i: int, name: str) -> Case | None:
@@ -177,8 +177,8 @@ def draw_none(rng: np.random.Generator, i: int, name: str) -> Case | None:
     elif kind == "not exercised":
         setup = with_unexercised_effect(rng, experiment, effect)
     invisible = NEGLIGIBLE_RATIO * sigma
-    left = linear_model_gap(experiment, setup, taps)
-    if left > invisible:
+    gap = linear_model_gap(experiment, setup, taps)
+    if gap > invisible:
         return None
     noise = draw_mild_colour(rng) if kind == "coloured" else draw_noise_colour(rng)
     absent = effect if kind == "not exercised" else None
@@ -286,10 +286,10 @@ def draw_variants(rng: np.random.Generator, i: int, name: str) -> Case | None:
         return complete_case(rng, experiment, setup, sigma, name, "variants", (), draw_noise_colour(rng), what)
     apply = draw_variant(rng, kind, effect_context(experiment.plain, input_signal(experiment)))
     ratio = log_uniform(rng, *CLEAR_RATIOS)
-    found = scale_to_ratio(experiment, apply, ratio, (WEAKEST_NOISE, STRONGEST_NOISE), rng)
-    if found is None or not is_distinct(effect, experiment, *found):
+    scaled = scale_to_ratio(experiment, apply, ratio, (WEAKEST_NOISE, STRONGEST_NOISE), rng)
+    if scaled is None or not is_distinct(effect, experiment, *scaled):
         return None
-    case = complete_case(rng, experiment, *found, name, "variants", (effect,), draw_noise_colour(rng))
+    case = complete_case(rng, experiment, *scaled, name, "variants", (effect,), draw_noise_colour(rng))
     return replace(case, truth={**case.truth, "kind": kind})
 
 
@@ -317,7 +317,12 @@ def draw_several(rng: np.random.Generator, i: int, name: str) -> Case | None:
     chosen = [EFFECTS_BESIDE_UNLISTED[i % len(EFFECTS_BESIDE_UNLISTED)]]
     for _ in range(1 + i % 2):
         apart = [
-            e for e in _RECURRING if all(e != one and frozenset((e, one)) not in _INDISTINGUISHABLE for one in chosen)
+            e
+            for e in _RECURRING
+            if all(
+                e != chosen_effect and frozenset((e, chosen_effect)) not in _INDISTINGUISHABLE
+                for chosen_effect in chosen
+            )
         ]
         chosen.append(str(rng.choice([e for e in apart if e in EFFECTS_BESIDE_UNLISTED])))
     unlisted = str(rng.choice(UNLISTED_EFFECTS))
@@ -353,9 +358,11 @@ def draw_several(rng: np.random.Generator, i: int, name: str) -> Case | None:
     whole = _merged(experiment.plain, parts)
     y = clean_output(experiment, whole)
     start = discrete_poles(poles(experiment.plain.motion))
-    for one in parts[:-1]:
-        without = clean_output(experiment, _merged(experiment.plain, [part for part in parts if part is not one]))
-        if fit_linear(input_signal(experiment), y - without, start).rmse < 3.0 * sigma:
+    for part_alone in parts[:-1]:
+        output_without = clean_output(
+            experiment, _merged(experiment.plain, [part for part in parts if part is not part_alone])
+        )
+        if fit_linear(input_signal(experiment), y - output_without, start).rmse < 3.0 * sigma:
             return None
     case = complete_case(
         rng, experiment, whole, sigma, name, "several", tuple(chosen), draw_noise_colour(rng), {"kind": unlisted}

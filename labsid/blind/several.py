@@ -26,11 +26,11 @@ def several_metrics(cases: Sequence[CaseOutcome], partial: Sequence[CaseOutcome]
     cases, partial : sequence of CaseOutcome
         Of the rows `several` and `partial`.
     """
-    found = [name in asserted_effects(case, LIKELY) for case in cases for name in case.label["labels"]]
+    named = [name in asserted_effects(case, LIKELY) for case in cases for name in case.label["labels"]]
     both = [*cases, *partial]
     return [
         rate("several effects: every name above 0.5 is right", map(names_only_true, cases), 0.90, 0.97),
-        rate("several effects: share of them named above 0.5", found, 0.60, 0.80),
+        rate("several effects: share of them named above 0.5", named, 0.60, 0.80),
         *(_calibration(f"  calibration of {place} names (ECE)", _said(both, n)) for n, place in enumerate(PLACES)),
     ]
 

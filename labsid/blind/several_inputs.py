@@ -83,10 +83,10 @@ def _basis(signals: FloatArray, theta: FloatArray, order: int, delay: int) -> Fl
         a = [1.0, k[at] * (1 + k[at + 1]), k[at + 1]] if at + 1 < order else [1.0, k[at]]
         through = lfilter([1.0], a, through)
         for late in range(len(a) - 1):
-            columns += [_later(one, late + 1) for one in through[:-1]]
+            columns += [_later(signal, late + 1) for signal in through[:-1]]
             columns.append(_later(through[-1], late))
     for late in range(order + 1, order + 1 + delay):
-        columns += [_later(one, late) for one in through[:-1]]
+        columns += [_later(signal, late) for signal in through[:-1]]
     return np.column_stack([*columns, np.ones(signals.shape[1])])
 
 

@@ -276,7 +276,7 @@ def _complete(
         "effects": effects,
         "ratio": float(np.max(gaps)),
         "ratios": dict(zip(setup.outputs, gaps.tolist(), strict=True)),
-        "noise": {one: abs(ys) * float(sd) for one, ys, sd in zip(setup.outputs, units.ys, sigma, strict=True)},
+        "noise": {output: abs(ys) * float(sd) for output, ys, sd in zip(setup.outputs, units.ys, sigma, strict=True)},
         "inputs": list(setup.inputs),
         "outputs": list(setup.outputs),
         "samples": u.shape[0],
@@ -285,7 +285,7 @@ def _complete(
         **(also or {}),
     }
     made = OrdinaryRecord(
-        answers=(tuple(one["name"] for one in effects),),
+        answers=(tuple(effect["name"] for effect in effects),),
         files=signal_files(header, t, [*u.T, *y.T], options),
         truth=truth,
         options=options,

@@ -105,7 +105,7 @@ def kind_lines(kinds: Sequence[KindCounts]) -> list[str]:
 
 
 def print_scores(scores: Scores, title: str) -> None:
-    """Print the confusion table, the calibration and the metrics.
+    """Print the confusion table, the calibration, and the metrics to which a record contributes.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def print_scores(scores: Scores, title: str) -> None:
         print("ordinary records, with 95 % intervals", *kind_lines(scores.kinds), sep="\n")
     table = Table("metric", "measured", "95 %", "records", "required", "target", "status", title=title)
     colours = {"target": "green", "required": "green", "missed": "red"}
-    for metric in scores.metrics:
+    for metric in filter(lambda metric: metric.count, scores.metrics):
         table.add_row(*metric_cells(metric), style=colours.get(metric_status(metric)))
     console.print(table)
 

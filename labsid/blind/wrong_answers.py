@@ -36,7 +36,7 @@ def answer_text(case: CaseOutcome) -> str:
         return "no result within the time"
     if case.result["verdict"] == "error":
         return f"error: {case.result.get('message', '')}"
-    named = [f"{_placed(one)} {one['probability']:.2f}" for one in case.result["effects"]]
+    named = [f"{_placed(effect)} {effect['probability']:.2f}" for effect in case.result["effects"]]
     rest = [f"or {', '.join(map(_placed, case.result['ambiguous']))}"] if case.result.get("ambiguous") else []
     return " ".join([case.result["verdict"], *named, *rest])
 

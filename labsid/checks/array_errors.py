@@ -9,14 +9,11 @@ from labsid.checks.call_causes import (
 )
 from labsid.checks.causes import (
     beyond_the_end,
-    rows_by_a_vector,
     too_many_indices,
-    unequal_lengths,
     unequal_spectra,
 )
 from labsid.checks.key_causes import unknown_part_of_a_result
 from labsid.checks.matrix_causes import (
-    entry_by_entry,
     flat_matrix,
     flat_state_space,
     not_square,
@@ -26,6 +23,7 @@ from labsid.checks.matrix_causes import (
     unfit_right_side,
     unfit_rows,
 )
+from labsid.checks.operands import entry_by_entry, rows_by_a_vector, unequal_shapes
 from labsid.checks.stops import Stop
 from labsid.checks.tables import row_or_column, unfit_target
 from labsid.checks.tuple_causes import (
@@ -70,15 +68,15 @@ ARRAY_ERRORS: tuple[Translation, ...] = (
     Translation(
         "ValueError",
         "could not convert string",
-        "A text stands where a number is read, as in the first line of a file with the names of its columns. "
-        "`load_record` reads the columns by their names.",
+        "A text stands where a number is read. (In a file it may be the first line, with the names of its columns: "
+        "`load_record` reads these.)",
     ),
     Translation("ValueError", "negative dimensions", negative_size),
     Translation("ValueError", "high - low < 0", "`rng.uniform(low, high, shape)` takes the lower bound first."),
     Translation("ValueError", "n should be an integer", "It takes the number of samples first, `len(e)`, and then Ts."),
     Translation("ValueError", "could not be broadcast together", entry_by_entry),
     Translation("ValueError", "could not be broadcast together", rows_by_a_vector),
-    Translation("ValueError", "could not be broadcast together", unequal_lengths),
+    Translation("ValueError", "could not be broadcast together", unequal_shapes),
     Translation("ValueError", r"solve1?: .*mismatch in its core dimension", unfit_right_side),
     Translation("ValueError", "does not have enough dimensions", number_in_a_product),
     Translation(
@@ -94,12 +92,12 @@ ARRAY_ERRORS: tuple[Translation, ...] = (
     Translation(
         "LinAlgError",
         "did not converge",
-        "There is a nan or an inf in it: print `np.isfinite(...)` of each part. (The logarithm and the root of a "
-        "negative number are nan.)",
+        "Often here: there is a nan or an inf in it? Print `np.isfinite(...)` of each part. (The logarithm and the "
+        "root of a negative number are nan.)",
     ),
     Translation("ControlDimension", r"state-space matrix|dimensions of [ABCD] matrix", flat_state_space),
     Translation("LinAlgError", "Incompatible dimensions", unfit_rows),
-    Translation("IndexError", r"index (\d+) is out of bounds for axis \d+ with size (\d+)", beyond_the_end),
+    Translation("IndexError", r"index (-?\d+) is out of bounds for axis (\d+) with size (\d+)", beyond_the_end),
     Translation("IndexError", "too many indices", too_many_indices),
     Translation(
         "IndexError", "list index out of range", "Python counts from 0: a list of 2 has the entries `[0]` and `[1]`."

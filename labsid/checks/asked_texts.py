@@ -36,9 +36,9 @@ def text_without_quotes(line: str, unknown: str = "") -> str:
     """
     whole = _ASSIGNED.search(line)
     if whole is not None:
-        found = _alike(whole["text"], _texts(whole["name"]))
-        if found:
-            return found
+        alike = _alike(whole["text"], _texts(whole["name"]))
+        if alike:
+            return alike
     begun = _BEGINNING.match(line)
     return "" if begun is None or not unknown else _alike(unknown, _texts(begun["name"]))
 

@@ -14,11 +14,24 @@ from labsid.checks.matlab_syntax import MATLAB
 from labsid.checks.stops import Stop
 
 _MODULES = ("numpy", "scipy", "matplotlib", "control")
+_KNOWN = {
+    "Generator": "numpy.random", "TransferFunction": "control", "StateSpace": "control", "Record": "labsid.records",
+}  # fmt: skip
 _OTHER_NAMES = {
     "length": "len", "lenght": "len", "numel": "size", "rank": "matrix_rank", "pinverse": "pinv", "inverse": "inv",
     "transposed": "transpose", "power": "float_power", "columnstack": "column_stack", "randn": "standard_normal",
 }  # fmt: skip
 """What some functions are called elsewhere."""
+_OF_LISTS = {
+    "append": "`np.append({0}, value)` returns a longer one.",
+    "insert": "`np.insert({0}, index, value)` returns a longer one.",
+    "extend": "`np.concatenate([{0}, other])` returns a longer one.",
+    "remove": "`np.delete({0}, index)` returns it without the entries at an index; `list({0})` makes a list of it.",
+    "pop": "`np.delete({0}, index)` returns it without the entries at an index; `list({0})` makes a list of it.",
+    "index": "The first index at which a condition holds is `np.argmax({0} >= value)`.",
+    "count": "`np.sum({0} == value)` counts.",
+}
+"""What stands for a method of lists."""
 _PROPERTIES = ("color", "label", "linestyle", "linewidth", "marker", "where")
 _LEAST_ALIKE = 0.8
 _LONGEST_NAME = 40
@@ -39,7 +52,14 @@ def unknown_in_a_module(stop: Stop, found: re.Match[str]) -> str | None:
     other = _OTHER_NAMES.get(name.lower(), name.lower())
     if other == "len":
         return "The length of an array is `len(y)`, its shape `y.shape`."
-    for part, path in ((module, written), (np.linalg, "np.linalg"), (np, "np")):
+    if name in ("mse", "rms", "rmse"):
+        return "There is no function for it: it is made of `np.mean`, `**` and, for a root, `np.sqrt`."
+    for part, path in (
+        (module, written),
+        (np.linalg, "np.linalg"),
+        (np, "np"),
+        (sys.modules.get("scipy.linalg"), "scipy.linalg"),
+    ):
         if isinstance(part, ModuleType) and other in _public(part):
             return f"It is `{path}.{other}`."
     near = difflib.get_close_matches(name, _public(module), 1, _LEAST_ALIKE)
@@ -51,7 +71,9 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
     name = found[1][:_LONGEST_NAME]
     owner = _owner_of(stop, name)
     written = owner if 0 < len(owner) < _LONGEST_NAME else "y"
-    if name in _public(_drawn("Axes")):
+    if name in _OF_LISTS:
+        return f"It is a method of lists, and `{written}` is an array. {_OF_LISTS[name].format(written)}"
+    if name in _public(_drawn("Axes")) and name not in dir(list):
         return (
             f"It is a method of axes. Is `{written}` the array of axes that `plt.subplots` returns? Then take one, "
             f"`{written}[0]`."
@@ -83,13 +105,39 @@ def unknown_property(_: Stop, found: re.Match[str]) -> str | None:
 
 def unknown_in_a_number(stop: Stop, found: re.Match[str]) -> str | None:
     """An attribute of arrays, asked of one number."""
-    return f"`{_owner_of(stop, found[1]) or 'It'}` is one number, no array: it has no `.{found[1]}`."
+    owner = _owner_of(stop, found[1])
+    if not owner:
+        return "It arises within the function that is called: look at what is handed over to it, and in which order."
+    return f"`{owner}` is one number, no array: it has no `.{found[1]}`."
+
+
+def unknown_elsewhere(stop: Stop, found: re.Match[str]) -> str | None:
+    """A name that something else than a module, a number or a plain array does not have."""
+    kind, name = found[1], found[2]
+    owner = _owner_of(stop, name)
+    if stop.things.get(owner) is not None and stop.things[owner].kind == "array":
+        return unknown_in_an_array(stop, re.match("(.*)", name))  # type: ignore[arg-type]
+    if kind == "TimeResponseData":
+        return "Of a response, `.outputs` is the output, `.time` the time and `.states` the states."
+    if kind == "Generator" and name in ("rand", "randn"):
+        return (
+            f"It is `{owner}.{'random' if name == 'rand' else 'standard_normal'}(shape)`, with the shape in brackets."
+        )
+    module = sys.modules.get(_KNOWN.get(kind, ""))
+    near = difflib.get_close_matches(name[:_LONGEST_NAME], _public(getattr(module, kind, None)), 1, _LEAST_ALIKE)
+    return f"There is `{owner}.{near[0]}`: is that meant?" if near and owner else None
 
 
 def missing_axis(stop: Stop, found: re.Match[str]) -> str | None:
     """An axis that an array does not have."""
     axes = int(found[2])
     for node in _calls(stop):
+        if ast.unparse(node.func).rpartition(".")[2] in _REDUCTIONS and len(node.args) > 1:
+            called, given = ast.unparse(node.func), ast.unparse(node.args[1])
+            return (
+                f"What comes second in `{called}` is the axis, here `{given}`, and the array has {axes}, counted from "
+                f"0. Part of an array is taken by a slice of it, `{ast.unparse(node.args[0])}[...]`."
+            )
         if ast.unparse(node.func) == "np.size" and len(node.args) > 1:
             name = ast.unparse(node.args[0])
             return f"MATLAB's `size({name}, 1)` is `{name}.shape[0]`, `size({name}, 2)` is `{name}.shape[1]`."

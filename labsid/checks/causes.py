@@ -8,63 +8,54 @@ from labsid.checks.matrix_causes import unfit_blocks
 from labsid.checks.stops import Stop
 from labsid.checks.tables import zeros_of_one_size
 
-
-def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
-    """A number for each row, in a flat array."""
-    for node in stop.operations(ast.Mult, ast.Div, ast.Add, ast.Sub):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and len(one) == 2 and len(other) == 1 and one[0] == other[0]:
-            name = ast.unparse(node.right)
-            return (
-                f"numpy matches shapes from the last axis: a flat array stands for one *row* of {one[1]}. "
-                f"For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
-            )
-    turned = re.search(r"(\w+)\[(np\.newaxis|None),\s*:\]", stop.line)
-    if turned is not None:
-        return (
-            f"`{turned[0]}` is one row. For one number to each row make a column of it: `{turned[1]}[:, {turned[2]}]`."
-        )
-    return None
-
-
-def unequal_lengths(stop: Stop, _: re.Match[str]) -> str | None:
-    """Two signals of different lengths, zeros that are added in place of joined, or a mean over the wrong axis."""
-    if re.search(r"(zeros|ones)\([^()]*\) \+|\+ np\.(zeros|ones)\(", stop.line):
-        return "`+` adds entry by entry. To put one array behind the other, join them: `np.concatenate([a, b])`."
-    if "axis=0" in stop.line:
-        return "`axis=0` makes one number of each column, `axis=1` one of each row."
-    if "axis=1" in stop.line:
-        return "`axis=1` makes one number of each *row*, `axis=0` one of each column."
-    joined = re.search(r"np\.convolve\((\w+), (\w+)\)", " ".join((stop.line, *stop.made.values())))
-    if joined is not None:
-        a, b = joined.groups()
-        return f"`{joined[0]}` has len({a}) + len({b}) - 1 entries: keep the first, `{joined[0]}[: len({b})]`."
-    for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and len(one) == len(other) == 1:
-            left, right = ast.unparse(node.left), ast.unparse(node.right)
-            if 2 * min(one[0], other[0]) < max(one[0], other[0]):
-                return (
-                    f"`{left}` has {one[0]} entries and `{right}` has {other[0]}: entry by entry they do not pair up."
-                )
-            return (
-                f"`{left}` has {one[0]} samples and `{right}` has {other[0]}. Both must cover the same samples: cut "
-                "with the same slice."
-            )
-    return "Entry by entry, both need the same shape (an axis of length 1 fits any)."
+_PARTS = {"svd": 3, "eig": 2, "eigh": 2, "qr": 2, "slogdet": 2}
+"""How many things functions of `np.linalg` return."""
 
 
 def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
     """An index that is the number of entries, or larger."""
-    counted = next((made for made in (stop.line, *stop.made.values()) if "digitize(" in made), "")
+    index, axis, size = int(found[1]), int(found[2]), int(found[3])
+    taken = _taken(stop, axis, size)
+    at = ast.unparse(taken[1]) if taken else ""
+    behind = [stop.made.get(node.id, "") for node in ast.walk(taken[1]) if isinstance(node, ast.Name)] if taken else []
+    counted = next((line for line in (at, *behind) if "digitize(" in line), "")
     if counted:
-        return f"`np.digitize` counts its cells from 1, in `{counted}`, and Python its entries from 0: take 1 off."
-    index, size = int(found[1]), int(found[2])
+        beyond = " A value at the last edge, or above it, is counted beyond the last cell." if index > size else ""
+        return (
+            f"`np.digitize` counts its cells from 1, in `{counted}`, and Python its entries from 0: take 1 off.{beyond}"
+        )
     if size == 0:
-        return "It is empty along that axis: a slice before it took nothing. Print its shape."
-    if index == size:
-        return f"Python counts from 0: {size} entries have the indices 0 to {size - 1}, the last is `[-1]`."
-    return f"There are {size} entries, with the indices 0 to {size - 1}."
+        return f"It is empty along that axis{_made_by(stop, taken)}: print its shape."
+    if taken is None or isinstance(taken[1], ast.Constant):
+        if index == size:
+            return f"Python counts from 0: {size} entries have the indices 0 to {size - 1}, the last is `[-1]`."
+        return f"There are {size} entries, with the indices 0 to {size - 1}."
+    shape = stop.shape(taken[0]) or (size,)
+    what = ("rows", "columns")[axis] if len(shape) == 2 and axis < 2 else "entries"
+    other = f" (and {shape[1 - axis]} {('columns', 'rows')[axis]})" if len(shape) == 2 and axis < 2 else ""
+    return (
+        f"`{ast.unparse(taken[0])}` has {size} {what if size > 1 else what[:-1].replace('ie', 'y')}{other}"
+        f"{_made_by(stop, taken)}, with the indices 0 to {size - 1}. Here `{at}` is {index}."
+    )
+
+
+def _taken(stop: Stop, axis: int, size: int) -> tuple[ast.expr, ast.expr] | None:
+    """The array and the index of the one place in a line where an axis of that size is indexed; None if unknown."""
+    places = []
+    for node in stop.expressions():
+        shape = stop.shape(node.value) if isinstance(node, ast.Subscript) else None
+        if not isinstance(node, ast.Subscript) or shape is None or len(shape) <= axis or shape[axis] != size:
+            continue
+        indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        if axis < len(indices) and not isinstance(indices[axis], ast.Slice):
+            places.append((node.value, indices[axis]))
+    return places[0] if len({ast.unparse(index) for _, index in places}) == 1 else None
+
+
+def _made_by(stop: Stop, taken: tuple[ast.expr, ast.expr] | None) -> str:
+    """The line that made an array; empty if it is not known."""
+    line = "" if taken is None else stop.made.get(ast.unparse(taken[0]), "")
+    return f", by `{line}`" if line and not line.startswith("for ") else ""
 
 
 def too_many_indices(stop: Stop, found: re.Match[str]) -> str | None:
@@ -77,13 +68,15 @@ def too_many_indices(stop: Stop, found: re.Match[str]) -> str | None:
                 counted = re.search(r"\[(\d+)\](?!.*\[\d+\])", owner)
                 asked = _from_zero(counted[1]) if counted else ""
                 zeros = zeros_of_one_size(stop, owner)
+                if len(shape) > 1:
+                    return f"{said}: it takes {len(shape)} indices, not {len(node.slice.elts)}."
                 takes = f"{said}: it is flat, and takes one index, not {len(node.slice.elts)}."
                 return f"{takes}{asked or ' ' * bool(zeros) + zeros}"
     return "The array has fewer axes than indices in the brackets: look at its `.shape`."
 
 
 def _from_zero(index: str) -> str:
-    return f" (Python counts from 0: `[{index}]` is entry number {int(index) + 1}, and the first is `[0]`.)"
+    return f" (Python counts from 0: `[{index}]` is entry number {int(index) + 1}. Is that the one meant?)"
 
 
 def called_array(stop: Stop, _: re.Match[str]) -> str | None:
@@ -96,8 +89,15 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 if thing.kind == "dictionary":
                     key = ast.unparse(node.args[0]) if node.args else '"key"'
                     return f"`{name}` is a dictionary: a key stands in square brackets, `{name}[{key}]`."
+                if thing.kind == "number" and len(node.args) != 1:
+                    return f"`{name}` is a number and no function: it takes no round brackets."
                 if thing.kind == "number":
                     return f"`{name}` is a number, and a bracket after it calls it: a product is `{name} * (...)`."
+                if not all(_can_be_an_index(stop, one) for one in node.args):
+                    return (
+                        f"`{name}` {thing.said}, and is no function. Where it was handed over or assigned, hand over "
+                        "the function by its name alone, `f`, and not what a call of it returns, `f(...)`."
+                    )
                 said = f"`{name}` is no function: round brackets call, square ones take entries, "
                 entry = _entry_from_one(node)
                 if entry:
@@ -111,6 +111,13 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 f"name alone, `{handed[0].func.id}`."
             )
     return "Round brackets call a function; entries are taken with square ones, `y[0]`."
+
+
+def _can_be_an_index(stop: Stop, part: ast.expr) -> bool:
+    """Whether an expression can be an index: no array, text or fraction."""
+    thing = stop.things.get(ast.unparse(part))
+    is_number = thing is None or thing.is_whole
+    return is_number and not (isinstance(part, ast.Constant) and isinstance(part.value, float | str))
 
 
 def _entry_from_one(call: ast.Call) -> str:
@@ -140,15 +147,15 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
             f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
             "corner is `np.zeros((rows, columns))`."
         )
-    lengths = [length for thing in stop.things.values() for length in thing.lengths or ()]
+    listed = {ast.unparse(node) for node in stop.expressions() if isinstance(node, ast.List | ast.Name | ast.Tuple)}
+    lengths = [length for name in listed & set(stop.things) for length in stop.things[name].lengths]
     if len(set(lengths)) > 1:
         said += f" Here these are {', '.join(map(str, lengths))}."
-    to_minus = re.search(r"\[:\s*-\s*(\w+)\]", stop.line)
+    to_minus = re.search(r"\[[^\[\]:]*:\s*-\s*([A-Za-z_]\w*)\]", stop.line)
     if to_minus is not None and "has size 0" in stop.text:
-        k = to_minus[1]
-        return (
-            f"{said} One is empty: with {k} = 0, `{to_minus[0]}` takes nothing. `[: len(x) - {k}]` is right there, too."
-        )
+        k, first = to_minus[1], to_minus[0][1:].partition(":")[0].strip()
+        right = f"[{first} : len(x) - {k}]" if first else f"[: len(x) - {k}]"
+        return f"{said} One is empty: with {k} = 0, `{to_minus[0]}` takes nothing. `{right}` is right there, too."
     if 0 in lengths:
         return (
             f"{said} One is empty, as a slice `x[a:b]` can be whose a is below zero: it counts from the end. Print a."
@@ -162,33 +169,85 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
 
 
 def time_and_input(stop: Stop, _: re.Match[str]) -> str | None:
-    """A time and an input of different lengths, handed to a function that simulates."""
+    """A time and an input of different lengths, handed to a function that simulates, or the input as the time."""
     for node in stop.expressions():
-        if isinstance(node, ast.Call) and len(node.args) > 2:
-            time, given = (stop.shape(part) for part in node.args[1:3])
-            if time and given and time[-1] != given[-1]:
-                name = ast.unparse(node.args[2])
-                return (
-                    f"The time has {time[-1]} instants and the input {given[-1]} samples: each sample needs its own, "
-                    f"such as `np.arange(len({name})) * Ts`."
-                )
-    return None
+        if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("response")):
+            continue
+        named = {one.arg: one.value for one in node.keywords}
+        time = named.get("T", named.get("timepts", node.args[1] if len(node.args) > 1 else None))
+        given = named.get("U", named.get("inputs", node.args[2] if len(node.args) > 2 else None))
+        if time is not None and given is None:
+            return (
+                f"What comes second in `{ast.unparse(node.func)}(system, ...)` is the time, not the input. Name the "
+                "input: `ct.forced_response(G, inputs=u)`."
+            )
+        shapes = [None if one is None else stop.shape(one) for one in (time, given)]
+        if time is not None and given is not None and shapes[0] and shapes[1] and shapes[0][-1] != shapes[1][-1]:
+            name = ast.unparse(given)
+            return (
+                f"The time `{ast.unparse(time)}` has {shapes[0][-1]} instants and the input `{name}` has "
+                f"{shapes[1][-1]} samples: both must cover the same samples. (The time from zero is "
+                f"`np.arange(len({name})) * Ts`.)"
+            )
+    return "The second argument is the time, evenly spaced, and the third the input: print the first values of each."
 
 
 def truth_of_an_array(stop: Stop, _: re.Match[str]) -> str | None:
-    """`if` or `while` on an array."""
+    """`if`, `while`, `and` or a chain of comparisons on arrays, or an array in the place of a number in a call."""
+    tested = [(node, one) for node in _nodes(stop.line) for one in _tested(node)]
+    for node, one in tested:
+        if isinstance(node, ast.BoolOp) or (isinstance(node, ast.Compare) and len(node.ops) > 1):
+            parts = node.values if isinstance(node, ast.BoolOp) else _chain(node)
+            sign = "|" if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.Or) else "&"
+            word = "`or`" if sign == "|" else "`and`" if isinstance(node, ast.BoolOp) else "A chain of comparisons"
+            whole = f" {sign} ".join(f"({ast.unparse(part)})" for part in parts)
+            return (
+                f"{word} asks for one True or False of each part, and a comparison of an array gives one for each "
+                f"entry. Entry by entry it is `{whole}`."
+            )
+        return (
+            f"`if`, `while`, `and` and `or` need one True or False, and `{ast.unparse(one)}` gives one for each entry. "
+            "Compare one entry, or ask `np.any(...)` or `np.all(...)`. (To choose entry by entry: "
+            "`np.where(condition, a, b)`.)"
+        )
+    if not any(isinstance(node, ast.Call) for node in stop.expressions()):
+        return None
     return (
-        "`if`, `while`, `and` and `or` need one True or False, and a comparison of an array gives "
-        "one for each entry. Compare "
-        "one entry, `u[n] != u[0]`, or ask `np.any(...)` or `np.all(...)`. (To choose entry by "
-        "entry: `np.where(condition, a, b)`.)"
+        "It arises within the function that is called: an array stands where that function takes one number or one "
+        "True or False. Compare what is handed over with the arguments that it has, in their order (`help(...)`)."
     )
+
+
+def _tested(node: ast.AST) -> list[ast.expr]:
+    """What a statement or an expression asks to be True or False."""
+    if isinstance(node, ast.BoolOp):
+        return node.values
+    if isinstance(node, ast.Compare):
+        return [node] if len(node.ops) > 1 else []
+    if isinstance(node, ast.If | ast.While | ast.IfExp | ast.Assert):
+        return [] if isinstance(node.test, ast.BoolOp | ast.Compare) and _tested(node.test) else [node.test]
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        return [node.operand]
+    return node.ifs if isinstance(node, ast.comprehension) else []
+
+
+def _chain(node: ast.Compare) -> list[ast.expr]:
+    """The single comparisons of a chain."""
+    sides = [node.left, *node.comparators]
+    return [ast.Compare(one, [op], [other]) for one, op, other in zip(sides, node.ops, sides[1:], strict=False)]
+
+
+def _nodes(line: str) -> list[ast.AST]:
+    tree = parsed_line(line)
+    return [] if tree is None else list(ast.walk(tree))
 
 
 def unpacked(stop: Stop, found: re.Match[str]) -> str | None:
     """More or fewer names than parts."""
     if "Record" in stop.text:
         return "The parts of a record have names: `record.t`, `record.u`, `record.y`, `record.Ts`."
+    if "NoneType" in stop.text:
+        return "The right side is nothing (None): a function without `return` gives that."
     if "subplots" in stop.line:
         return (
             "`plt.subplots(2, 1)` returns two things, the figure and its axes: `fig, (ax_a, ax_b) = "
@@ -230,7 +289,8 @@ def _unpacked_call(stop: Stop, call: ast.Call, count: int) -> str:
     if called.endswith("lstsq"):
         return "`lstsq` returns four things: the solution is its first, `[0]`."
     got = re.search(r"got (\d+)", stop.text)
-    return "" if got is None else f"`{called}` returns {got[1]} things, and on the left of `=` stand {count} names."
+    number = int(got[1]) if got else _PARTS.get(called.removeprefix("np.linalg."), 0)
+    return f"`{called}` returns {number} things, and on the left of `=` stand {count} names." if number else ""
 
 
 def unequal_spectra(stop: Stop, _: re.Match[str]) -> str | None:

@@ -41,11 +41,15 @@ def made_by_calls(source: str) -> frozenset[str]:
     tree = _parse(source)
     if tree is None:
         return frozenset()
-    callers = (one for one in tree.body if isinstance(one, ast.Expr | ast.If))
-    called = {node.id for one in callers for node in ast.walk(one) if isinstance(node, ast.Name)}
+    callers = (statement for statement in tree.body if isinstance(statement, ast.Expr | ast.If))
+    called = {node.id for caller in callers for node in ast.walk(caller) if isinstance(node, ast.Name)}
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
-    kept = functions if "globals" in read_names(source) else [one for one in functions if one.name in called]
-    return frozenset(name for one in kept for statement in one.body for name in _assigned(statement))
+    kept = (
+        functions
+        if "globals" in read_names(source)
+        else [function for function in functions if function.name in called]
+    )
+    return frozenset(name for function in kept for statement in function.body for name in _assigned(statement))
 
 
 def used_names(source: str) -> frozenset[str]:

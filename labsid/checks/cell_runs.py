@@ -90,15 +90,19 @@ class CellRuns:
         """Record the run that IPython describes by its `ExecutionResult`, which is None after some interrupts."""
         if self._warning is not None:
             self._warning.cancel()
-        before, self._before = self._before, None
-        if before is None:  # the cell that opened the record
+        variables_before, self._before = self._before, None
+        if variables_before is None:  # the cell that opened the record
             self.first_names = frozenset(variables)
             return
         if result is None:
             return
         source = str(result.info.raw_cell or "")
         error = result.error_before_exec or result.error_in_exec
-        new = {name for name, value in variables.items() if name not in before or before[name] is not value}
+        new = {
+            name
+            for name, value in variables.items()
+            if name not in variables_before or variables_before[name] is not value
+        }
         written = assigned_names(source) if error is None else frozenset()
         assigned = frozenset(name for name in new | written if not name.startswith("_") and name in variables)
         said = "" if error is None else f"{type(error).__name__}: {error}".strip(": ")

@@ -111,7 +111,7 @@ def is_stub(source: str) -> bool:
 
 def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template:
     """The template of an assignment from the cells of its notebook; their source is text, not a list of lines."""
-    found: list[Cell] = []
+    read_cells: list[Cell] = []
     texts: set[str] = set()
     places: list[Place] = []
     title = heading = part = ""
@@ -122,11 +122,11 @@ def template_of(assignment: str, cells: Iterable[Mapping[str, Any]]) -> Template
                 title, part = title or heading, heading
         cell = read_cell(raw, heading, part)
         if cell is not None:
-            found.append(cell)
+            read_cells.append(cell)
         else:
             texts.add(raw["source"].strip())
         places.append(Place("" if cell is None else cell.id, raw["cell_type"] == "code", raw["source"]))
-    return Template(assignment, title or assignment, tuple(found), frozenset(texts), tuple(places))
+    return Template(assignment, title or assignment, tuple(read_cells), frozenset(texts), tuple(places))
 
 
 def functions_asked_for(template: Template, question_id: str) -> tuple[str, ...]:

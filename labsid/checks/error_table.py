@@ -13,6 +13,7 @@ from labsid.checks.call_causes import (
     own_function_of_python,
     text_for_an_index,
     text_in_a_computation,
+    unknown_elsewhere,
     unknown_in_a_figure,
     unknown_in_a_module,
     unknown_in_a_number,
@@ -30,19 +31,32 @@ from labsid.checks.causes import (
 )
 from labsid.checks.handed_over import one_list, starred_argument, wrong_arguments
 from labsid.checks.key_causes import field_of_a_dictionary, unknown_key
+from labsid.checks.library_errors import (
+    coefficients,
+    function_for_numbers,
+    index_of_a_dictionary,
+    list_for_a_number,
+    number_among_arrays,
+    shape_of_zeros,
+    start_of_a_search,
+    unequal_curves,
+    unequal_mask,
+    unequal_weights,
+    uneven_parts,
+    unknown_keyword,
+)
 from labsid.checks.tables import entry_of_a_flat_array
 from labsid.checks.tuple_causes import (
+    no_whole_number,
     several_indices,
     tuple_for_a_part,
     value_for_an_index,
 )
 
 _FLAT_BESIDE_COLUMN = (
-    "One is a column, (N, 1), and one is flat, (N,). Make them alike: `.reshape(-1, 1)` makes "
-    "a column, `.ravel()` a flat "
-    "array. (`np.column_stack` takes both.)"
+    "One has rows and columns, as a column (N, 1) has, and one is flat, (N,). Make them alike: `.reshape(-1, 1)` makes "
+    "a column, `.ravel()` a flat array. (`np.column_stack` takes both.)"
 )
-_WHOLE = "An index, a size or a count must be a whole number: `/` always gives a float, `//` a whole number."
 
 TABLE: tuple[Translation, ...] = (
     *ARRAY_ERRORS,
@@ -60,10 +74,14 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "AttributeError",
         "'list' object has no attribute",
-        "A list is no array. Of a list of arrays, `np.array(...)` makes one with a row for each of them, and "
-        "`np.column_stack(...)` one with a column for each.",
+        "A list is no array: `np.array(...)` makes one of a list of numbers. Of a list of arrays it makes one with a "
+        "row for each of them, and `np.column_stack(...)` one with a column for each.",
     ),
-    Translation("AttributeError", "'NoneType' object", "It is nothing (None): a function without `return` gives that."),
+    Translation(
+        "AttributeError",
+        "'NoneType' object",
+        "It is nothing (None): a function without `return` gives that, and so does `append` of a list.",
+    ),
     Translation(
         "AttributeError",
         r"module 'numpy' has no attribute '(inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd|matrix_rank)'",
@@ -80,6 +98,9 @@ TABLE: tuple[Translation, ...] = (
         "no columns t,u,y",
         "The names do not say which columns are inputs and which outputs: "
         '`load_record(file, inputs="...", outputs="...")`.',
+    ),
+    Translation(
+        "UnknownColumns", "there is no column", "The names must be spelt as in the file; it has those listed here."
     ),
     Translation("AttributeError", "module 'numpy' has no attribute 'ln'", "The natural logarithm is `np.log`."),
     Translation("AttributeError", r"module '([\w.]+)' has no attribute '(\w+)'", unknown_in_a_module),
@@ -108,48 +129,80 @@ TABLE: tuple[Translation, ...] = (
         "A function itself is no number: call it, with its arguments in brackets.",
     ),
     Translation("ValueError", r"cannot reshape array of size (\d+) into shape (.*)", reshaped),
-    Translation(
-        "ValueError",
-        "must have same first dimension",
-        "The two vectors of a curve need the same length: cut both alike.",
-    ),
-    Translation(
-        "ValueError",
-        "x and y must be the same size",
-        "The two vectors of a curve need the same length: cut both alike.",
-    ),
-    Translation(
-        "ValueError",
-        "weights should have the same shape",
-        "Each frequency or sample needs one weight. `np.fft.rfft(e)` has len(e) // 2 + 1 values, as many as "
-        "`np.fft.rfftfreq(len(e), Ts)`.",
-    ),
+    Translation("ValueError", "must have same first dimension|x and y must be the same size", unequal_curves),
+    Translation("ValueError", "weights should have the same shape", unequal_weights),
     Translation("ValueError", "Parameter `?[TU]`?", time_and_input),
-    Translation(
-        "ValueError",
-        "Parameter `?[TU]`?",
-        "What comes second in `ct.forced_response(system, ...)` is the time, not the input. Name the input: "
-        "`ct.forced_response(G, inputs=u)`.",
-    ),
     Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
     Translation("ValueError", "must match exactly", unequal_columns),
+    Translation("ValueError", "inhomogeneous", uneven_parts),
+    Translation("ValueError", "zero-dimensional arrays cannot be concatenated", number_among_arrays),
+    Translation(
+        "IndexError",
+        r"boolean index did not match .* axis (\d+); size of axis is (\d+) but .* axis is (\d+)",
+        unequal_mask,
+    ),
+    Translation("TypeError", "unhashable type: 'slice'", index_of_a_dictionary),
+    Translation("TypeError", "argument must be .*not '(?:function|builtin_function_or_method)'", function_for_numbers),
+    Translation("TypeError", "argument must be .*not '(?:list|tuple)'", list_for_a_number),
+    Translation(
+        "TypeError|ValueError",
+        r"numerator has \d+ output|numerator and denominator inputs must be",
+        coefficients,
+    ),
+    Translation("TypeError", "unrecognized keywords", unknown_keyword),
+    Translation(
+        "TypeError",
+        "filter expected",
+        "`filter` is Python's own. MATLAB's `filter(b, a, u)` is `scipy.signal.lfilter(b, a, u)`.",
+    ),
+    Translation(
+        "TypeError",
+        "arange: scalar arguments expected",
+        "`np.arange` takes its numbers one by one, `np.arange(start, stop, step)`, and no list or tuple of them.",
+    ),
     Translation(
         "ValueError",
-        "inhomogeneous",
-        "What should be numbers has parts of different lengths, such as all that `np.linalg.lstsq` returns "
-        "(`[0]` is its solution), or an array among numbers, `[1, x]` (`[1, *x]` has each of its entries).",
+        "output array is not acceptable",
+        "`np.dot` multiplies two arrays: what comes third is where the result is put. More factors are joined by `@`.",
+    ),
+    Translation(
+        "IndexError",
+        "list assignment index out of range",
+        "An entry that a list does not have cannot be set: `append` adds one, or begin with an array, `np.zeros(n)`.",
+    ),
+    Translation(
+        "AttributeError",
+        "'TransferFunction' object has no attribute '[ABCD]'",
+        "It is a transfer function: the matrices A, B, C and D belong to a state space.",
+    ),
+    Translation("ValueError", "not finite in the initial point|`x0` must have at most 1", start_of_a_search),
+    Translation(
+        "ValueError",
+        "Invalid format specifier",
+        "What stands after the colon, within the braces, says how a number is written: `{x:.3e}` with a power of ten, "
+        "`{x:.3f}` with three decimals, `{x:.3g}` with three digits.",
+    ),
+    Translation(
+        "OSError",
+        "must provide indices of length 2 for state space",
+        "The right side is one system, and is not taken apart: its matrices are `sys.A`, `sys.B`, `sys.C` and `sys.D`.",
     ),
     Translation(
         "ValueError",
         "x not in list",
-        "It has been removed already. After a `remove`, leave the inner loop: `break`.",
+        "The list does not hold it. Often here: an earlier round of a loop has removed it already? After a `remove`, "
+        "leave the inner loop: `break`.",
     ),
     Translation(
         "ValueError",
         "need at least one array",
         "The list of arrays is empty: print its `range`. (`range(1, n)` leaves out n, and with n = 1 it is empty.)",
     ),
-    Translation("TypeError|IndexError", "slice indices must be integers|only integer", several_indices),
+    Translation(
+        "TypeError|IndexError",
+        "(?:slice|list) indices must be integers(?!.*(?:str|tuple)$)|only integer|arrays used as indices",
+        several_indices,
+    ),
     Translation("TypeError", "'tuple' (and|object cannot)|and 'tuple'|concatenate tuple", tuple_for_a_part),
     Translation(
         "TypeError",
@@ -162,8 +215,8 @@ TABLE: tuple[Translation, ...] = (
         "setting an array element with a sequence",
         "One entry is set to a whole array: take one number, `[k]`.",
     ),
-    Translation("ValueError", "truth value of an array", compared_by_python),
-    Translation("ValueError", "truth value of an array", truth_of_an_array),
+    Translation("ValueError", "truth value of an(?: empty)? array", compared_by_python),
+    Translation("ValueError", "truth value of an(?: empty)? array", truth_of_an_array),
     Translation("ValueError|TypeError", "values to unpack|cannot unpack", unpacked),
     Translation(
         "TypeError|AttributeError",
@@ -171,6 +224,7 @@ TABLE: tuple[Translation, ...] = (
         'Axes are set by methods that begin with `set_`: `ax.set_title("...")`, '
         '`ax.set_xlabel("...")`, `ax.set_xlim(0, 1)`.',
     ),
+    Translation("AttributeError", r"'(?:[\w.]*\.)?(\w+)' object has no attribute '(\w+)'", unknown_elsewhere),
     Translation("TypeError", "object is not callable", called_attribute),
     Translation("TypeError", r"object is not callable", called_array),
     Translation("TypeError", r"bitwise_xor|for \^", "`^` is no power in Python: write `**`, as in `e**2`."),
@@ -192,7 +246,7 @@ TABLE: tuple[Translation, ...] = (
         "TypeError|IndexError",
         r"cannot be interpreted as an integer|must be integers|only integer|arrays used as indices|"
         r"a single integer, got '-?\d+\.",
-        _WHOLE,
+        no_whole_number,
     ),
     Translation(
         "TypeError",
@@ -220,7 +274,7 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "TypeError",
         "Cannot interpret '.*' as a data type",
-        "The shape is one argument, in brackets of its own: `np.zeros((3, 4))`.",
+        shape_of_zeros,
     ),
     Translation("TypeError", r"((?:column_|[hv])?stack|concatenate)\(\) takes", one_list),
     Translation(
@@ -240,7 +294,8 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation(
         "TypeError",
-        r"can't multiply sequence|concatenate list|unsupported operand type\(s\) for .*'list'",
+        r"can't multiply sequence|concatenate list|bad operand type for unary -: 'list'|"
+        r"unsupported operand type\(s\) for .*'list'",
         "A list does not compute: make an array of it, `np.array(...)`.",
     ),
     Translation(
@@ -251,6 +306,11 @@ TABLE: tuple[Translation, ...] = (
     Translation("TypeError", "is not subscriptable", without_entries),
     Translation(
         "TypeError",
+        "'Axes' object is not subscriptable",
+        "It is one axes already, and no array of them: it takes no `[...]`.",
+    ),
+    Translation(
+        "TypeError",
         "is not subscriptable",
         "It has no entries, so it takes no `[...]`, as one number and a function have none.",
     ),
@@ -258,7 +318,7 @@ TABLE: tuple[Translation, ...] = (
     Translation(
         "TypeError",
         r"\(\) (missing|takes|got)",
-        "The call and the first line of the function differ: compare their arguments, one by one.",
+        "The call hands over other arguments than the function takes: compare them, one by one.",
     ),
     Translation(
         "UnboundLocalError",

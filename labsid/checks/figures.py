@@ -76,8 +76,8 @@ def require_curve(
             "against time: give the time vector as the first argument.",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
-    for name, other in others.items():
-        if len([curve for curve in axes.curves if find_curve(replace(axes, curves=(curve,)), other)]) > 1:
+    for name, other_curve in others.items():
+        if len([curve for curve in axes.curves if find_curve(replace(axes, curves=(curve,)), other_curve)]) > 1:
             raise NoAnswer(f"In {where} no curve shows {what}, and two show `{name}`.", "one signal drawn twice")
     raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
 

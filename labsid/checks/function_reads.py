@@ -31,7 +31,7 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
     unread = [argument for argument in code.co_varnames[: code.co_argcount] if argument not in used]
     read = dict.fromkeys(_names_in(code, "LOAD_GLOBAL"))
     least = _SHORTEST_DATA if unread else _SHORTEST_SIGNAL
-    data = [one for one in read if _entries(variables.get(one)) >= least][:_MOST_NAMES]
+    data = [variable for variable in read if _entries(variables.get(variable)) >= least][:_MOST_NAMES]
     if not data:
         is_constant = len(unread) == code.co_argcount >= _FEWEST_UNREAD
         return f"`{name}` reads none of its arguments, {_listed(unread)}." if is_constant else ""
@@ -63,18 +63,18 @@ def length_beside(
     counts : container of int
         The numbers in the line that stopped; the length must be one of them.
     """
-    sizes = [len(one) for one in arguments if isinstance(one, np.ndarray) and one.ndim]
+    sizes = [len(argument) for argument in arguments if isinstance(argument, np.ndarray) and argument.ndim]
     if not isinstance(function, FunctionType) or not sizes:
         return ""
     code = function.__code__
-    lengths = {_entries(one) for one in variables.values() if isinstance(one, np.ndarray)}
+    lengths = {_entries(array) for array in variables.values() if isinstance(array, np.ndarray)}
     of_data = {part for size in lengths if size >= _SHORTEST_SIGNAL for part in (size, size // 2, -(-size // 2))}
-    for one in dict.fromkeys(_names_in(code, "LOAD_GLOBAL")):
-        value = variables.get(one)
+    for variable in dict.fromkeys(_names_in(code, "LOAD_GLOBAL")):
+        value = variables.get(variable)
         if type(value) is int and value in of_data and value in counts and value not in sizes:
             data = ", ".join(f"`{argument}`" for argument in code.co_varnames[: code.co_argcount])
             return (
-                f"`{name}` uses `{one}` of the notebook, {value}, and was called with data of another length, "
+                f"`{name}` uses `{variable}` of the notebook, {value}, and was called with data of another length, "
                 f"{sizes[0]}. Take every length from its arguments ({data}), as `len(...)` gives it."
             )
     return ""

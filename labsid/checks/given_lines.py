@@ -40,12 +40,14 @@ def put_back(released: str, handed_in: str) -> tuple[str, tuple[str, ...]]:
     put: list[tuple[int, str]] = []
     for place, node in enumerate(given):
         if isinstance(node, ast.Assign) and names.isdisjoint(_targets(node)):
-            before, after = ([here.get(_identity(other)) for other in part] for part in (given[:place], given[place:]))
+            before, after = (
+                [here.get(_identity(given_line)) for given_line in part] for part in (given[:place], given[place:])
+            )
             at = next((kept.lineno - 1 for kept in after if kept is not None), len(lines))
             if at == len(lines) and any(map(_is_for_answer, given[place:])):  # the answer goes on after this line
                 at = next((kept.end_lineno or 0 for kept in reversed(before) if kept is not None), 0)
             put.append((at, ast.get_source_segment(released, node) or ast.unparse(node)))
-    put.sort(key=lambda one: one[0])
+    put.sort(key=lambda line: line[0])
     for at, line in reversed(put):
         lines.insert(at, line)
     return "\n".join(lines), tuple(line for _, line in put)

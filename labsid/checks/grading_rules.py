@@ -73,7 +73,7 @@ def _import_for_cells(variables: Mapping[str, object], usual: Callable[..., Any]
         wanted = fromlist or ()
         if global_names is not variables or level or name.partition(".")[0] not in ("labsid", "autograder"):
             return usual(name, global_names, local_names, fromlist, level)
-        named = [f"{name}.{one}" for one in wanted if is_taught_import(name, one)]
+        named = [f"{name}.{part}" for part in wanted if is_taught_import(name, part)]
         taught = [name] if is_reference(name) else named
         if taught:
             raise ImportError(

@@ -6,6 +6,7 @@ import re
 from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
 
+_MISSING = re.compile(r"missing \d+ required positional arguments?: (.+)")
 _ONE_ARRAY = ("least_squares", "minimize", "fsolve", "root", "leastsq")
 """Searches that hand all parameters to the function in one array."""
 
@@ -22,7 +23,7 @@ def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
         )
     call = _call_of(stop, name)
     if call is None:
-        return _called_by_a_search(stop, name) or _missing(stop, name)
+        return _called_by_a_search(stop, name) or _called_within(stop, name)
     written = ast.unparse(call.func)
     if written == "np.array":
         handed = ", ".join(map(ast.unparse, call.args))
@@ -30,8 +31,17 @@ def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
     said = handed_together(stop, call) if " missing " in stop.text else handed_apart(stop, call)
     if said:
         return said
-    if isinstance(call.func, ast.Attribute):
-        return f"Which arguments it takes, and in which order, `help({written})` tells."
+    if written.endswith(".append") and len(call.args) > 1:
+        handed = ", ".join(map(ast.unparse, call.args))
+        return f"`append` adds one item. Several numbers together are a list: `{written}([{handed}])`."
+    if written.endswith((".uniform", ".standard_normal", ".random", ".normal")) and " given" in stop.text:
+        return "The shape is one argument, in brackets of its own, `(rows, columns)`."
+    if written == "len" and len(call.args) == 2:
+        table = ast.unparse(call.args[0])
+        return f"`len({table})` is the number of rows; rows and columns are `{table}.shape[0]` and `{table}.shape[1]`."
+    thing = stop.things.get(written)
+    if isinstance(call.func, ast.Attribute) or thing is None or not thing.keys:
+        return _told_by_help(stop, call)
     return _missing(stop, name) or _listed(stop, call)
 
 
@@ -56,21 +66,24 @@ def one_list(stop: Stop, found: re.Match[str]) -> str | None:
 
 def handed_together(stop: Stop, call: ast.Call) -> str:
     """That one argument holds several, where a call hands over too few; empty if none does."""
+    lacking = re.search(r"missing (\d+) ", stop.text)
+    completes = 1 + int(lacking[1]) if lacking else 0  # so many parts, in the place of one argument, are enough
     for i, part in enumerate(call.args):
         name, thing = ast.unparse(part), stop.things.get(ast.unparse(part))
-        if isinstance(part, ast.Tuple | ast.List):
+        is_alone = len(call.args) == 1
+        if (isinstance(part, ast.Tuple) or (isinstance(part, ast.List) and is_alone)) and len(part.elts) == completes:
             handed = ", ".join(map(ast.unparse, [*call.args[:i], *part.elts, *call.args[i + 1 :]]))
             kind = "tuple" if isinstance(part, ast.Tuple) else "list"
             return (
                 f"`{name}` is one argument, a {kind}. Its parts are handed over one by one: "
                 f"`{ast.unparse(call.func)}({handed})`."
             )
-        if thing is not None and thing.kind == "tuple":
+        if thing is not None and thing.kind == "tuple" and thing.shape == (completes,):
             return (
-                f"`{name}` is one argument, a tuple of {(thing.shape or (0,))[0]}. Its parts are handed over one "
+                f"`{name}` is one argument, a tuple of {completes}. Its parts are handed over one "
                 f"by one by a star, `*{name}`."
             )
-        if len(call.args) == 1 and isinstance(part, ast.Call | ast.Subscript) and thing is None:
+        if is_alone and isinstance(part, ast.Call | ast.Subscript) and thing is None:
             return (
                 f"`{name}` is one argument, whatever it holds. The parts of a tuple are handed over one by one by a "
                 f"star: `{ast.unparse(call.func)}(*{name})`."
@@ -108,8 +121,22 @@ def _called_by_a_search(stop: Stop, name: str) -> str:
     return ""
 
 
+def _called_within(stop: Stop, name: str) -> str:
+    """The call in the line within which a function is called with other arguments than it takes."""
+    call = next((node for node in stop.expressions() if isinstance(node, ast.Call)), None)
+    if call is None or not name.startswith("_"):
+        return _missing(stop, name) or f"`{name}` is called with other arguments than its first line has."
+    return _told_by_help(stop, call)
+
+
+def _told_by_help(stop: Stop, call: ast.Call) -> str:
+    written, missing = ast.unparse(call.func), _MISSING.search(stop.text)
+    lacks = "" if missing is None else f"`{written}` needs {re.sub(chr(39), '`', missing[1])}, too. "
+    return f"{lacks}Which arguments it takes, and in which order, `help({written})` tells."
+
+
 def _missing(stop: Stop, name: str) -> str:
-    missing = re.search(r"missing \d+ required positional arguments?: (.+)", stop.text)
+    missing = _MISSING.search(stop.text)
     if missing is None:
         return ""
     names = re.sub("'", "`", missing[1])

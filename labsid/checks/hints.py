@@ -60,13 +60,13 @@ class Hints:
         if given is None:
             return ""
         stages = self._texts(question_id, given.mend)
-        left = WAIT - (now - given.at)
+        seconds_left = WAIT - (now - given.at)
         if given.stage < len(stages):
-            if code is not None and code == given.code and left > 0:
+            if code is not None and code == given.code and seconds_left > 0:
                 shown, which = (f"{stages[given.stage - 1]} ", "next") if given.stage else ("", "first")
                 return (
                     f"{shown}The {which} hint comes when your answer has changed and its check has been run, or in "
-                    f"{left:.0f} s. What does the message tell you?"
+                    f"{seconds_left:.0f} s. What does the message tell you?"
                 )
             given = self._given[question_id] = replace(given, stage=given.stage + 1, code=code, at=now)
         text = stages[given.stage - 1]

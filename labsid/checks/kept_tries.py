@@ -89,7 +89,7 @@ def read_tries(content: bytes, questions: Collection[str] | None = None) -> tupl
     if len(listed) > MAX_TRIES:
         raise ValueError(f"it has more than {MAX_TRIES} tries")
     tries = tuple(map(_read_try, listed))
-    return tries if questions is None else tuple(one for one in tries if one.question in questions)
+    return tries if questions is None else tuple(attempt for attempt in tries if attempt.question in questions)
 
 
 def _read_try(fields: object) -> KeptTry:

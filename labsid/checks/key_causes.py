@@ -35,11 +35,10 @@ def unknown_key(stop: Stop, found: re.Match[str]) -> str | None:
     for node in stop.expressions():
         if isinstance(node, ast.Subscript):
             thing, owner = stop.things.get(ast.unparse(node.value)), ast.unparse(node.value)
-            if thing is not None and thing.kind == "dictionary" and thing.keys:
+            has_it = thing is not None and found[1].strip("'\"") in thing.keys
+            if thing is not None and thing.kind == "dictionary" and thing.keys and not has_it:
                 keys = ", ".join(f'"{key}"' for key in thing.keys)
                 return " ".join(filter(None, (f"`{owner}` has the keys {keys}.", _meant(owner, found[1], thing.keys))))
-    if found[1].isdigit():
-        return "It is no array: its parts have names. Of what scipy's `least_squares` returns, `.x` is the solution."
     return "The dictionary has no such key: print it with `print(list(name))`."
 
 

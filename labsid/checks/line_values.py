@@ -16,10 +16,13 @@ from labsid.checks.syntax_trees import is_deep
 
 MOST_PARTS = 60
 _MOST_ITEMS, _MOST_KEYS = 8, 12
+_RESULTS = ("EigResult", "EighResult", "SVDResult", "QRResult", "SlogdetResult")
+"""The tuples that `np.linalg` returns."""
 _RESULT = "OptimizeResult"
 """The dictionary of results that scipy's searches return."""
 _LONGEST_LINE, _MOST_LEVELS = 2_000, 40  # characters, and levels of the tree, of a line that is explained
 _READ, _LOAD = (ast.Name, ast.Attribute, ast.Subscript, ast.BinOp, ast.Call, ast.UnaryOp, ast.List), ast.Load()
+_REDUCED = ("mean", "sum", "std", "var", "max", "min")
 _ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow)
 
 
@@ -39,6 +42,8 @@ class Thing:
         Of a dictionary or a result of scipy; of a function the names of its arguments.
     lengths : tuple of int
         Of a list of arrays: how many rows each has.
+    is_whole : bool
+        Whether it is a whole number.
     """
 
     kind: str
@@ -46,6 +51,7 @@ class Thing:
     value: int | None = None
     keys: tuple[str, ...] = ()
     lengths: tuple[int, ...] = ()
+    is_whole: bool = False
 
     @property
     def said(self) -> str:
@@ -61,9 +67,21 @@ class Thing:
         return f"is {self.kind}" if self.kind == "nothing" else f"is a {self.kind}"
 
 
-def things_in(line: str, names: Mapping[str, Any]) -> dict[str, Thing]:
-    """What the expressions in a line of code are, by their texts."""
+def things_in(line: str, names: Mapping[str, Any], is_inner: bool = False) -> dict[str, Thing]:
+    """What the expressions in a line of code are, by their texts.
+
+    Parameters
+    ----------
+    line : str
+    names : mapping
+    is_inner : bool
+        Whether the names are those within a lambda or a comprehension; otherwise the names that these bind stand for
+        nothing yet.
+    """
     tree = parsed_line(line)
+    if tree is not None and not is_inner:
+        bound = _bound_within(tree)
+        names = {name: value for name, value in names.items() if name not in bound}
     found: dict[str, Thing] = {}
     for node in [] if tree is None else list(ast.walk(tree))[:MOST_PARTS]:
         if isinstance(node, _READ) and isinstance(getattr(node, "ctx", _LOAD), ast.Load):
@@ -71,6 +89,14 @@ def things_in(line: str, names: Mapping[str, Any]) -> dict[str, Thing]:
             if thing is not None:
                 found[ast.unparse(node)] = thing
     return found
+
+
+def _bound_within(tree: ast.AST) -> set[str]:
+    """The names that the lambdas and the comprehensions of a line bind."""
+    nodes = list(ast.walk(tree))
+    arguments = {one.arg for node in nodes if isinstance(node, ast.Lambda) for one in node.args.args}
+    targets = [node.target for node in nodes if isinstance(node, ast.comprehension)]
+    return arguments | {one.id for target in targets for one in ast.walk(target) if isinstance(one, ast.Name)}
 
 
 def shape_of(node: ast.AST, shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...] | None:
@@ -95,9 +121,11 @@ def _as_thing(value: Any) -> Thing | None:
         return None
     if isinstance(value, _Shaped | np.ndarray):
         return Thing("array", _shape(value))
-    if type(value) in (list, tuple):
-        arrays = value[:_MOST_ITEMS] if value and all(type(one) is np.ndarray and one.ndim for one in value) else ()
-        return Thing(type(value).__name__, (len(value),), lengths=tuple(len(one) for one in arrays))
+    if type(value) in (list, tuple) or (isinstance(value, tuple) and type(value).__name__ in _RESULTS):
+        items = tuple(list.__iter__(value) if isinstance(value, list) else tuple.__iter__(value))
+        arrays = items[:_MOST_ITEMS] if items and all(type(one) is np.ndarray and one.ndim for one in items) else ()
+        kind = "list" if isinstance(value, list) else "tuple"
+        return Thing(kind, (len(items),), lengths=tuple(len(one) for one in arrays))
     if type(value) is dict or (isinstance(value, dict) and type(value).__name__ == _RESULT):
         return Thing("dictionary", keys=tuple(key for key in dict.keys(value) if type(key) is str)[:_MOST_KEYS])
     if isinstance(value, FunctionType):
@@ -107,7 +135,7 @@ def _as_thing(value: Any) -> Thing | None:
     if isinstance(value, bool | np.bool_):
         return Thing("number")
     if isinstance(value, int | np.integer):
-        return Thing("number", value=int(value))
+        return Thing("number", value=int(value), is_whole=True)
     if isinstance(value, float | complex | np.number):
         return Thing("number")
     if isinstance(value, str):
@@ -213,9 +241,31 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
             return _Shaped(made)
     if called in ("transpose", "pinv") and node.args:
         return _Shaped(_shape(_value(node.args[0], names))[::-1])
-    if called in ("inv", "abs", "sqrt", "exp") and len(node.args) == 1:
+    if called in ("dot", "matmul", "outer") and len(node.args) == 2:
+        one, other = (_shape(_value(part, names)) for part in node.args)
+        return _Shaped((*one, *other) if called == "outer" else _product(one, other))
+    if called == "diag" and len(node.args) == 1:
+        shape = _shape(_value(node.args[0], names))
+        return _Shaped((shape[0], shape[0]) if len(shape) == 1 else (min(shape),))
+    if called in _REDUCED:
+        return _Shaped(_reduced(node, names))
+    if called == "lfilter" and len(node.args) == 3:
+        return _Shaped(_shape(_value(node.args[2], names)))
+    if called in ("inv", "abs", "sqrt", "exp", "log", "sin", "cos") and len(node.args) == 1:
         return _Shaped(_shape(_value(node.args[0], names)))
     raise _Unknown
+
+
+def _reduced(node: ast.Call, names: Mapping[str, Any]) -> tuple[int, ...]:
+    """The shape of a mean, a sum or the like along one axis of a table."""
+    is_method = not node.args
+    owner = node.func.value if is_method and isinstance(node.func, ast.Attribute) else node.args[0]
+    axes = (one.value.value for one in node.keywords if one.arg == "axis" and isinstance(one.value, ast.Constant))
+    axis = next((0 if one == 0 else 1 for one in axes if one in (0, 1)), None)
+    shape = _shape(_value(owner, names))
+    if len(shape) != 2 or axis is None or len(node.keywords) > 1 or len(node.args) > 1:
+        raise _Unknown
+    return (shape[1 - axis],)
 
 
 def _as_array(value: Any) -> Any:

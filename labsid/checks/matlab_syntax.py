@@ -33,7 +33,13 @@ _BRACKETS = (
     "`A(1:9)` is `A[0:9]` and `A(1)` is `A[0]`."
 )
 SPELLINGS: tuple[Spelling, ...] = (
-    Spelling(r"(?:[(,]\s*|^\s*)lambda\s*(?=[,)=])", "`lambda` is a word of Python's own: call the variable `lam`."),
+    Spelling(r"\blambda\b(?=\s*(?:[-+*/,)=\]]|$))", "`lambda` is a word of Python's own: call the variable `lam`."),
+    Spelling(r"\w+\s*(?:\+\+|--)\s*;?\s*$", "`{0}` is no Python: a variable is counted up by `n += 1`."),
+    Spelling(
+        r"\w+\([^():\[\]{}]*,\s*(?P<shown>[\w.]*:[\w.]*)\s*[,)]",
+        "`{0}`: a range `a:b` stands in square brackets only, after an array. Handed over to a function, it is "
+        "`slice(a, b)`, or `np.arange(a, b)` for the numbers themselves.",
+    ),
     Spelling(
         r"\w+\([^()]*\bend\b[^()]*\)",
         ("`{0}`: Python has no `end`. An open slice goes to the end, `y[half:]`; the last entry is `y[-1]`."),
@@ -69,7 +75,7 @@ SPELLINGS: tuple[Spelling, ...] = (
         'In a dictionary, `{0}` stands in braces, and a key that is a text in quotes: `{{"key": 1.2}}`.',
     ),
     Spelling(
-        r"\{\s*(?:\"\"|\w+)\s*=[^=}]*\}",
+        r"\{\s*(?:\"\"|\w+)\s*=(?!=)[^}]*\}",
         "`{0}`: in a dictionary a colon stands between key and value, and a key that is a text in quotes: "
         '`{{"key": 1.2}}`.',
     ),
@@ -102,7 +108,10 @@ SPELLINGS: tuple[Spelling, ...] = (
         r"\[\s*[\w.]+(?:\s+(?!(?:for|in|if|else|and|or|not|is)\b)[\w.]+)+\s*\]",
         "`{0}`: the items of a list are separated by commas.",
     ),
-    Spelling(r"\b\d+(?:\.\d+)?(?!e[-+]?\d|[jJ]\b)[A-Za-z_]\w*", "`{0}`: a product needs its `*`."),
+    Spelling(
+        r"\b\d+(?:\.\d+)?(?!e[-+]?\d|[jJ]\b)[A-Za-z_]\w*",
+        "`{0}`: a product needs its `*`, and a name begins with a letter.",
+    ),
 )
 """Tried in order on a line that Python cannot read; `{0}` is what was found."""
 
@@ -111,7 +120,11 @@ _MESSAGES: tuple[Spelling, ...] = (
         r"Missing parentheses in call to 'print'",
         "`print` is a function: `print(...)`. (A result is handed back by `return`.)",
     ),
-    Spelling(r"was never closed", "Count the brackets: one that opens is not closed."),
+    Spelling(
+        r"expected 'else'",
+        "`a if condition else b` needs both parts. The entries for which a condition holds are `t[condition]`.",
+    ),
+    Spelling(r"was never closed|incomplete input", "Count the brackets: one that opens is not closed."),
     Spelling(r"unmatched|does not match", "Count the brackets: one closes that was not opened, or of another kind."),
     Spelling(r"expected ':'", "The line of `if`, `for`, `while` or `def` ends with a colon."),
     Spelling(
@@ -129,8 +142,14 @@ _MESSAGES: tuple[Spelling, ...] = (
         "`.T`.)",
     ),
     Spelling(r"forgot a comma", "Between two items a comma is missing, or between two factors a `*`."),
-    Spelling(r"", "Look at the end of the line before, too: a bracket that is not closed shows one line late."),
+    Spelling(
+        r"",
+        "Python's mark `^` points at what it cannot read there. (A bracket that is not closed in a line before shows "
+        "here, too.)",
+    ),
 )
+
+_MARKED = "Python's mark `^` points at what it cannot read there."
 
 _NUMPY = re.compile(
     "sin|cos|tan|exp|log|sqrt|pi|zeros|ones|eye|linspace|arange|array|mean|std|var|abs|sum|cumsum|diff|roots|polyval|dot|"
@@ -151,6 +170,8 @@ MATLAB = {
     "lsim": "`ct.forced_response(sys, inputs=u).outputs`",
     "filter": "`scipy.signal.lfilter`",
     "rank": "`np.linalg.matrix_rank(A)`",
+    "tinv": "`scipy.stats.t.ppf(p, degrees_of_freedom)`",
+    "norminv": "`scipy.stats.norm.ppf(p)`",
     "plot": "`ax.plot(x, y)`",
     "figure": "`plt.subplots()`",
     "subplot": "`plt.subplots(2, 1)`",
@@ -165,6 +186,9 @@ MATLAB = {
     "nan": "`np.nan`",
     "inf": "`np.inf`",
 }
+
+
+_NO_FUNCTIONS = ("true", "false", "end", "control", "numpy", "pyplot", "null", "nan", "inf")
 
 
 def cause_of_syntax(stop: Stop) -> str:
@@ -185,7 +209,8 @@ def cause_of_syntax(stop: Stop) -> str:
     said = [one for one in said if not _is_range(one)]
     if said:
         return " ".join(said[:_MOST_SPELLINGS])
-    return next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
+    told = next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
+    return told if stop.number != 1 or told != _MESSAGES[-1].python else _MARKED
 
 
 def _is_range(said: str) -> bool:
@@ -201,11 +226,13 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
         return known
     if stop.near and stop.near.lower() == name.lower():
         return f"There is `{stop.near}`: capital and small letters differ."
-    if _NUMPY.fullmatch(name):
+    is_called = re.search(rf"\b{name}\s*\(", stop.line) is not None
+    if _NUMPY.fullmatch(name) and (is_called or name == "pi"):
         return f"It is a part of numpy: `np.{name}`."
-    if _LINEAR.fullmatch(name):
+    if _LINEAR.fullmatch(name) and is_called:
         return f"It is in numpy's part for linear algebra: `np.linalg.{name}`."
-    if name in MATLAB:
+    is_power = name == "e" and re.search(r"\be\s*(?:\*\*|\^)", stop.line) is not None
+    if name in MATLAB and (is_called or is_power or name in _NO_FUNCTIONS):
         return f"In Python: {MATLAB[name]}."
     if re.match(rf"{name}\s*==", stop.line):
         return f"`==` compares; `{name}` gets its value by `=`."

@@ -2,29 +2,13 @@
 
 import ast
 import re
+from collections.abc import Iterator
 
 from labsid.checks.line_values import parsed_line, shape_of
 from labsid.checks.stops import Stop
 
 
-def entry_by_entry(stop: Stop, _: re.Match[str]) -> str | None:
-    """`*` where the shapes fit a matrix product."""
-    for node in stop.operations(ast.Mult):
-        one, other = stop.shape(node.left), stop.shape(node.right)
-        if one and other and one != other and one[-1] == other[0]:
-            left, right = ast.unparse(node.left), ast.unparse(node.right)
-            if right == f"{left}.T" and one[0] > one[-1]:
-                return (
-                    f"`*` multiplies entry by entry; the product of matrices is `@`. `{left} @ {right}` would be "
-                    f"{one[0]} by {one[0]}, and never has an inverse; `{right} @ {left}` is {one[-1]} by {one[-1]}."
-                )
-            said = f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
-            count = _products_of_matrices(stop)
-            return f"{said} So are the others: each of the {count} `*` in this line is an `@`." if count else said
-    return None
-
-
-def _products_of_matrices(stop: Stop) -> int:
+def products_of_matrices(stop: Stop) -> int:
     """How many `*` a line has, if there are several and the shapes fit when each of them is the product of matrices."""
     tree = parsed_line(stop.line)
     times = [
@@ -36,6 +20,19 @@ def _products_of_matrices(stop: Stop) -> int:
     names = {name: thing.shape for name, thing in stop.things.items() if thing.kind == "array" and thing.shape}
     fits = len(times) > 1 and all(shape_of(node, names) is not None for node in times)
     return len(times) if fits else 0
+
+
+def _products(stop: Stop) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """The factors of the products of matrices in a line, by `@`, `np.dot` or `np.matmul`, outermost first."""
+    for node in stop.expressions():
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
+            yield node.left, node.right
+        elif (
+            isinstance(node, ast.Call)
+            and len(node.args) == 2
+            and ast.unparse(node.func).rpartition(".")[2] in ("dot", "matmul")
+        ):
+            yield node.args[0], node.args[1]
 
 
 def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
@@ -50,8 +47,8 @@ def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
             if isinstance(side, ast.BinOp) and all(shape is not None and len(shape) == 1 for shape in inner):
                 left, right = ast.unparse(side.left), ast.unparse(side.right)
                 return (
-                    f"`{left} @ {right}` is one number: both are flat. The matrix of all products of their entries is "
-                    f"`np.outer({left}, {right})`."
+                    f"`{left} @ {right}` is one number: both are flat. (The matrix of all products of their entries is "
+                    f"`np.outer({left}, {right})`.)"
                 )
             if alone or isinstance(side, ast.Constant):
                 return (
@@ -62,11 +59,11 @@ def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
 
 def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
     """`@` between shapes that do not fit."""
-    for node in stop.operations(ast.MatMult):
-        one, other = stop.shape(node.left), stop.shape(node.right)
+    for first, second in _products(stop):
+        one, other = stop.shape(first), stop.shape(second)
         if not one or not other or one[-1] == other[0]:
             continue
-        left, right = ast.unparse(node.left), ast.unparse(node.right)
+        left, right = ast.unparse(first), ast.unparse(second)
         empty = next((text for text, shape in ((left, one), (right, other)) if 0 in shape), "")
         if ":-" in empty.replace(" ", ""):
             return f"`{empty}` is empty: `[:-0]` takes nothing. `[: len(x) - k]` is right for k = 0, too."
@@ -74,7 +71,8 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             f"In `{left} @ {right}` the first has {one[-1]} columns and the second {other[0]} rows: "
             f"these must be equal."
         )
-        flat = [part for part in ast.walk(node) if isinstance(part, ast.Name) and len(stop.shape(part) or ()) == 1]
+        parts = (*ast.walk(first), *ast.walk(second))
+        flat = [part for part in parts if isinstance(part, ast.Name) and len(stop.shape(part) or ()) == 1]
         if len(other) == 2 and other[0] == 1 and other[1] == one[-1]:
             return f"{said} `{right}` has shape {other}, a table of one row; `{right}.ravel()` is flat."
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
@@ -89,11 +87,16 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             return f"{said} Is {before} meant?"
         if "inv(" in left:
             return " ".join(filter(None, (said, _without_inverse(stop))))
-        if one[0] == other[0] and re.fullmatch(r"\w+(\.T)?", left):
+        if one[0] == other[0] and re.fullmatch(r"(-?[\w.]+ \* )?\w+(\.T)?", left):
             turned = left[:-2] if left.endswith(".T") else f"{left}.T"
+            if len(one) == len(other) == 2 and other[1] == one[0]:
+                return f"{said} `{turned} @ {right}` and `{right} @ {left}` would fit."
             return f"{said} Is `{turned} @ {right}` meant?"
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
-        return f"{said} Is `{right} @ {left}` meant?" if is_swapped else said
+        if is_swapped:
+            return f"{said} Is `{right} @ {left}` meant?"
+        made = [name for name in (left, right) if name in stop.made and not stop.made[name].startswith("for ")]
+        return " ".join((said, *(f"`{name}` is made by `{stop.made[name]}`." for name in made)))
     return "In `A @ B` the columns of A must be as many as the rows of B."
 
 
@@ -124,7 +127,7 @@ def unfit_blocks(stop: Stop) -> str:
             said += f"{', '.join(parts)} (counted from 0): these must be equal."
         else:
             continue
-        return f"{said}{_empty_corner(rows, known)}"
+        return f"{said}{_not_transposed(rows, known) or _empty_corner(rows, known)}"
     return ""
 
 
@@ -150,7 +153,10 @@ def _empty_corner(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]
     if [len(row) for row in rows] != [2, 2] or len(empty) != 1:
         return ""
     ((i, j),) = empty
+    opposite = shapes[1 - i][1 - j]
     fits = (shapes[i][1 - j][0], shapes[1 - i][j][1])
+    if (shapes[1 - i][j][0], shapes[i][1 - j][1]) != opposite:  # another block does not fit
+        return ""
     corner, beside, over = (ast.unparse(rows[k][m]) for k, m in ((i, j), (i, 1 - j), (1 - i, j)))
     if fits == shapes[i][j]:
         return ""
@@ -158,6 +164,24 @@ def _empty_corner(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]
         f" The empty corner `{corner}` has shape {shapes[i][j]}. It needs as many rows as `{beside}` has and as many "
         f"columns as `{over}`: shape {fits}."
     )
+
+
+def _not_transposed(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]]) -> str:
+    """The one block among two by two that fits when it is transposed, and only then; "" if there is none."""
+    if [len(row) for row in rows] != [2, 2]:
+        return ""
+    turned = []
+    for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        other = [
+            [shape[::-1] if (k, m) == (i, j) else shape for m, shape in enumerate(row)] for k, row in enumerate(shapes)
+        ]
+        (a, b), (c, d) = other
+        if (a[0], c[0], a[1], b[1]) == (b[0], d[0], c[1], d[1]):
+            turned.append(ast.unparse(rows[i][j]))
+    if len(turned) != 1:
+        return ""
+    block = turned[0]
+    return f" All fit when `{block}` is transposed: is `{block[:-2] if block.endswith('.T') else f'{block}.T'}` meant?"
 
 
 def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
@@ -180,7 +204,9 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                             f"`{ast.unparse(inner.left)} @ {b}`."
                         )
                 return said
-    return "`solve(A, b)` needs as many entries in b as A has rows."
+    sizes = re.search(r"size (\d+) is different from (\d+)", stop.text)
+    here = f" Here these are {sizes[1]} and {sizes[2]}." if sizes else ""
+    return f"`solve(A, b)` needs as many entries in b as A has rows.{here}"
 
 
 def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:
@@ -188,19 +214,31 @@ def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:
     for node in stop.expressions():
         if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("lstsq") and len(node.args) > 1:
             left, right = (stop.shape(part) for part in node.args[:2])
-            if left and right:
-                A, b = map(ast.unparse, node.args[:2])
+            A, b = map(ast.unparse, node.args[:2])
+            listed = stop.things.get(A)
+            if listed is not None and listed.kind == "list" and listed.lengths and right:
                 return (
-                    f"`lstsq(A, b)`: `{A}` has {left[0]} rows and `{b}` has {right[0]} entries. Each row needs "
-                    "its own: cut b as the columns of A are cut."
+                    f"`lstsq(A, b)`: `{A}` is a list of {len(listed.lengths)} arrays, which are taken for rows, and "
+                    f"`{b}` has {right[0]} entries. With a column for each of them it is `np.column_stack(...)`."
+                )
+            if left and right:
+                is_near = 2 * min(left[0], right[0]) >= max(left[0], right[0])
+                samples = " (of signals, both must cover the same samples)" if is_near else ""
+                return (
+                    f"`lstsq(A, b)`: `{A}` has {left[0]} rows and `{b}` has {right[0]} entries. Each row needs its own "
+                    f"entry of b{samples}."
                 )
     return "`lstsq(A, b)`: A and b must have the same number of rows."
 
 
 def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
-    """A flat array in the place of a matrix; of `solve` and `lstsq`, the two arguments may be swapped."""
+    """A flat array or a number in the place of a matrix; of `solve` and `lstsq`, the two may be swapped."""
     for node in stop.expressions():
         if isinstance(node, ast.Call) and node.args:
+            first = stop.things.get(ast.unparse(node.args[0]))
+            if first is not None and first.kind == "function" and "0-dimensional" in stop.text:
+                written = ast.unparse(node.args[0])
+                return f"`{written}` is a function, and a matrix is asked for: it is called, `{written}(...)`."
             shapes = [stop.shape(part) for part in node.args[:2]]
             if shapes[0] is None or len(shapes[0]) != 1:
                 continue
@@ -210,6 +248,8 @@ def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
             is_swapped = second is not None and len(second) == 2 and second[0] == shapes[0][0]
             solver = ast.unparse(node.func).rpartition(".")[2]
             return f"{said} `{solver}(A, b)` takes the matrix first: the two are swapped." if is_swapped else said
+    if "0-dimensional" in stop.text:
+        return "One number stands where a matrix belongs. The inverse of a number x is `1 / x`."
     return "A flat array stands where a matrix belongs: print the shapes of the parts."
 
 
@@ -250,12 +290,13 @@ def flat_state_space(stop: Stop, found: re.Match[str]) -> str | None:
 
 def _without_inverse(stop: Stop) -> str:
     """A product in the line that cannot have an inverse, by its shapes; empty if there is none."""
-    for node in stop.operations(ast.MatMult):
-        one, other = stop.shape(node.left), stop.shape(node.right)
+    for first, second in _products(stop):
+        one, other = stop.shape(first), stop.shape(second)
         if one and other and len(one) == len(other) == 2 and one[0] == other[1] > one[1]:
-            left, right = ast.unparse(node.left), ast.unparse(node.right)
+            left, right = ast.unparse(first), ast.unparse(second)
             return (
-                f"`{left} @ {right}` is {one[0]} by {one[0]}, but of rank {one[1]} at most: it never has an inverse. "
+                f"The product of `{left}` and `{right}` is {one[0]} by {one[0]}, but of rank {one[1]} at most: "
+                "it never has an inverse. "
                 f"`{right} @ {left}` is {one[1]} by {one[1]}."
             )
     return ""
@@ -292,8 +333,10 @@ def not_square(stop: Stop, _: re.Match[str]) -> str | None:
                         f"{said}a determinant. How many columns of any matrix are independent, its rank says: "
                         f"`np.linalg.matrix_rank({name})`."
                     )
-                return (
-                    f"{said}an inverse. Least squares inverts `{name}.T @ {name}`, or use `np.linalg.lstsq({name}, "
-                    "...)[0]`."
+                tall = (
+                    f" (Least squares inverts `{name}.T @ {name}`, or takes `np.linalg.lstsq({name}, ...)[0]`.)"
+                    if shape[0] > shape[1]
+                    else ""
                 )
-    return "Only a square matrix has an inverse: least squares inverts Phi'Phi, not Phi."
+                return f"{said}an inverse.{tall}"
+    return "Only a square matrix has an inverse: in least squares Phi'Phi is square, and Phi is not."

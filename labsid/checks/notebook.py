@@ -180,7 +180,9 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         from labsid.checks.practice import exercise_of, questions_with_practice
 
         if question_id is None:
-            ids = "\n".join(f'  check.practice("{one.id}")' for one in questions_with_practice(self._assignment))
+            ids = "\n".join(
+                f'  check.practice("{question.id}")' for question in questions_with_practice(self._assignment)
+            )
             self._display(f"Practise with new numbers:\n{ids}", "", {})
             return None
         question = self._assignment.question(question_id)

@@ -63,7 +63,9 @@ class NotebookAsk:
         self._calls += 1
         function = self._variables.get(name)
         if not callable(function):
-            near = self._near(name, [one for one, thing in self._variables.items() if isinstance(thing, FunctionType)])
+            near = self._near(
+                name, [variable for variable, thing in self._variables.items() if isinstance(thing, FunctionType)]
+            )
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.{near}")
         self.tried, self.beside = "", reads_beside(name, function, self._variables)
         try:

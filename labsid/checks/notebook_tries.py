@@ -106,20 +106,20 @@ class NotebookTries:
         """
         if self._tries is None:
             return
-        before = next((one for one in reversed(self._tries) if one.question == question), None)
-        one = KeptTry(question, 0, right, "" if right else slip or OTHER)
+        last_try = next((kept_try for kept_try in reversed(self._tries) if kept_try.question == question), None)
+        kept_try = KeptTry(question, 0, right, "" if right else slip or OTHER)
         is_opened = question not in self._codes
         is_same_code = code is not None and self._codes.get(question) == code
         self._codes[question] = code
-        if len(self._tries) >= MAX_TRIES or (before is not None and before.right and right):
+        if len(self._tries) >= MAX_TRIES or (last_try is not None and last_try.right and right):
             return
-        if before is not None and before.slip == one.slip and (is_opened or is_same_code):
+        if last_try is not None and last_try.slip == kept_try.slip and (is_opened or is_same_code):
             return
         now = self._clock()
         self._minutes += min((now - self._last) / 60, LONGEST_PAUSE)
         self._last = now
         minute = min(int(self._minutes), MAX_MINUTE)
-        self._write([*self._tries, replace(one, minute=minute)])
+        self._write([*self._tries, replace(kept_try, minute=minute)])
 
     def _read(self) -> None:
         try:

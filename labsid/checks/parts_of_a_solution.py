@@ -37,17 +37,17 @@ def require_whole_solution(
         inverse = np.linalg.inv(M)
     except np.linalg.LinAlgError:
         return
-    left, right = terms
+    M_name, v_name = terms
     if _same(value, inverse):
         raise NoAnswer(
-            f"`{name}` is the inverse of {left} alone: the product with {right} is missing.", "only the inverse"
+            f"`{name}` is the inverse of {M_name} alone: the product with {v_name} is missing.", "only the inverse"
         )
     if _same(value, M):
-        raise NoAnswer(f"`{name}` is {left} alone: its inverse is multiplied by {right}.", "only the matrix")
+        raise NoAnswer(f"`{name}` is {M_name} alone: its inverse is multiplied by {v_name}.", "only the matrix")
     if any(_same(value, inverse * side) for side in (v, v[:, np.newaxis])):
         raise NoAnswer(
-            f"`{name}` multiplies the inverse of {left} and {right} entry by entry (`*`): the product of a matrix and "
-            "a vector is `@`.",
+            f"`{name}` multiplies the inverse of {M_name} and {v_name} entry by entry (`*`): the product of a "
+            "matrix and a vector is `@`.",
             "inverse times the right side entry by entry",
         )
 
@@ -65,9 +65,9 @@ def _require_no_ridge(name: str, x: FloatArray, M: FloatArray, v: FloatArray, te
     except np.linalg.LinAlgError:
         return
     if not is_right:
-        left, right = terms
+        M_name, v_name = terms
         raise NoAnswer(
-            f"`{name}` is the solution with {left} {'+' if mu > 0 else '-'} {abs(mu):.3g} I in the place of {left}: "
-            f"what is added to the diagonal moves it away from that of {left} x = {right}.",
+            f"`{name}` is the solution with {M_name} {'+' if mu > 0 else '-'} {abs(mu):.3g} I in the place of "
+            f"{M_name}: what is added to the diagonal moves it away from that of {M_name} x = {v_name}.",
             "diagonal changed",
         )

@@ -191,14 +191,14 @@ def exercise_of(assignment: Assignment, question: Question, number: int) -> Exer
     if question.instance is not None and first.instance is None:
         return None
     right = {} if question.gives is None else dict(question.gives(first))
-    before = {} if assignment.practice_given is None else dict(assignment.practice_given(first.record))
-    given = {**before, **first.known_values} if first.instance is None else dict(first.instance)
+    given_before = {} if assignment.practice_given is None else dict(assignment.practice_given(first.record))
+    given = {**given_before, **first.known_values} if first.instance is None else dict(first.instance)
     answers = None if question.gives is None else right.keys() - first.known_values.keys()
     asked = _first_asked(question, ask(answers=answers))
     if asked is None:
         return None
     if asked.arguments is not None:
-        return _call(question, ask, {**before, **first.known_values} if before else {}, asked)
+        return _call(question, ask, {**given_before, **first.known_values} if given_before else {}, asked)
     facts = {} if origin is None or assignment.practice_facts is None else assignment.practice_facts(origin)
     if asked.name in facts:
         return _values(question, ask, given, {asked.name: facts[asked.name]})

@@ -44,12 +44,12 @@ def explain(stop: Stop, made_by: Callable[[str], str] | None = None) -> str:
     if stop.kind in ("SyntaxError", "IndentationError", "TabError"):
         return cause_of_syntax(stop)
     if stop.kind == "NameError":
-        found = re.search(r"name '(\w+)' is not defined", stop.text)
-        return "" if found is None else cause_of_unknown_name(found[1], stop, made_by)
-    for one in TABLE:
-        found = re.search(one.text, stop.text) if re.fullmatch(one.kind, stop.kind) else None
-        if found is not None:
-            cause = one.cause if isinstance(one.cause, str) else one.cause(stop, found)
+        matched = re.search(r"name '(\w+)' is not defined", stop.text)
+        return "" if matched is None else cause_of_unknown_name(matched[1], stop, made_by)
+    for row in TABLE:
+        matched = re.search(row.text, stop.text) if re.fullmatch(row.kind, stop.kind) else None
+        if matched is not None:
+            cause = row.cause if isinstance(row.cause, str) else row.cause(stop, matched)
             if cause is not None:
                 return cause
     return ""

@@ -57,7 +57,10 @@ def slips_of_fit(
     for held, shift in others:
         last = N + min(shift, 0)
         left = target[longest - shift : last - shift]
-        said = f"{name} has {held} on the left-hand side, Y, of the row that holds the samples before y(k): it is y(k)."
+        said = (
+            f"{name} has {held} on the left-hand side, Y, of the row that holds the samples before y(k): it is y(k). "
+            "Either Y is cut wrongly, or all columns of Phi are."
+        )
         yield Slip(LEFT_SIDE, said, partial(_fit, rows[longest:last], left))
     for who, chosen in _of_one_signal(regressors, u):
         for shift, said in ((-1, "later"), (1, "earlier")):

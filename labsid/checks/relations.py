@@ -44,9 +44,9 @@ def relation(got: object, right: object, same: Same) -> str:
         return "It is zero." if a.size == 1 else "All of it is zero."
     kinds = (_scaled, _changed, _reordered, _columns, _moved, _zeroed, _partly) if a.ndim else (_scaled, _changed)
     with np.errstate(all="ignore"):
-        for found in kinds:
+        for kind in kinds:
             try:
-                text = next(found(a, b, same), "")
+                text = next(kind(a, b, same), "")
             except (TypeError, ValueError, IndexError):  # a comparison of other things than arrays
                 continue
             if text:

@@ -9,7 +9,7 @@ import linecache
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from types import FrameType, TracebackType
+from types import CodeType, FrameType, TracebackType
 from typing import Any
 
 from labsid.checks.line_values import MOST_PARTS, Thing, parsed_line, things_in
@@ -84,7 +84,8 @@ class Stop:
 def packed(stop: Stop) -> dict[str, Any]:
     """A stop as plain data for a message between processes, without the values of numbers."""
     things = [
-        [name, thing.kind, list(thing.shape or ()), thing.shape is not None] for name, thing in stop.things.items()
+        [name, thing.kind, list(thing.shape or ()), thing.shape is not None, thing.is_whole]
+        for name, thing in stop.things.items()
     ]
     return {
         "line": stop.line,
@@ -114,10 +115,10 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
     things: dict[str, Thing] = {}
     sent = message.get("things")
     for one in sent[:MOST_PARTS] if isinstance(sent, list) else []:
-        if isinstance(one, list) and len(one) == 4 and isinstance(one[0], str) and one[1] in _KINDS:
+        if isinstance(one, list) and len(one) in (4, 5) and isinstance(one[0], str) and one[1] in _KINDS:
             sizes = one[2] if isinstance(one[2], list) else []
             shape = tuple(int(size) for size in sizes if type(size) is int and 0 <= size < _LARGEST_SIZE)
-            things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None)
+            things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None, is_whole=one[4:] == [True])
     line, part, near = (str(message.get(key, "")) for key in ("line", "part", "near"))
     line = line if is_known(line) else ""
     arguments, outside = (
@@ -165,24 +166,47 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
     if found is None:
         return Stop(kind, text)
     frame, trace = found
-    names = {**frame.f_globals, **frame.f_locals}
+    names = _visible(frame)
     line, part = _line_and_part(frame, trace, source)
     code = frame.f_code
     arguments = code.co_varnames[: code.co_argcount] if code.co_name != "<module>" else ()
     near = ""
     if isinstance(error, NameError) and error.name:
-        own = [name for name in names if not name.startswith("_")]
+        own = [name for name in {**frame.f_globals, **frame.f_locals} if not name.startswith("_")]
         alike = [name for name in own if name.lower() == error.name.lower()]
         longer = [name for name in own if name.startswith(f"{error.name}_")]
         close = difflib.get_close_matches(error.name, own, 1, 0.75) or (longer if len(longer) == 1 else [])
         near = next(iter(alike or close), "")
     made = _made(line, frame, trace.tb_lineno, source)
-    things = things_in(line, names)
+    is_inner = code.co_name in _INNER
+    things = things_in(line, names, is_inner)
     for other in dict.fromkeys(made.values()):
-        things = {**things_in(other, names), **things}
+        things = {**things_in(other, names, is_inner), **things}
     is_function = code.co_name != "<module>"
     outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)
     return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside, made)
+
+
+def _visible(frame: FrameType) -> Mapping[str, Any]:
+    """The variables that the code of a frame can mean: its own, and of the notebook's those that it reads.
+
+    In a lambda or a comprehension within a function, a name of that function is not known, and must not be taken for
+    the notebook's variable of the same name.
+    """
+    code = frame.f_code
+    is_cell = code.co_name == "<module>" or (code.co_name in _INNER and "<locals>" not in code.co_qualname)
+    read = set(frame.f_globals) if is_cell else _names_read(code)
+    return {**{name: value for name, value in frame.f_globals.items() if name in read}, **frame.f_locals}
+
+
+def _names_read(code: CodeType) -> set[str]:
+    """The names that are no variables of a function's own, in it and in the functions within it."""
+    found, waiting = set(code.co_names), [code]
+    while waiting:
+        inner = [one for one in waiting.pop().co_consts if isinstance(one, CodeType)]
+        found.update(name for one in inner for name in one.co_names)
+        waiting += inner
+    return found
 
 
 def _made(line: str, frame: FrameType, number: int, source: str) -> dict[str, str]:

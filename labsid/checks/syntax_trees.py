@@ -33,15 +33,15 @@ def flat_text(node: ast.AST) -> str:
     parts: list[str] = []
     waiting: list[Any] = [node]
     while waiting:
-        one = waiting.pop()
-        if isinstance(one, ast.AST):
-            parts.append(type(one).__name__)
-            waiting += reversed([getattr(one, name, None) for name in one._fields if name not in ("ctx", "kind")])
-        elif isinstance(one, list):
+        part = waiting.pop()
+        if isinstance(part, ast.AST):
+            parts.append(type(part).__name__)
+            waiting += reversed([getattr(part, name, None) for name in part._fields if name not in ("ctx", "kind")])
+        elif isinstance(part, list):
             parts.append("[")
-            waiting += [_END, *reversed(one)]
+            waiting += [_END, *reversed(part)]
         else:
-            parts.append("]" if one is _END else constant_text(one))
+            parts.append("]" if part is _END else constant_text(part))
     return " ".join(parts)
 
 

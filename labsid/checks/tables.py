@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
 
+_NAME = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*")
+_EYE = re.compile(r"\beye\([^(),]+, *(-?\w+)\)")
+"""What looks like a diagonal, and is the number of columns."""
 _FLAT_ZEROS = re.compile(r"\b(zeros|ones|empty)\(\s*(?!\()[^(),]*(?:\([^()]*\))?[^(),]*\)\s*(?:#.*)?$")
 """An array of zeros of one size, at the end of a line."""
 
@@ -15,14 +18,28 @@ def row_or_column(stop: Stop, _: re.Match[str] | None = None) -> str | None:
     """A row where a column fits, or the reverse: in the line that stopped, or in one that made what stands in it."""
     sizes = {int(number) for number in re.findall(r"\b\d+\b", stop.text)}
     sizes |= {length for thing in stop.things.values() for length in thing.lengths}
-    lines = dict.fromkeys((stop.line, *stop.made.values()))
+    failed = stop.line if "input array" in stop.text else stop.part or stop.line
+    lines = dict.fromkeys((failed, *_lines_behind(stop, failed)))
     counted = (_counted,) if "core dimension" in stop.text else ()
     for taken in (*counted, _starred, _gone_through, _cut):
         for line in lines:
             said = next(filter(None, (taken(stop, line, node, sizes) for node in _expressions(line))), "")
             if said:
-                return said if line == stop.line else f"In `{line}`, {said}"
+                return said if line == failed else f"In `{line}`, {said}"
     return None
+
+
+def _lines_behind(stop: Stop, failed: str) -> Iterator[str]:
+    """The lines that made what stands in the part that failed, and those that made what stands in these."""
+    asked, told = [failed], set[str]()
+    while asked:
+        for name in _NAME.findall(asked.pop(0)):
+            thing = stop.things.get(name)
+            is_count = thing is not None and thing.kind == "number"
+            if name in stop.made and name not in told and (not is_count or "len(" in stop.made[name]):
+                told.add(name)
+                asked.append(stop.made[name])
+                yield stop.made[name]
 
 
 def _expressions(line: str) -> Iterator[ast.expr]:
@@ -84,11 +101,28 @@ def _cut(stop: Stop, line: str, node: ast.expr, sizes: set[int]) -> str:
         k = ast.unparse(parts[1])
         return f"`{cut}` is a column of `{name}`, with {table[0]} entries; a row, `{name}[{k}]`, has {table[1]}."
     if isinstance(node.ctx, ast.Store):
+        return _turned_target(stop, table, parts, name)
+    is_behind = line not in (
+        stop.part,
+        stop.line,
+    )  # a row is what a step of a recursion takes: another side may be wrong
+    if is_behind and "core dimension" in stop.text:
         return ""
     if at == [True] or (at == [True, False] and _is_whole(parts[1])):
         k = ast.unparse(parts[0])
         return f"`{cut}` is a row of `{name}`, with {table[1]} entries; a column, `{name}[:, {k}]`, has {table[0]}."
     return ""
+
+
+def _turned_target(stop: Stop, table: tuple[int, ...], parts: list[ast.expr], name: str) -> str:
+    """A row that is set to as many numbers as a column has; empty if it is not."""
+    got = re.search(r"from shape \((\d+),\) into shape \((\d+),\)", stop.text)
+    if got is None or (int(got[1]), int(got[2])) != table or isinstance(parts[0], ast.Slice):
+        return ""
+    if _EYE.search(stop.made.get(name, "")):
+        return ""
+    k = ast.unparse(parts[0])
+    return f"`{name}[{k}]` is a row of `{name}`, with {table[1]} entries; a column, `{name}[:, {k}]`, has {table[0]}."
 
 
 def _is_whole(part: ast.expr) -> bool:
@@ -111,23 +145,38 @@ def unfit_target(stop: Stop, found: re.Match[str]) -> str | None:
             "the shapes of what it is made of. Often here: `*` between a matrix and a vector where `@` is meant, or a "
             "column (N, 1) beside a flat array (N,)?"
         )
-    if isinstance(value, ast.Name):
-        made = f", by `{stop.made[right]}`" if right in stop.made else ""
-        return f"`{left}` takes {wanted}, and `{right}` has the shape {got}{made}."
-    return None
+    eye = _EYE.search(stop.made.get(ast.unparse(target.value), ""))
+    if eye is not None:
+        return (
+            f"`{left}` takes {wanted}: `{eye[0]}` made it, where {eye[1]}, what comes second, is the number of "
+            f"columns. A diagonal above or below is chosen by its name, `k={eye[1]}`."
+        )
+    if re.fullmatch(r"\(\d+,\)", got) and re.fullmatch(r"\(\d+,\)", wanted):
+        made = f" (made by `{stop.made[right]}`)" if right in stop.made else ""
+        return (
+            f"`{left}` takes {wanted[1:-2]} numbers, and `{right}`{made} has {got[1:-2]}: on both sides of `=` there "
+            "must be as many."
+        )
+    made = f", by `{stop.made[right]}`" if right in stop.made else ""
+    return f"`{left}` takes {wanted}, and `{right}` has the shape {got}{made}."
 
 
 def entry_of_a_flat_array(stop: Stop, _: re.Match[str]) -> str | None:
     """One entry of a flat array that is set to a whole array."""
-    target, _value = _assignment(stop)
-    shape = None if target is None else stop.shape(target.value)
-    if target is None or shape is None or len(shape) != 1:
-        return None
-    name = ast.unparse(target.value)
-    return (
-        f"`{name}` has shape {shape}: each entry is one number, and here it is set to a whole array. "
-        f"{zeros_of_one_size(stop, name) or 'A table takes a row at once: `np.zeros((rows, columns))`.'}"
-    )
+    for target, value in _pairs(stop):
+        shape, put = stop.shape(target.value), stop.shape(value)
+        if shape is None or len(shape) != 1 or put == ():
+            continue
+        name, right = ast.unparse(target.value), ast.unparse(value)
+        holds = f"`{right}` has shape {put}" if put else f"`{right}` is an array of several"
+        made = f", by `{stop.made[name]}`" if name in stop.made else ""
+        zeros = zeros_of_one_size(stop, name)
+        return (
+            f"`{name}` has shape {shape}{made}: each entry is one number, and {holds}. Is a row to be kept for each? "
+            f"Then `{name}` must be a table: {zeros or '`np.zeros((rows, columns))`.'} Is it to be one number? Then "
+            "something on the right is taken whole in place of one entry."
+        )
+    return None
 
 
 def zeros_of_one_size(stop: Stop, name: str) -> str:
@@ -145,12 +194,18 @@ def zeros_of_one_size(stop: Stop, name: str) -> str:
 
 def _assignment(stop: Stop) -> tuple[ast.Subscript | None, ast.expr | None]:
     """The entries that a line sets, and what it sets them to."""
+    return next(_pairs(stop), (None, None))
+
+
+def _pairs(stop: Stop) -> Iterator[tuple[ast.Subscript, ast.expr]]:
+    """The entries that a line sets, each with what it sets it to."""
     tree = parsed_line(stop.line)
-    for node in _statements(tree):
-        if len(node.targets) == 1 and isinstance(node.targets[0], ast.Subscript):
-            return node.targets[0], node.value
-    return None, None
-
-
-def _statements(tree: ast.AST | None) -> Iterator[ast.Assign]:
-    yield from (node for node in ([] if tree is None else ast.walk(tree)) if isinstance(node, ast.Assign))
+    for node in [] if tree is None else ast.walk(tree):
+        if not isinstance(node, ast.Assign) or len(node.targets) != 1:
+            continue
+        target, value = node.targets[0], node.value
+        if isinstance(target, ast.Subscript):
+            yield target, value
+        elif isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) and len(target.elts) == len(value.elts):
+            pairs = zip(target.elts, value.elts, strict=True)
+            yield from ((one, part) for one, part in pairs if isinstance(one, ast.Subscript))

@@ -8,6 +8,8 @@ from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
 
 _FINDS = ("where", "nonzero", "flatnonzero", "argwhere")
+_SIZED = ("zeros", "ones", "empty", "eye", "range", "arange", "full", "reshape")
+_COUNTS = "An index counts samples: `np.argmax` and `np.flatnonzero` return indices, and an entry of `t` is a time."
 _EXTREMES = {"min": "argmin", "max": "argmax", "amin": "argmin", "amax": "argmax"}
 
 
@@ -43,11 +45,14 @@ def _all_of(stop: Stop, name: str, made: str) -> str | None:
 
 
 def _found(name: str, call: ast.Call) -> str:
-    condition = ast.unparse(call.args[0]) if call.args else "condition"
-    return (
+    condition = call.args[0] if call.args else None
+    said = (
         f"`np.{_function(call)}` returns a tuple, with an array of all the indices in it. The first index is "
-        f"`{name}[0][0]`, or `np.argmax({condition})`."
+        f"`{name}[0][0]`"
     )
+    if isinstance(condition, ast.Compare):
+        return f"{said}, or `np.argmax({ast.unparse(condition)})`."
+    return f"{said}, and the array of all of them `{name}[0]`."
 
 
 def _whole_shape(line: str) -> str | None:
@@ -68,7 +73,7 @@ def all_that_is_found(stop: Stop, _: re.Match[str]) -> str | None:
         if call is not None and thing is not None and thing.kind == "array" and thing.shape:
             return (
                 f"`{ast.unparse(node)}` has {thing.shape[0]} entries, one for each index that `np.{_function(call)}` "
-                f"finds, by `{made}`. The first of them is `[0]`, and its index `np.argmax(condition)`."
+                f"finds, by `{made}`. The first of them is `[0]`."
             )
     return None
 
@@ -107,6 +112,29 @@ def several_indices(stop: Stop, _: re.Match[str]) -> str | None:
     return None
 
 
+def no_whole_number(stop: Stop, _: re.Match[str]) -> str | None:
+    """A fraction, or an array, where an index, a size or a count is asked for."""
+    whole = "An index, a size or a count must be a whole number"
+    nodes = list(stop.expressions())
+    fractions = [node for node in nodes if isinstance(node, ast.Name) and _is_fraction(stop, node)]
+    lines = (stop.part or stop.line, *(stop.made.get(ast.unparse(node), "") for node in fractions))
+    if any(re.search(r"(?<!/)/(?!/)", line) for line in lines):
+        return f"{whole}: `/` always gives a float, `//` a whole number."
+    for node in (one for one in nodes if isinstance(one, ast.Call)):
+        for part in node.args:
+            thing, name = stop.things.get(ast.unparse(part)), ast.unparse(part)
+            if thing is not None and thing.kind == "array" and thing.shape and _function(node) in _SIZED:
+                return f"{whole}, and `{name}` is an array, of shape {thing.shape}: its length is `len({name})`."
+            if isinstance(part, ast.Constant) and type(part.value) is float:
+                return f"{whole}, and `{name}` is none."
+    return f"{whole}: print what stands in its place."
+
+
+def _is_fraction(stop: Stop, node: ast.expr) -> bool:
+    thing = stop.things.get(ast.unparse(node))
+    return thing is not None and thing.kind == "number" and not thing.is_whole
+
+
 def _indices(node: ast.Subscript) -> Iterator[ast.expr]:
     """The single indices in square brackets, and the terms of the sums that they are."""
     open_parts: list[ast.expr | None] = [node.slice]
@@ -117,7 +145,7 @@ def _indices(node: ast.Subscript) -> Iterator[ast.expr]:
         elif isinstance(part, ast.Slice):
             open_parts += [part.lower, part.upper, part.step]
         elif isinstance(part, ast.BinOp):
-            open_parts += [part.left, part.right]
+            open_parts += [one for one in (part.left, part.right) if not isinstance(one, ast.Constant)]
         elif part is not None:
             yield part
 
@@ -127,24 +155,32 @@ def _no_index(stop: Stop, part: ast.expr) -> str:
     name, thing = ast.unparse(part), stop.things.get(ast.unparse(part))
     call = next((one for one in ast.walk(part) if isinstance(one, ast.Call) and _function(one) in _FINDS), None)
     if call is not None:
-        condition = ast.unparse(call.args[0]) if call.args else "condition"
-        return f"`{name}` holds all the indices that are found. The first of them is `np.argmax({condition})`."
+        condition = call.args[0] if call.args else None
+        first = (
+            f" The first of them is `np.argmax({ast.unparse(condition)})`."
+            if isinstance(condition, ast.Compare)
+            else ""
+        )
+        return f"`{name}` holds all the indices that are found, and an index is one number.{first}"
     if isinstance(part, ast.Call) and _function(part) in _EXTREMES:
         other = _EXTREMES[_function(part)]
         return f"`{name}` is a value, and an index is asked for: where it is, `np.{other}(...)` tells."
+    if isinstance(part, ast.Constant) and type(part.value) is float:
+        return f"`{name}` is no whole number. {_COUNTS}"
     if thing is None:
         return ""
     if thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape):
         entry = f"{name}[0][0]" if thing.lengths else f"{name}[0]"
+        if thing.kind == "array":
+            made = f", by `{stop.made[name]}`" if name in stop.made else ""
+            return f"`{name}` {thing.said}{made}, and an index is one whole number."
         return f"`{name}` {thing.said}, and an index is one number: take an entry, such as `{entry}`."
-    if thing.kind == "number" and thing.value is None and not isinstance(part, ast.Constant):
+    if thing.kind == "number" and not thing.is_whole and not isinstance(part, ast.Constant):
         made = stop.made.get(name, "")
-        if "/" in re.sub("//", "", made) or not made:
+        if "/" in re.sub("//", "", made):
             return ""
-        return (
-            f"`{name}` is no whole number, by `{made}`. An index counts samples: `np.argmax` and `np.flatnonzero` "
-            "return indices, and an entry of `t` is a time."
-        )
+        by = f", by `{made}`" if made else ""
+        return f"`{name}` is no whole number{by}. {_COUNTS}"
     return ""
 
 

@@ -53,15 +53,18 @@ def wrong_elsewhere(
     if not is_asked or record is None or name is None or not can_be_drawn(name):
         return False
     try:
-        other = _public_record(name, record)
+        other_record = _public_record(name, record)
     except ValueError:
         return False
-    right = find_reference_values(assignment, other)
+    right = find_reference_values(assignment, other_record)
     values = right.get(question.id, {})
-    earlier = [one.id for one in assignment.questions[: assignment.questions.index(question)]]
-    known = {key: value for one in earlier for key, value in right.get(one, {}).items()}
+    earlier = [asked.id for asked in assignment.questions[: assignment.questions.index(question)]]
+    known = {key: value for question_id in earlier for key, value in right.get(question_id, {}).items()}
     mixed = {**known, **values} | {key: plain(variables[key]) for key in typed if key in variables}
-    judged = [question.verdict(_AskWith(other, known, one, call)) for one in ({**known, **values}, mixed)]
+    judged = [
+        question.verdict(_AskWith(other_record, known, values_there, call))
+        for values_there in ({**known, **values}, mixed)
+    ]
     return judged[0].passed and not judged[1].passed
 
 

@@ -440,7 +440,7 @@ def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
         write_json(path, found.system.to_json_dict())
 
 
-def _write_simulation(path: Path, found: "Diagnosis") -> None:
+def _write_simulation(path: Path, diagnosed: "Diagnosis") -> None:
     """Write an exported simulation in the form that the name of its file asks for."""
     from labsid._files import write_json
 
@@ -448,10 +448,10 @@ def _write_simulation(path: Path, found: "Diagnosis") -> None:
     if kind in (".xml", ".mjcf"):
         from labsid.gap.reports.mjcf_export import write_mended_model
 
-        for line in write_mended_model(path, found):
+        for line in write_mended_model(path, diagnosed):
             print(line)
         return
-    content = found.model.to_json_dict()
+    content = diagnosed.model.to_json_dict()
     if kind == ".py":
         from labsid.gap.simulations.python_export import write_python_module
 

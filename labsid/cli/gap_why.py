@@ -21,7 +21,7 @@ EVIDENCE = {
     "activity": "its size repeats with the input",
     "tails": "residual has outliers, or comes and goes",
     "short": "gap left on held-out samples",
-    "several": "1 for two effects or more",
+    "several": "number of effects beyond the first",
     "coloured": "1 for coloured noise beside effects",
     "reduction": "error that the effects take away",
     "unrepeated": "1 if levels do not repeat",
@@ -33,6 +33,7 @@ EVIDENCE = {
     "others": "number of other effects",
     "together": "1 if all of its set are found",
     "missed": "error without it",
+    "smooth": "1 if its law is a smooth curve",
 }
 """What each measure of `Evidence` and `PartialEvidence` says."""
 

@@ -105,7 +105,8 @@ def _with_options(command: Callable[..., None], options: dict[str, tuple[Any, An
         former = given.pop("former_output")
         if former is not None:
             given["output"] = _former_output(former)
-        command(*arguments, how=Reading(**{name: given.pop(name) for name in options}), **given)
+        how = Reading(**{name: value for name, value in given.items() if name in options})
+        command(*arguments, how=how, **{name: value for name, value in given.items() if name not in options})
 
     options_and_former = options | {"former_output": (FormerOutput, None)}
     added = [

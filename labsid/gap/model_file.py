@@ -174,7 +174,9 @@ class ExportedModel:
         """Output after a long time at the first input; loads, sinusoids and drifts begin with `u`."""
         hypothesis, theta = self.hypothesis, self.theta
         rest = np.full(SETTLING_SAMPLES, u[0])
-        if any(theta[i] for i, one in enumerate(hypothesis.parameters) if one.name.startswith(_OF_ONE_RECORD)):
+        if any(
+            theta[i] for i, parameter in enumerate(hypothesis.parameters) if parameter.name.startswith(_OF_ONE_RECORD)
+        ):
             level = hypothesis.output(theta, self.gains, rest, BEFORE_ANY_CHANGE, self.reference)[-1]
             return self._started(rest, np.full(SETTLING_SAMPLES, level))._output(u)
         design = hypothesis.design(theta, np.concatenate([rest, u]), self.span, self.reference)
@@ -257,10 +259,12 @@ class ExportedModel:
         if self.start.rates is None:
             return 0
         for effect in hypothesis.inputs:
-            if any(one.name in STATES for one in effect.parameters):  # they are estimated
+            if any(parameter.name in STATES for parameter in effect.parameters):  # they are estimated
                 theta[hypothesis.slices[effect.key].start] = PASSING[effect.parameters[0].name]
-        before = (np.full(SETTLING_SAMPLES, end) for end in (u.min(), u.max()))
-        low, high = (hypothesis.actuator(theta, np.concatenate([one, u]))[SETTLING_SAMPLES:] for one in before)
+        constants = (np.full(SETTLING_SAMPLES, end) for end in (u.min(), u.max()))
+        low, high = (
+            hypothesis.actuator(theta, np.concatenate([constant, u]))[SETTLING_SAMPLES:] for constant in constants
+        )
         unknown = int(np.flatnonzero(np.append(True, np.abs(high - low) > SAME_DRIVE))[-1])
         if hypothesis.plant.nonlinear and hypothesis.plant.lag_ahead:
             lag = theta[hypothesis.slices["plant"]][hypothesis.plant.index("log_lag")]
@@ -452,7 +456,7 @@ def from_json_dict(content: dict[str, Any], read_given: ReadGiven | None = None)
     try:
         keys, written = [str(key) for key in content["effects"]], content["parameters"]
         theta, gains = np.array(content["theta"], float), np.array(content["gains"], float)
-        other = None if content.get("elsewhere") is None else from_json_dict(content["elsewhere"], read_given)
+        elsewhere = None if content.get("elsewhere") is None else from_json_dict(content["elsewhere"], read_given)
         table = EFFECTS_BY_KEY | further_from_json(content.get("further", []))
         means = np.array(content.get("input_means", []), float)  # files of earlier versions have none
         weight = float(content.get("offset_weight", 0.0))
@@ -490,7 +494,9 @@ def from_json_dict(content: dict[str, Any], read_given: ReadGiven | None = None)
         raise ValueError(wrong.format(f"gains must hold {expected} numbers; got {gains.size}"))
     if means.shape not in ((0,), (INPUT_PARTS,)):
         raise ValueError(wrong.format(f"input_means must hold {INPUT_PARTS} numbers"))
-    return ExportedModel(hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, other, weight, start)
+    return ExportedModel(
+        hypothesis, theta, gains, Ts, span, reference, u_scale, y_scale, means, elsewhere, weight, start
+    )
 
 
 def _read_feedback(content: dict[str, Any]) -> OutputFeedback:
@@ -503,10 +509,10 @@ def _read_feedback(content: dict[str, Any]) -> OutputFeedback:
     """
     position, speed = map(float, content["gains"])
     c, k = map(float, content["closed"])
-    found = OutputFeedback(gains=(position, speed), closed=(c, k), about=float(content["about"]))
-    if not np.isfinite([*found.gains, *found.closed, found.about]).all() or min(found.closed) <= 0.0:
+    feedback = OutputFeedback(gains=(position, speed), closed=(c, k), about=float(content["about"]))
+    if not np.isfinite([*feedback.gains, *feedback.closed, feedback.about]).all() or min(feedback.closed) <= 0.0:
         raise ValueError("the feedback must have finite gains and positive rates")
-    return found
+    return feedback
 
 
 def with_sources(content: dict[str, Any], change: Callable[[str], str]) -> dict[str, Any]:
@@ -530,10 +536,14 @@ def opened_given(
     """The simulator of an exported simulation, its rates, and the units and ranges of its free numbers."""
     try:
         source, rates = str(content["source"]), (float(content["rates"][0]), float(content["rates"][1]))
-        free = {str(name): dict(one) for name, one in content["free"].items()}
-        nominal = {name: float(one["nominal"]) for name, one in free.items()}
-        units = {name: float(one["unit"]) for name, one in free.items()}
-        ranges = {name: (float(one["range"][0]), float(one["range"][1])) for name, one in free.items() if one["range"]}
+        free = {str(name): dict(number) for name, number in content["free"].items()}
+        nominal = {name: float(number["nominal"]) for name, number in free.items()}
+        units = {name: float(number["unit"]) for name, number in free.items()}
+        ranges = {
+            name: (float(number["range"][0]), float(number["range"][1]))
+            for name, number in free.items()
+            if number["range"]
+        }
     except (KeyError, IndexError, TypeError, ValueError, AttributeError):
         raise ValueError('not an exported simulation: its "simulator" has the wrong form. Export it again.') from None
     simulate = opened(source).with_free(list(nominal))

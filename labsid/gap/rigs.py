@@ -107,12 +107,12 @@ def _checked(path: Path, second: Path, order: int, seed: int) -> RigResult:
     record = one_signal_each(load_record(path), "the table of rigs")
     holdout = between_outputs(one_signal_each(load_record(second), "the table of rigs"))
     start = process_time()
-    found = diagnose(record, holdout=holdout, order=order, seed=seed)
+    diagnosed = diagnose(record, holdout=holdout, order=order, seed=seed)
     seconds = process_time() - start
-    assert isinstance(found, Diagnosis)
-    report = found.report
+    assert isinstance(diagnosed, Diagnosis)
+    report = diagnosed.report
     errors = report["simulation"]["model"]["errors"]
-    e = holdout.y - found.model.simulate(filtered_input(holdout), holdout.y)
+    e = holdout.y - diagnosed.model.simulate(filtered_input(holdout), holdout.y)
     return RigResult(
         name=path.stem,
         verdict=report["verdict"],

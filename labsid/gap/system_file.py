@@ -143,8 +143,8 @@ class ExportedSystem:
         scaled = self._scaled(u)
         return np.column_stack(
             [
-                one.beside(scaled).simulate(np.ascontiguousarray(u[:, self.inputs.index(one.main)]), own)
-                for one, own in zip(self.outputs.values(), y.T, strict=True)
+                output.beside(scaled).simulate(np.ascontiguousarray(u[:, self.inputs.index(output.main)]), own)
+                for output, own in zip(self.outputs.values(), y.T, strict=True)
             ]
         )
 
@@ -181,7 +181,7 @@ class ExportedSystem:
             "outputs": [
                 {
                     "name": name,
-                    "main": one.main,
+                    "main": output.main,
                     "actuators": [
                         {
                             "input": at.input,
@@ -189,11 +189,11 @@ class ExportedSystem:
                             "further": further_to_json(at.effects),
                             "theta": at.theta.tolist(),
                         }
-                        for at in one.actuators
+                        for at in output.actuators
                     ],
-                    "model": one.model.to_json_dict(),
+                    "model": output.model.to_json_dict(),
                 }
-                for name, one in self.outputs.items()
+                for name, output in self.outputs.items()
             ],
         }
 
@@ -208,20 +208,20 @@ def system_from_json(content: Mapping[str, Any]) -> ExportedSystem:
     """
     wrong = "not an exported simulation of several signals: {}. Export it again."
     try:
-        inputs = tuple(str(one["name"]) for one in content["inputs"])
-        scales = tuple(Scale(float(one["centre"]), float(one["unit"])) for one in content["inputs"])
-        names = [str(one["name"]) for one in content["outputs"]]
+        inputs = tuple(str(entry["name"]) for entry in content["inputs"])
+        scales = tuple(Scale(float(entry["centre"]), float(entry["unit"])) for entry in content["inputs"])
+        names = [str(entry["name"]) for entry in content["outputs"]]
         simulated = tuple(str(name) for name in content["simulated"])
         given = _given_reader(inputs, scales, names, simulated)
         outputs = {}
-        for j, one in enumerate(content["outputs"]):
-            model = from_json_dict(one["model"], lambda *about, j=j, main=str(one["main"]): given(*about, main, j))
-            outputs[names[j]] = ExportedOutput(model, str(one["main"]), tuple(map(_actuator, one["actuators"])))
+        for j, entry in enumerate(content["outputs"]):
+            model = from_json_dict(entry["model"], lambda *about, j=j, main=str(entry["main"]): given(*about, main, j))
+            outputs[names[j]] = ExportedOutput(model, str(entry["main"]), tuple(map(_actuator, entry["actuators"])))
     except KeyError as error:
         raise ValueError(wrong.format(f"{error} is missing")) from None
     except (TypeError, AttributeError):
         raise ValueError(wrong.format("a value has the wrong type")) from None
-    if not outputs or not inputs or any(one.main not in inputs for one in outputs.values()):
+    if not outputs or not inputs or any(output.main not in inputs for output in outputs.values()):
         raise ValueError(wrong.format("it needs inputs and outputs, and each output a main input"))
     return ExportedSystem(inputs, scales, outputs, simulated)
 

@@ -64,22 +64,22 @@ def result_of_checks(notebook: Path, assignment: str, record: Path | None = None
         raise ValueError(f"{assignment} has no checks.")
     questions = []
     has_right_values = False  # whether the reference's values stand in the notebook's variables
-    for one in run.states:
-        said = run.reasons.get(one.question.id, "") if one.state == FAILED else ""
+    for state in run.states:
+        said = run.reasons.get(state.question.id, "") if state.state == FAILED else ""
         if has_right_values:
             said = _ERROR_TEXT.sub(r"\1", said)
-        has_right_values |= one.state != PASSED
+        has_right_values |= state.state != PASSED
         questions.append(
             {
-                "id": one.question.id,
-                "heading": one.question.heading,
-                "marks": decimal_text(one.marks),
-                "earned": decimal_text(one.earned),
-                "state": one.state,
+                "id": state.question.id,
+                "heading": state.question.heading,
+                "marks": decimal_text(state.marks),
+                "earned": decimal_text(state.earned),
+                "state": state.state,
                 "said": said[:_MOST_CHARACTERS],
             }
         )
-    remarks = [_ERROR_TEXT.sub(r"\1", one)[:_MOST_CHARACTERS] for one in run.remarks]
+    remarks = [_ERROR_TEXT.sub(r"\1", remark)[:_MOST_CHARACTERS] for remark in run.remarks]
     return {"title": saved.template.title, "questions": questions, "remarks": remarks}
 
 

@@ -187,17 +187,17 @@ class _Runner:
         """Run a step and note what the checks in it found."""
         kind = "" if step.known is None else step.known.kind
         question = step.known.id if step.known is not None and kind in ("question", "tests") else ""
-        left = self._deadline - time.monotonic()
+        seconds_left = self._deadline - time.monotonic()
         self._own_cells += (step.known is None or kind == "answer") and bool(step.source)
-        over = self._over_a_limit(left)
+        over = self._over_a_limit(seconds_left)
         if over:
             if question:
                 self._fail(question, f"{question}: {over}")
             return
         allowed = _CHECK_SECONDS if kind == "question" else self._cell_seconds
-        outcome = self._run(step.source, step.cell_id, min(left, allowed))
-        for one in outcome.outcomes:  # of the question itself; another cell can only skip one
-            name, state = str(one.get("question")), str(one.get("state"))
+        outcome = self._run(step.source, step.cell_id, min(seconds_left, allowed))
+        for outcome_of_check in outcome.outcomes:  # of the question itself; another cell can only skip one
+            name, state = str(outcome_of_check.get("question")), str(outcome_of_check.get("state"))
             if name == question or state == SKIPPED:
                 self.found[name] = state
         if kind != "question":

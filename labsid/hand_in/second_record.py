@@ -42,8 +42,8 @@ def confirmed_on_another_record(
         As it was, where nothing that follows from the record is right, or no other record can be drawn.
     """
     assignment = find_assignment(template.assignment)
-    asked = {one.id for one in assignment.questions if one.follows_from is FollowsFrom.DATA}
-    right = {one.question.id for one in first.states if one.state == PASSED} & asked
+    asked = {question.id for question in assignment.questions if question.follows_from is FollowsFrom.DATA}
+    right = {state.question.id for state in first.states if state.state == PASSED} & asked
     own = notebook.parent / (assignment.record_file or "")
     if not right or not can_be_drawn(own.name) or not own.is_file():
         return first
@@ -52,7 +52,11 @@ def confirmed_on_another_record(
     except ValueError:  # grading has no other record either
         return first
     second = run_from_clean_start(cells, template, notebook, content=content)
-    wrong = {one.question.id: one.question for one in second.states if one.state == FAILED and one.question.id in right}
+    wrong = {
+        state.question.id: state.question
+        for state in second.states
+        if state.state == FAILED and state.question.id in right
+    }
     reasons = {key: f"{key} ({cell.heading}): {ON_YOUR_RECORD_ONLY}" for key, cell in wrong.items()}
-    states = tuple(replace(one, state=FAILED) if one.question.id in wrong else one for one in first.states)
+    states = tuple(replace(state, state=FAILED) if state.question.id in wrong else state for state in first.states)
     return replace(first, states=states, reasons={**first.reasons, **reasons})

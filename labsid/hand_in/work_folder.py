@@ -45,7 +45,7 @@ def copy_release(release: Path, folder: Path) -> Iterator[str]:
         files = sorted((release / name).glob("[!.]*.*"))
         copied = [file.name for file in files if _copy(file, folder / name / file.name)]
         kept = [file.name for file in files if file.name not in copied]
-        parts = [f"{what}: {', '.join(found)}" for what, found in (("new", copied), ("kept", kept)) if found]
+        parts = [f"{what}: {', '.join(files)}" for what, files in (("new", copied), ("kept", kept)) if files]
         yield f"{name}: {'; '.join(parts)}"
 
 

@@ -137,11 +137,11 @@ def _gram(u: FloatArray, y: FloatArray, n: int) -> tuple[FloatArray, FloatArray,
 
 
 def _by_svd(u: FloatArray, y: FloatArray, Ts: float, order: int) -> LongArxFit:
-    found = fit_arx(u, y, Ts, order)
-    fit = found.fit
+    arx = fit_arx(u, y, Ts, order)
+    fit = arx.fit
     return LongArxFit(
-        model=found.model,
-        rows=found.regression.Y.size,
+        model=arx.model,
+        rows=arx.regression.Y.size,
         loss=fit.loss,
         condition_number=fit.condition_number,
         sigma2=fit.sigma2,

@@ -91,20 +91,20 @@ def _constant(raw: SeveralSignals) -> Iterator[tuple[str, str]]:
 
 def _proportional(raw: SeveralSignals) -> Iterator[tuple[str, str]]:
     (inputs, u), (outputs, y) = _named(raw)
-    for (name, x), (other, z) in combinations(zip((*inputs, *outputs), (*u, *y), strict=True), 2):
+    for (name, x), (second, z) in combinations(zip((*inputs, *outputs), (*u, *y), strict=True), 2):
         slope = _slope(x, z)
         if slope is None:
             continue
-        if name in inputs and other in outputs:
+        if name in inputs and second in outputs:
             if slope == 1.0 and np.array_equal(x, z):
-                yield "output", f"the output {other} is the input {name}. Leave it out of the outputs (--outputs)."
+                yield "output", f"the output {second} is the input {name}. Leave it out of the outputs (--outputs)."
             continue
         kind = "input" if name in inputs else "output"
         why = "their effects cannot be told apart" if kind == "input" else "it holds nothing new"
         yield (
             kind,
-            f"the {kind} {other} is {slope:.6g} times {name}, but for a constant, so that {why}. Leave one of them out "
-            f"(--{kind}s).",
+            f"the {kind} {second} is {slope:.6g} times {name}, but for a constant, so that {why}. Leave one of "
+            f"them out (--{kind}s).",
         )
 
 

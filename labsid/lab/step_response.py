@@ -260,8 +260,8 @@ def _refine(t: FloatArray, y: FloatArray, amplitude: float, reading: FirstOrderD
     span = float(t[-1])
     lower, upper = np.array([np.log(1e-3 * span / t.size), 0.0]), np.array([np.log(100 * span), span])
     start = np.clip([np.log(reading.tau), reading.td], lower, upper)
-    found = nonlinear_least_squares(error, start, bounds=(lower, upper), x_scale=[1.0, reading.tau])
-    tau, td = float(np.exp(found.x[0])), float(found.x[1])
+    refined = nonlinear_least_squares(error, start, bounds=(lower, upper), x_scale=[1.0, reading.tau])
+    tau, td = float(np.exp(refined.x[0])), float(refined.x[1])
     return FirstOrderDelay(gain(tau, td), tau, td)
 
 

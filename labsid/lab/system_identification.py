@@ -187,20 +187,20 @@ def _why_not_unique(name: str, u: FloatArray, equation: Equation, record: Record
 
 
 def _warnings(record: Record, offsets: SignalOffsets, model: ArxSystem) -> list[str]:
-    found = []
+    warnings = []
     if offsets.status == "means":
-        found.append(
+        warnings.append(
             "the inputs move from the first samples on, so that the record shows no rest; the means of the first half "
             "are the offsets"
         )
     else:
         words = {"too short": "begins too briefly at rest", "not settled": "is not settled before an input changes"}
-        named = [(name, one.status) for name, one in zip(record.outputs, offsets.outputs, strict=True)]
-        found += [f"{name} {words[status]}: its offset is uncertain" for name, status in named if status in words]
+        named = [(name, offset.status) for name, offset in zip(record.outputs, offsets.outputs, strict=True)]
+        warnings += [f"{name} {words[status]}: its offset is uncertain" for name, status in named if status in words]
     if record.reference is not None:
-        found.append(
+        warnings.append(
             "it is a closed-loop record (it has a reference): noise reaches inputs and outputs, and biases theta"
         )
     if not model.is_stable:
-        found.append(f"the identified model is unstable: its largest pole has magnitude {abs(model.poles[0]):.4g}")
-    return found
+        warnings.append(f"the identified model is unstable: its largest pole has magnitude {abs(model.poles[0]):.4g}")
+    return warnings

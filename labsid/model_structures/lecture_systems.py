@@ -152,8 +152,8 @@ def example_6_1(rng: np.random.Generator, samples: int = 1000) -> ChangingRecord
     theta = np.where(np.arange(samples)[:, np.newaxis] < change, [-0.8, 0.0, 1.0], [-1.1, 0.3, 2.0])
     y = np.zeros(samples)
     for t in range(1, samples):
-        before = y[t - 2] if t > 1 else 0.0
-        y[t] = -theta[t, 0] * y[t - 1] - theta[t, 1] * before + theta[t, 2] * u[t - 1] + e[t]
+        y_2 = y[t - 2] if t > 1 else 0.0
+        y[t] = -theta[t, 0] * y[t - 1] - theta[t, 1] * y_2 + theta[t, 2] * u[t - 1] + e[t]
     return ChangingRecord(u, y, e, theta, change)
 
 

@@ -69,10 +69,10 @@ class SignOfA:
     def view(self, position: int) -> View:
         """The samples after the first change of the input, with the signs of a position."""
         data = self._data
-        one, two = SIGNS[position]
+        sign_1, sign_2 = SIGNS[position]
         first = int(np.flatnonzero(data.u)[0])
         part = slice(max(first - 3, 0), first + 30)
-        theta = self._theta * np.array([one, two, 1, 1])
+        theta = self._theta * np.array([sign_1, sign_2, 1, 1])
         poles = ", ".join(map(_pole, self._poles(position)))
         short = LabData(data.Ts, data.t[part], data.u[part], data.y[part], data.y_offset, data.unit)
         low, high = -3 * float(np.abs(data.y).max()), 3 * float(np.abs(data.y).max())

@@ -38,8 +38,8 @@ def choose_apart(path: Path, kind: LibraryFormat, how: Reading) -> Chosen:
         told = _run(path, kind, {"how": asdict(how)}, Path(folder))
         with np.load(Path(folder) / "columns.npz", allow_pickle=False) as arrays:
             read = [
-                Column(one["name"], arrays[f"v{k}"], one["unit"], arrays[f"s{k}"] if one["stamped"] else None)
-                for k, one in enumerate(told["columns"])
+                Column(column["name"], arrays[f"v{k}"], column["unit"], arrays[f"s{k}"] if column["stamped"] else None)
+                for k, column in enumerate(told["columns"])
             ]
     t = read.pop(0) if told["timed"] else None
     nu, ny = told["inputs"], told["outputs"]
@@ -92,7 +92,7 @@ def _run(path: Path, kind: LibraryFormat, task: dict[str, Any], folder: Path) ->
 def _answer(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
     log = open_library_log(path, task["module"])
     if "describe" in task:
-        return {"summaries": [asdict(one) for one in summarize(log)]}
+        return {"summaries": [asdict(summary) for summary in summarize(log)]}
     chosen = choose(log, Reading(**task["how"]))
     signals = (*chosen.inputs, *chosen.outputs, *chosen.others)
     columns = signals if chosen.t is None else (chosen.t, *signals)
@@ -102,7 +102,9 @@ def _answer(path: Path, task: dict[str, Any], folder: Path) -> dict[str, Any]:
         raise ValueError(f"its columns are over {_KEPT_SIZE // 2**20} MB. Cut the log to what is needed.")
     np.savez(folder / "columns.npz", **arrays)  # type: ignore[arg-type]
     return {
-        "columns": [{"name": one.name, "unit": one.unit, "stamped": one.stamps is not None} for one in columns],
+        "columns": [
+            {"name": column.name, "unit": column.unit, "stamped": column.stamps is not None} for column in columns
+        ],
         "timed": chosen.t is not None,
         "inputs": len(chosen.inputs),
         "outputs": len(chosen.outputs),

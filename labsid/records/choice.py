@@ -161,10 +161,10 @@ def _told_apart(columns: Sequence[Column], places: Sequence[int]) -> list[Column
 
 def _with_fraction(t: Column, log: Log, notes: list[str]) -> Column:
     """Whole seconds together with the nanoseconds that stand in a column beside them, as ROS and POSIX write them."""
-    found = re.fullmatch(r"(.*?)(secs?)", t.name)
-    if found is None or t.values.dtype.kind != "i":
+    matched = re.fullmatch(r"(.*?)(secs?)", t.name)
+    if matched is None or t.values.dtype.kind != "i":
         return t
-    stem, seconds = found.groups()
+    stem, seconds = matched.groups()
     names = [f"{stem}{prefix}{seconds}" for prefix in ("nano", "n")]
     beside = [k for k, name in enumerate(log.names) if name in names]
     if len(beside) != 1:

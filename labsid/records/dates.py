@@ -91,13 +91,13 @@ def time_of_day(field: str) -> float:
     ValueError
         If it is none.
     """
-    found = _CLOCK.fullmatch(field)
-    if found is None:
+    matched = _CLOCK.fullmatch(field)
+    if matched is None:
         minutes = _MINUTES.fullmatch(field)
         if minutes is None:
             raise ValueError(field)
         return 60.0 * int(minutes[1]) + float(f"{minutes[2]}.{minutes[3]}")
-    days, *rest = found.groups()
+    days, *rest = matched.groups()
     return (int(days or 0) * _DAY + _nanoseconds(*rest)) / _SECOND
 
 

@@ -9,7 +9,8 @@ from labsid._arrays import FloatArray, freeze
 MAX_DEVIATION = 0.3  # sampling times; a missing sample shifts some stamp by at least half a sampling time
 MAX_BY_WORD = 0.4  # the same, where the caller says that the samples are even
 MAX_JITTER = 0.1  # sampling times, by which stamps of samples that are taken as even may deviate
-MAX_DROPPED = 0.2  # of the rows: a record with more of them dropped is not one of even sampling
+MAX_DROPPED = 0.2  # of the rows: a record with more of them dropped is not one of even sampling,
+FEW_PAUSES, MAX_PAUSED = 3, 1 / 3  # unless the logger paused a few times only
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +73,8 @@ def fit_dropped_rows(stamps: FloatArray) -> EvenTimes | None:
     Returns
     -------
     EvenTimes or None
-        None if more than `MAX_DROPPED` of the rows would be missing, or a stamp deviates by more than `MAX_DEVIATION`.
+        None if more than `MAX_DROPPED` of the rows would be missing (`MAX_PAUSED` in a few pauses), or a stamp deviates
+        by more than `MAX_DEVIATION`.
     """
     steps = np.diff(stamps)
     usual = float(np.median(steps))
@@ -91,7 +93,9 @@ def fit_dropped_rows(stamps: FloatArray) -> EvenTimes | None:
     if fitted is None:
         return None
     dropped = fitted.t.size - stamps.size
-    return fitted if fitted.largest <= MAX_DEVIATION and dropped <= MAX_DROPPED * stamps.size else None
+    few = int(np.sum(np.diff(fitted.places) > 1)) <= FEW_PAUSES
+    most = (MAX_PAUSED if few else MAX_DROPPED) * stamps.size
+    return fitted if fitted.largest <= MAX_DEVIATION and dropped <= most else None
 
 
 def fit_coarse_stamps(stamps: FloatArray) -> EvenTimes | None:

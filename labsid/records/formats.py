@@ -115,8 +115,9 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
         with _file_of(path) as file:
             chosen = _chosen(file, how)
             signals = even_signals(without_placeholders(signals_of(chosen, how)), how)
-        values = dict(signals.values)
-        inputs, outputs = ({key: values.pop(key) for key in keys} for keys in signal_keys(chosen))
+        input_keys, output_keys = signal_keys(chosen)
+        inputs, outputs = ({key: signals.values[key] for key in keys} for keys in (input_keys, output_keys))
+        values = {key: x for key, x in signals.values.items() if key not in (*input_keys, *output_keys)}
         u, y = _of_equal_length(inputs, signals), _of_equal_length(outputs, signals)
     except UnknownColumns as error:
         raise UnknownColumns(f"{path.name}: {error}") from None

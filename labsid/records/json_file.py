@@ -85,7 +85,7 @@ def _columns(name: str, value: Any) -> Iterator[tuple[str, list[Any] | np.ndarra
                 yield f"{name}.{key}" if name else key, [row.get(key) for row in rows]
         elif isinstance(value[0], list):
             widths = {len(row) if isinstance(row, list) else -1 for row in value}
-            if len(widths) == 1 and all(_is_number(one) for row in value for one in row):
+            if len(widths) == 1 and all(_is_number(element) for row in value for element in row):
                 yield name, np.array([list(map(_float, row)) for row in value])
         else:
             yield name or "1", value

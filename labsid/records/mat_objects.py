@@ -82,8 +82,8 @@ def _time_series(name: str, properties: dict[str, Any]) -> list[Column]:
         unit = _text(info.get("Units", info.get("Units_")))
     own = _text(known.get("name"))
     stem = name if not own or name == own else f"{name.partition('.')[0]}.{own}"
-    found = matrix_columns(stem, data)
-    return [Column(one.name, one.values, unit, stamps) for one in found if one.values.size == stamps.size]
+    columns = matrix_columns(stem, data)
+    return [Column(column.name, column.values, unit, stamps) for column in columns if column.values.size == stamps.size]
 
 
 def _times(known: dict[str, Any]) -> np.ndarray | None:

@@ -76,27 +76,27 @@ def _name(topic: str, path: Sequence[Part]) -> str:
     return name
 
 
-def _paths(value: Any, before: tuple[Part, ...] = (), labels: Sequence[str] = ()) -> list[tuple[Part, ...]]:
+def _paths(value: Any, path: tuple[Part, ...] = (), labels: Sequence[str] = ()) -> list[tuple[Part, ...]]:
     """The ways to each number in a message."""
-    if len(before) > _MAX_DEPTH:
+    if len(path) > _MAX_DEPTH:
         return []
     if value is None or isinstance(value, bool | int | float | np.number | np.bool_):
-        return [before]
+        return [path]
     members = _members(value)
     if members is not None:
         labels = _labels(members)
         paths = []
         for name, inner in members.items():
             if not (name in ("header", *_STAMPS) and _members(inner) and _header_stamp(value)):
-                paths += _paths(inner, (*before, name), labels)
+                paths += _paths(inner, (*path, name), labels)
         return paths
     if isinstance(value, list | tuple | np.ndarray) and len(value) <= MAX_ELEMENTS:
-        field = before[-1] if before else ""
+        field = path[-1] if path else ""
         named = len(labels) == len(value) and isinstance(field, str) and len(set(labels)) == len(labels)
         paths = []
         for k, inner in enumerate(value):
             step: Part = (str(field), labels[k]) if named else k
-            paths += _paths(inner, (*before, step))
+            paths += _paths(inner, (*path, step))
         return paths
     return []
 

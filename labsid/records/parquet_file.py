@@ -58,10 +58,10 @@ def _column(name: str, data: Any, unit: str) -> Column:
         nanoseconds = arrow_values(data.cast(pa.duration("ns")).cast(pa.int64()))
         return Column(name, nanoseconds * 1e-9, "s")
     if types.is_dictionary(data.type) or types.is_string(data.type) or types.is_large_string(data.type):
-        found = column_of_texts(name, ["" if one is None else str(one) for one in data.to_pylist()], unit)
-        if found is None:
+        column = column_of_texts(name, ["" if text is None else str(text) for text in data.to_pylist()], unit)
+        if column is None:
             raise ValueError(f"column {name} holds words.")
-        return found
+        return column
     return Column(name, arrow_values(data), unit)
 
 

@@ -32,8 +32,16 @@ def open_fmu(path: Path) -> Simulator:
     fmpy, description = _read(path)
     driven, seen = (_reals(path, description, causality) for causality in ("input", "output"))
     _check_platform(path, fmpy, description)
-    real = [one for one in description.modelVariables if one.type in _REAL and one.causality == "parameter"]
-    nominal = {one.name: float(one.start) for one in real if one.start is not None and not one.dimensions}
+    real = [
+        variable
+        for variable in description.modelVariables
+        if variable.type in _REAL and variable.causality == "parameter"
+    ]
+    nominal = {
+        variable.name: float(variable.start)
+        for variable in real
+        if variable.start is not None and not variable.dimensions
+    }
     folder = fmpy.extract(str(path))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
 

@@ -99,7 +99,7 @@ class Simulator:
         free, ranges = [], dict(self.ranges)
         for text in wanted:
             name, equals, limits = (part.strip() for part in text.partition("="))
-            group = [one for one in self.nominal if name == ALL or one.startswith(f"{name}:")]
+            group = [number for number in self.nominal if name == ALL or number.startswith(f"{name}:")]
             if group and name not in self.nominal and not equals:
                 free += group
                 continue

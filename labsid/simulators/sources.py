@@ -122,5 +122,5 @@ def _load_function(path: Path, name: str) -> Callable[..., Any]:
         own = {key: value for key, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__}
         names = [key for key, value in own.items() if callable(value) and not key.startswith("_")]
         raise ValueError(f"{path} has no function {name!r}; it has {', '.join(names) or 'none'}.")
-    found: Callable[..., Any] = function
-    return found
+    loaded: Callable[..., Any] = function
+    return loaded

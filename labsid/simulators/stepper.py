@@ -140,7 +140,7 @@ def _numbers(kind: Callable[..., Any], label: str) -> dict[str, float]:
         raise ValueError(f"{label} cannot be made as {label.split(':')[-1]}(): {error}. Give defaults.") from None
     except ValueError:  # a class without a signature
         return {}
-    defaults = {name: one.default for name, one in signature.parameters.items()}
+    defaults = {name: parameter.default for name, parameter in signature.parameters.items()}
     numeric = int | float | np.number
     return {name: float(x) for name, x in defaults.items() if isinstance(x, numeric) and not isinstance(x, bool)}
 
@@ -259,18 +259,18 @@ class _Playing:
         speeds = []
         for force in (0.0, TRIAL_FORCE):
             q = self._reset()
-            before = q
+            q_before = q
             for command in (self.u * DIFFERENCE_STEPS)[:steps]:
-                before, q = q, self.rig.step(command, force)
+                q_before, q = q, self.rig.step(command, force)
                 _check_output(q, self.stepper.label)
-            speeds.append(self._motion()[1] if self.stepper.has_motion else (float(q) - float(before)) / self.h)
-        found = (speeds[1] - speeds[0]) / (TRIAL_FORCE * steps)
-        if not found > 0.0 or not isfinite(found):
+            speeds.append(self._motion()[1] if self.stepper.has_motion else (float(q) - float(q_before)) / self.h)
+        mobility = (speeds[1] - speeds[0]) / (TRIAL_FORCE * steps)
+        if not mobility > 0.0 or not isfinite(mobility):
             raise SimulatorError(
                 f"{self.stepper.label}: a force at its port does not raise the speed at the end of a step. Let step "
                 "add force to the forces on what moves."
             )
-        return found
+        return mobility
 
     def check_restore(self) -> None:
         """Check that a state that is restored goes on as it did.
@@ -343,10 +343,10 @@ class _Playing:
             if tried:
                 most = m * (friction + peak * exp(-((v / stribeck) ** 2)) if peak else friction)
                 if bounded:
-                    left = high - q
-                    above = max(2.0 * left / h - v, 0.0) if left > 0.0 else PUSHED_OUT * left / h
-                    left = low - q
-                    below = min(2.0 * left / h - v, 0.0) if left < 0.0 else PUSHED_OUT * left / h
+                    distance = high - q
+                    above = max(2.0 * distance / h - v, 0.0) if distance > 0.0 else PUSHED_OUT * distance / h
+                    distance = low - q
+                    below = min(2.0 * distance / h - v, 0.0) if distance < 0.0 else PUSHED_OUT * distance / h
                 free = v + drift + m * force
                 held = (min(max(_slowed(v, free - v, most), below), above) - free) / m
                 if save is not None:
@@ -362,15 +362,15 @@ class _Playing:
                     end = min(max(_slowed(v, free - v, most), below), above)
                     if abs(end - fast) <= SAME_SPEED * (most + abs(end - free)):
                         break
-                    other, before = (end - free) / m, fast
+                    corrected, fast_before = (end - free) / m, fast
                     restore(state)
-                    y = step(command, force + other)
+                    y = step(command, force + corrected)
                     after, fast = motion()  # type: ignore[misc]
-                    found = (fast - before) / (other - held) if other != held else m
-                    held = other
-                    if 0.1 * m < found < 10.0 * m:
-                        most *= found / m
-                        m = found
+                    mobility = (fast - fast_before) / (corrected - held) if corrected != held else m
+                    held = corrected
+                    if 0.1 * m < mobility < 10.0 * m:
+                        most *= mobility / m
+                        m = mobility
             drift = fast - v - m * (force + held)
             q, v = after, fast
             if not -DIVERGED < q < DIVERGED:

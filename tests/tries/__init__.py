@@ -37,6 +37,7 @@ _KINDS = (
     "causes_on_lectures",
     "terms_and_factors",
     "causes_and_numbers",
+    "neighbours_of_errors",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0

@@ -163,7 +163,7 @@ TRIES = (
     Try(IV, "predicted", iv("-theta[0] * np.r_[0, y[:-1]] + theta[1] * np.r_[0, u[:-1]]"), "measured output"),
     Try(IV, "Z for all", iv(solve="np.linalg.lstsq(Z, Y)[0]"), "Z instead of Phi"),
     Try(IV, "transposed", iv(solve="np.linalg.solve(Phi.T @ Z, Z.T @ Y)"), "asked for is its transpose, Z'Phi"),
-    Try(IV, "inverse shapes", iv(solve="np.linalg.inv(Z @ Phi.T) @ Z @ Y"), "rank 2 at most|no inverse|columns"),
+    Try(IV, "inverse shapes", iv(solve="np.linalg.inv(Z @ Phi.T) @ Z @ Y"), "rank 2 at most|no inverse"),
     Try(IV, "lfilter sign", iv("scipy.signal.lfilter([0, theta[1]], [1, -theta[0]], u)"), "other sign of a: y_M"),
     Try(
         REC,

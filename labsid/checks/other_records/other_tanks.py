@@ -103,7 +103,9 @@ def _is_apart(other: ShownRig, own: ShownRig) -> bool:
     gains = [abs(own.model.K - K) / abs(K) for K in (other.model.K, other.reading_gain)]
     t = np.linspace(0.0, other.held, 200)
     K, tau, td = other.model.K, other.model.tau, other.model.td
-    responses = [first_order_response(FirstOrderDelay(1.0, one, td), t, 1.0) for one in (tau, own.model.tau)]
+    responses = [
+        first_order_response(FirstOrderDelay(1.0, time_constant, td), t, 1.0) for time_constant in (tau, own.model.tau)
+    ]
     difference = float(np.sqrt(np.mean((responses[0] - responses[1]) ** 2)))
     return (
         min(gains) >= GAIN_APART
@@ -118,10 +120,10 @@ def _is_apart(other: ShownRig, own: ShownRig) -> bool:
 def _draw(own: Record, rig: ShownRig, seed: np.random.SeedSequence) -> LabLog:
     changes = draw_changes(own, rig, seed)
     u = changes.u
-    before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
+    u_before, u_after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
     K = rig.model.K * changes.gain
-    parameters = _tanks(before, after, K, rig.model.tau * changes.slower, rig.y0 + changes.y0, *changes.tanks)
-    upper, _ = steady_levels(parameters, min(before, after))
+    parameters = _tanks(u_before, u_after, K, rig.model.tau * changes.slower, rig.y0 + changes.y0, *changes.tanks)
+    upper, _ = steady_levels(parameters, min(u_before, u_after))
     fastest = parameters.upper_area / parameters.upper_orifice * np.sqrt(2 * upper / GRAVITY)
     return log_run(
         parameters,
@@ -174,9 +176,9 @@ def draw_changes(own: Record, rig: ShownRig, seed: np.random.SeedSequence, volt:
     numbers = uniform_samples(plan, _NUMBERS + changes.size)
     gain, side, slower, zero, sign, *tanks = numbers[:8].tolist()
     u = volt * _other_input(own.u / volt, changes, numbers[8:])
-    before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
+    u_before, u_after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
     ratio = 0.72 + 0.12 * gain if side < 0.5 else 1.19 + 0.16 * gain
-    louder = min(1.0, abs(ratio * (after - before)) / abs(rig.amplitude))
+    louder = min(1.0, abs(ratio * (u_after - u_before)) / abs(rig.amplitude))
     return Changes(
         u,
         ratio,

@@ -68,8 +68,8 @@ def _is_fair(record: Record) -> bool:
         found = free_run(theta, u) - y
         return np.asarray(np.nan_to_num(found, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
 
-    found = least_squares(errors, fit_arx(u, y, record.Ts).model.theta, x_scale="jac", max_nfev=100).x
-    best, given = (float(np.sum(errors(theta) ** 2)) for theta in (nearest, found))
+    fitted = least_squares(errors, fit_arx(u, y, record.Ts).model.theta, x_scale="jac", max_nfev=100).x
+    best, given = (float(np.sum(errors(theta) ** 2)) for theta in (nearest, fitted))
     return given <= (1 + (NEAREST - 1) / 4) * best
 
 

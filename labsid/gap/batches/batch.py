@@ -74,18 +74,18 @@ def diagnose_folder(
     """
     how = how or Reading()
     records = find_records(folder, out)
-    one, several = nouns(records)
+    noun, plural = nouns(records)
     made_from = " ".join([sources_version(), str(seed), *([repr(how)] if how != Reading() else [])])
     all_jobs = [make_job(record, out, made_from) for record in records]
     for job in all_jobs if html else ():
         if job.stem.lower() == Path(PAGE).stem:
-            raise ValueError(f"the page of {job.stem} would replace {PAGE}. Rename the {one}, or omit --html.")
+            raise ValueError(f"the page of {job.stem} would replace {PAGE}. Rename the {noun}, or omit --html.")
     out.mkdir(parents=True, exist_ok=True)
     reports = {job.stem: report for job in all_jobs if (report := _earlier_report(job)) is not None}
-    before = len(reports)
+    kept = len(reports)
     todo = [job for job in all_jobs if job.stem not in reports]
     if progress is not None:
-        progress(f"{before} of {len(records)} {several}", before / len(records))
+        progress(f"{kept} of {len(records)} {plural}", kept / len(records))
     tasks = [{"files": job.files, "seed": seed, "how": asdict(how)} for job in todo]
     if scheduler is None:
         running = run_tasks(__name__, tasks, jobs or _cores())
@@ -97,12 +97,12 @@ def diagnose_folder(
             reports[job.stem] = _report(job, result)
             write_json(job.report, reports[job.stem])
             if progress is not None:
-                progress(f"{len(reports)} of {len(records)} {several}", len(reports) / len(records))
+                progress(f"{len(reports)} of {len(records)} {plural}", len(reports) / len(records))
     write_text(out / SUMMARY, csv_summary(reports))
     failed = write_record_pages(out, reports, jobs or _cores(), progress) if html else {}
-    write_batch_page(out / PAGE, folder.resolve().name, reports, (one, several))
+    write_batch_page(out / PAGE, folder.resolve().name, reports, (noun, plural))
     failures = [f"  no page of {stem}: {reason}" for stem, reason in failed.items()]
-    return "\n".join([text_summary(reports, before, out / SUMMARY, several), f"Page: {out / PAGE}", *failures])
+    return "\n".join([text_summary(reports, kept, out / SUMMARY, plural), f"Page: {out / PAGE}", *failures])
 
 
 def run_worker() -> None:

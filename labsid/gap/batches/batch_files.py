@@ -66,21 +66,21 @@ def find_records(folder: Path, out: Path) -> list[Path]:
     ValueError
         If it contains no records, or two with the same stem, or the simulation of a rig is in the folder of its runs.
     """
-    found: dict[str, Path] = {}
+    by_stem: dict[str, Path] = {}
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".") or (path.is_dir() and path.resolve() == out.resolve()):
             continue
         if not (find_runs(path, out) if path.is_dir() else _is_record(path, out)):
             continue
         stem = stem_of(path)
-        if stem in found:
+        if stem in by_stem:
             raise ValueError(
-                f"{found[stem].name} and {path.name} would share the report {stem}.json. Rename one of them."
+                f"{by_stem[stem].name} and {path.name} would share the report {stem}.json. Rename one of them."
             )
-        found[stem] = path
-    if not found:
+        by_stem[stem] = path
+    if not by_stem:
         raise ValueError(f"{folder} holds no records (.csv, .mat or another format of logs), nor a folder of them.")
-    return [found[stem] for stem in sorted(found)]
+    return [by_stem[stem] for stem in sorted(by_stem)]
 
 
 def find_runs(folder: Path, out: Path) -> tuple[Path, ...]:

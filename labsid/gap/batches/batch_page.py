@@ -109,7 +109,9 @@ def _row(stem: str, report: dict[str, Any]) -> dict[str, Any]:
         "colour": VERDICTS[report["verdict"]][1],
         "severity": list(VERDICTS).index(report["verdict"]),
         "effects": [capitalised(_at_signal(effect)) for effect in effects],
-        "ambiguous": [_at_signal(one if isinstance(one, dict) else {"name": one}) for one in report["ambiguous"]],
+        "ambiguous": [
+            _at_signal(rival if isinstance(rival, dict) else {"name": rival}) for rival in report["ambiguous"]
+        ],
         "probability": (chance, "–" if chance is None else probability(chance)),
         "closed": (closed, "–" if closed is None else closed_percent(closed)),
         "interval": "" if closed is None else closed_percent(closed, gap["ci95"]).partition(" %")[2],

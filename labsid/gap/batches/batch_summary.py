@@ -43,8 +43,8 @@ def text_summary(reports: Mapping[str, dict[str, Any]], kept: int, table: Path, 
     counts = ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in sorted(verdicts))
     earlier = f" ({kept} from an earlier run)" if kept else ""
     lines = [f"{len(reports)} {noun}: {counts}{earlier}"]
-    found = [report["effects"] for report in reports.values() if report.get("effects")]
-    names = Counter("+".join(effect["name"] for effect in effects) for effects in found)
+    named = [report["effects"] for report in reports.values() if report.get("effects")]
+    names = Counter("+".join(effect["name"] for effect in effects) for effects in named)
     lines += [f"  {count:4d}  {name}" for name, count in names.most_common()]
     errors = [f"  {stem}: {reports[stem]['message']}" for stem in sorted(reports) if "message" in reports[stem]]
     lines += errors[:MAX_ERRORS]

@@ -38,8 +38,8 @@ def simulate_varying(
     for n in range(w.size):
         out[0, n], out[1, n], out[2, n], out[3, n] = z[0], v[0], z[1], v[1]
         out[4, n], out[5, n], out[6, n], out[7, n] = z[2], z[3], z[4], z[5]
-        before, after = max(n - 1, 0), min(n + 1, last)
-        slope = (change[after] - change[before]) / max(after - before, 1)
+        earlier, later = max(n - 1, 0), min(n + 1, last)
+        slope = (change[later] - change[earlier]) / max(later - earlier, 1)
         now_c, now_k = changed_rates(c, k, share, change[n])
         step = transition(now_c, _within(now_k + c * turn * slope, STIFFNESS_BOUNDS), 1.0)
         force[0], force[1], force[3] = w[n], w[n] * course[n], course[n]

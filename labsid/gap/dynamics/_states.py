@@ -439,7 +439,7 @@ def simulate_motor(
                 drive -= (new_i - i) / (b * h)  # its mean over the step
                 i = new_i
             drive -= load + leaking * v
-            before = v
+            v_before = v
             rate, keep, dry, top = a, keep_a, friction + share * abs(drive - v), peak
             if drag > 0.0:  # at the middle speed, drag divides all forces and multiplies the rate
                 factor = 1.0 + drag * abs(v)
@@ -464,12 +464,12 @@ def simulate_motor(
                 rest = drive - sign * sliding_friction(v, dry, top, decay)
                 v = rest + (v - rest) * keep
                 if v * sign < 0.0:  # the motion ends within this step: stick or reverse
-                    remaining = h - math.log((before - rest) / -rest) / rate
+                    remaining = h - math.log((v_before - rest) / -rest) / rate
                     v = 0.0
                     if abs(drive) > dry + top:
                         onward = drive - (dry + top) * (1.0 if drive > 0.0 else -1.0)
                         v = onward * (1.0 - math.exp(-rate * remaining))
             if not lag_first:
-                middle = 0.5 * (before + v)
+                middle = 0.5 * (v_before + v)
                 i = middle + (i - middle) * keep_b
     return out.T

@@ -285,7 +285,10 @@ class PlantForm:
             if self.cubic or self.drift_degree or self.unsprung or self.limit == "loaded":
                 own += [Parameter("centre", -8.0, 8.0)]
         elif self.kind == "speed":
-            own += [replace(one, start=GIVEN_WAY) if one is GIVE else one for one in FRICTION_LAWS[self.friction]]
+            own += [
+                replace(parameter, start=GIVEN_WAY) if parameter is GIVE else parameter
+                for parameter in FRICTION_LAWS[self.friction]
+            ]
             own += [DRAG] if self.drag else []
             own += [LIMIT] if self.limit else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]

@@ -104,7 +104,7 @@ def _solve(
     """
     size = output.size
     y, force = output.copy(), np.zeros(size)
-    spring, before = 0.0, output[0]
+    spring, y_before = 0.0, output[0]
     reach = _memory(pulse)
     for k in range(size - 1):
         # One and two samples ahead without a force from now on, and with the input held.
@@ -118,7 +118,7 @@ def _solve(
                 later -= pulse[k + 2 - j] * (force[j] - contained[j])
         if cubic != 0.0:
             end = free - pulse[1] * (force[k - 1] if k else 0.0)
-            middle = (3.0 * end + 6.0 * y[k] - before) / 8.0
+            middle = (3.0 * end + 6.0 * y[k] - y_before) / 8.0
             spring = cubic * ((y[k] - centre) ** 3 + 4.0 * (middle - centre) ** 3 + (end - centre) ** 3) / 6.0
         force[k] = spring
         if friction > 0.0:
@@ -131,7 +131,7 @@ def _solve(
             else:
                 speed, rate, unit = first, 0.0, 2.0 * pulse[1]
             force[k] += _mean_friction(speed / unit, rate / unit, friction)
-        before = y[k]
+        y_before = y[k]
         y[k + 1] = free - pulse[1] * force[k]
     return y, force
 

@@ -268,9 +268,9 @@ def _best_spans(context: Context, variant: str) -> list[tuple[float, float, floa
     level = np.clip(np.divide(added, removed, out=np.zeros(removed.size), where=removed != 0.0), -8.0, 8.0)
     best: list[tuple[float, float, float]] = []
     zero = float(context.data.u_scale.of(np.zeros(1))[0])
-    for one in np.argsort(-(b * x).sum(axis=1), kind="stable")[:CHOSEN]:
-        span = float(at[i[one]]), float(samples if j is None else at[j[one]])
-        best += [(*span, float(level[one])), (*span, zero)]
+    for rank in np.argsort(-(b * x).sum(axis=1), kind="stable")[:CHOSEN]:
+        span = float(at[i[rank]]), float(samples if j is None else at[j[rank]])
+        best += [(*span, float(level[rank])), (*span, zero)]
     return best
 
 
@@ -300,7 +300,7 @@ def _best_steps(context: Context) -> list[FloatArray]:
     steps = np.geomspace(wide, span / COARSEST, int(np.log(span / COARSEST / wide) / np.log(STEP_RATIO)))
     fine = span / np.arange(FINEST, span / wide, -STEP_SHIFT)
     steps = np.concatenate([fine, steps])
-    coarse = [one for some in np.array_split(steps, PARTS) for shift in (0.0, 0.5) for one in tried(some, shift)]
+    coarse = [step for some in np.array_split(steps, PARTS) for shift in (0.0, 0.5) for step in tried(some, shift)]
     best = sorted(coarse, reverse=True)[:CHOSEN]
     near = STEP_RATIO ** np.linspace(-1.0, 1.0, FINER)
     refined = [max(tried(step * near, shift)) for _, step, shift, _ in best]

@@ -74,6 +74,8 @@ class Description:
         Whether it is a force that depends on the position.
     bends_reading : bool
         Whether it bends or cuts the sensor's reading, as a spring of an unstable rig seems to.
+    smooth_law : bool
+        Whether its law is a smooth curve, which approximates any other smooth law; limits, steps and delays do not.
     sketch : Sketch, optional
         A curve of what it does, made from its parameters.
     """
@@ -94,6 +96,7 @@ class Description:
     shape_of_input: bool = False
     spring: bool = False
     bends_reading: bool = False
+    smooth_law: bool = False
     sketch: Sketch | None = None
 
     def missing(self, names: frozenset[str]) -> list[str]:
@@ -104,17 +107,17 @@ class Description:
         names : frozenset of str
             Of all effects.
         """
-        found = [f"`{part}`" for part in ("noun", "clauses", "meaning", "excited_by") if not getattr(self, part)]
+        lacking = [f"`{part}`" for part in ("noun", "clauses", "meaning", "excited_by") if not getattr(self, part)]
         if self.path not in PATHS:
-            found.append(f"`path` (one of {', '.join(PATHS)}; got {self.path!r})")
+            lacking.append(f"`path` (one of {', '.join(PATHS)}; got {self.path!r})")
         fields = [[name for _, name, _, _ in Formatter().parse(clause) if name is not None] for clause in self.clauses]
         if fields and fields[-1]:
-            found.append("a last clause without parameters")
+            lacking.append("a last clause without parameters")
         stated = {name.rstrip("+-").partition("_1")[0].partition("_y")[0] for clause in fields for name in clause}
-        found += [f"`parameters[{name!r}]`, which a clause uses" for name in sorted(stated - set(self.parameters))]
+        lacking += [f"`parameters[{name!r}]`, which a clause uses" for name in sorted(stated - set(self.parameters))]
         for name, parameter in self.parameters.items():
-            found += [
+            lacking += [
                 f"`{part}` of the parameter {name!r}" for part in ("label", "unit") if not getattr(parameter, part)
             ]
-        found += [f"the effect {name!r} of `confused_with`" for name in self.confused_with if name not in names]
-        return found
+        lacking += [f"the effect {name!r} of `confused_with`" for name in self.confused_with if name not in names]
+        return lacking

@@ -371,9 +371,9 @@ def _load_intervals(context: Context, count: int) -> list[tuple[float, float]]:
     height = np.full((at.size, at.size), -np.inf)
     for i, j in combinations(range(at.size), 2):
         height[i, j] = explained_energy(steps[i] - steps[j], e)
-    found = []
+    intervals = []
     for _ in range(count):
         i, j = divmod(int(np.argmax(height)), at.size)
-        found.append((float(at[i]) / samples, float(at[j]) / samples))
+        intervals.append((float(at[i]) / samples, float(at[j]) / samples))
         height[max(i - 5, 0) : i + 6, max(j - 5, 0) : j + 6] = -np.inf
-    return found
+    return intervals

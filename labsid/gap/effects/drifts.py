@@ -178,14 +178,14 @@ class PoleDrift(PlantEffect):
         position, speed = (fit.gains[n] + fit.gains[n + 2] * ends for n in (0, 1))
         gains = position / rates[:, int(rests)]
         turns = gains[0] * gains[1] <= 0.0
-        found = {} if turns else {"drift": Value(float(gains[1] / gains[0]) - 1.0, "1")}
+        values = {} if turns else {"drift": Value(float(gains[1] / gains[0]) - 1.0, "1")}
         if rests or turns:
             oscillates = turns or fit.hypothesis.plant.feedthrough or (rates[:, 0] ** 2 < rates[:, 1]).any()
             slowest = np.array([decay_rates(float(c), float(k))[0] for c, k in rates])
             delay = 1.0 / slowest if oscillates else rates[:, 0] / rates[:, 1] - speed / position
             delay = delay if delay.min() > 0.0 else 1.0 / slowest
-            found["pole"] = Value(float(delay[0] / delay[1]) - 1.0, "1")
-        return found
+            values["pole"] = Value(float(delay[0] / delay[1]) - 1.0, "1")
+        return values
 
     def _ends(self, fit: Fitted) -> FloatArray:
         """Logarithm of the factor of the rate at the beginning and at the end."""

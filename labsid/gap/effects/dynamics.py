@@ -352,14 +352,14 @@ def peaks(context: Context, slowest: float) -> list[float]:
     log_power = np.log(power + 1e-300)
     smooth = np.convolve(log_power, np.ones(width) / width, mode="same")
     height = np.where((w > slowest) & (w <= np.pi / context.data.stride), log_power - smooth, -np.inf)
-    found: list[float] = []
+    frequencies: list[float] = []
     for _ in range(PEAKS):
         i = int(np.argmax(height))
         if not np.isfinite(height[i]):
             break
-        found.append(float(w[i]))
+        frequencies.append(float(w[i]))
         height[max(i - width // 2, 0) : i + width // 2] = -np.inf
-    return found
+    return frequencies
 
 
 LAWS = "smooth", "peak", "load", "give", "load-give"  # of friction, richer than a constant
@@ -524,6 +524,7 @@ class CubicStiffness(PlantEffect):
         parameters={"cubic": Reported("cubic coefficient", "1/y^2")},
         confused_with=("output-nonlinearity", "input-nonlinearity"),
         spring=True,
+        smooth_law=True,
         sketch=Sketch(
             "Displacement from rest",
             "y",

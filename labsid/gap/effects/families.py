@@ -21,7 +21,7 @@ from labsid.gap.effects import (
     reactions,
     tanks,
 )
-from labsid.gap.effects.base import Effect
+from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.description import PATHS, Description
 
 FAMILIES: tuple[type[Effect], ...] = (
@@ -79,6 +79,15 @@ EFFECTS_BY_KEY: dict[str, Effect] = {
 """Every effect that an exported simulation may contain."""
 
 
+REQUIRED_METHODS: dict[type[Effect], tuple[tuple[str, ...], ...]] = {
+    InputEffect: (("apply",),),
+    PlantEffect: (("extend",),),
+    OutputEffect: (("apply",), ("slope", "passed")),
+    AdditiveEffect: (("columns",),),
+}
+"""What an effect must define, by its base class; of several names, one."""
+
+
 def descriptions_of(classes: Iterable[type[Effect]]) -> dict[str, Description]:
     """The description of each name, by the path on which it acts; those beside a given simulation only come last.
 
@@ -90,21 +99,37 @@ def descriptions_of(classes: Iterable[type[Effect]]) -> dict[str, Description]:
     Raises
     ------
     TypeError
-        If a description is missing, double or incomplete; names the class, and what is missing.
+        If a description is missing, double or incomplete, or a class lacks a method; names the class, and what is
+        missing.
     """
     classes = tuple(classes)
-    names = frozenset(one.name for one in classes)
-    found: dict[str, Description] = {}
-    for name in dict.fromkeys(one.name for one in classes):
-        of_name = [one for one in classes if one.name == name]
-        listed = ", ".join(f"{one.__module__}.{one.__name__}" for one in of_name)
-        own = {id(one): one for one in chain.from_iterable(map(_own_descriptions, of_name))}
+    names = frozenset(family.name for family in classes)
+    descriptions: dict[str, Description] = {}
+    for name in dict.fromkeys(family.name for family in classes):
+        of_name = [family for family in classes if family.name == name]
+        listed = ", ".join(f"{family.__module__}.{family.__name__}" for family in of_name)
+        own = {id(description): description for description in chain.from_iterable(map(_own_descriptions, of_name))}
         if len(own) != 1:
             raise TypeError(f"the effect {name!r} ({listed}) needs one class with a `description`; got {len(own)}.")
-        (found[name],) = own.values()
-        if missing := found[name].missing(names):
+        (descriptions[name],) = own.values()
+        if missing := descriptions[name].missing(names):
             raise TypeError(f"the `description` of the effect {name!r} ({listed}) lacks: {'; '.join(missing)}.")
-    return dict(sorted(found.items(), key=lambda item: (item[1].given_only, PATHS.index(item[1].path))))
+        for family in of_name:
+            if methods := _missing_methods(family):
+                place = f"{family.__module__}.{family.__name__}"
+                raise TypeError(f"the effect {name!r} ({place}) lacks the method {', and the method '.join(methods)}.")
+    return dict(sorted(descriptions.items(), key=lambda item: (item[1].given_only, PATHS.index(item[1].path))))
+
+
+def _missing_methods(family: type[Effect]) -> list[str]:
+    """Methods that a class takes from a base that does not define them, in words."""
+    return [
+        " or ".join(f"`{name}`" for name in names)
+        for base, needed in REQUIRED_METHODS.items()
+        if issubclass(family, base)
+        for names in needed
+        if all(getattr(family, name) is getattr(base, name) for name in names)
+    ]
 
 
 def _own_descriptions(family: type[Effect]) -> Iterator[Description]:
@@ -121,7 +146,7 @@ DESCRIPTIONS: dict[str, Description] = descriptions_of((*FAMILIES, *detected.DET
 
 def names_where(holds: str) -> frozenset[str]:
     """Names of the effects with a property of `Description`, such as ``"stops"``."""
-    return frozenset(name for name, one in DESCRIPTIONS.items() if getattr(one, holds))
+    return frozenset(name for name, description in DESCRIPTIONS.items() if getattr(description, holds))
 
 
 def magnitudes_of(name: str) -> frozenset[str]:
@@ -144,4 +169,4 @@ def places_of(name: str) -> frozenset[str]:
     name : str
         Of the effect.
     """
-    return frozenset(key for key, one in DESCRIPTIONS[name].parameters.items() if one.position)
+    return frozenset(key for key, parameter in DESCRIPTIONS[name].parameters.items() if parameter.position)

@@ -93,8 +93,8 @@ def unfolded(columns: FloatArray, height: FloatArray) -> tuple[FloatArray, float
     for _ in range(SIGN_PASSES):
         new = basis.T @ np.where(z >= 0.0, height, -height)
         z = basis @ new
-        left = float(np.sum((np.abs(z) - height) ** 2))
-        if left >= cost:
+        residual = float(np.sum((np.abs(z) - height) ** 2))
+        if residual >= cost:
             break
-        gains, cost = new, left
+        gains, cost = new, residual
     return np.asarray(back[kept].T @ (gains / size[kept])), cost

@@ -48,6 +48,7 @@ class Gravity(PlantEffect):
         },
         confused_with=("cubic-stiffness", "output-nonlinearity", "load-step"),
         spring=True,
+        smooth_law=True,
         sketch=Sketch(
             "Angle",
             "y",

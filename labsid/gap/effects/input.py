@@ -294,13 +294,13 @@ class DeadZone(InputEffect):
         u = fit.data.u
         sides = [side for side, reached in (("low", low >= u.min()), ("high", high <= u.max())) if reached]
         ends = {"low": low, "high": high}
-        found = {side: Value(fit.u(ends[side]), "u") for side in sides}
+        values = {side: Value(fit.u(ends[side]), "u") for side in sides}
         for parameter, value in zip(self.parameters[2:], fit.theta_of(self)[2:], strict=True):
             if parameter.name == "log_ratio" and len(sides) == 2:
-                found["ratio"] = Value(float(np.exp(value)), "1")
+                values["ratio"] = Value(float(np.exp(value)), "1")
             elif parameter.name in {f"jump_{side}" for side in sides}:
-                found[parameter.name] = Value(float(value) * fit.data.u_scale.unit, "u")
-        return found
+                values[parameter.name] = Value(float(value) * fit.data.u_scale.unit, "u")
+        return values
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A band about the first input, and about the middle of its range; its size is the width."""
@@ -461,6 +461,7 @@ class Nonlinearity(curves.Curve, InputEffect):
             "centre": Reported("centre of the curve", "u", position=True),
         },
         confused_with=("output-nonlinearity", "sqrt-outflow", "input-saturation"),
+        smooth_law=True,
         shape_of_input=True,
         sketch=Sketch(
             "Command",

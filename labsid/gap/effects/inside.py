@@ -80,16 +80,16 @@ def woken_numbers(context: Context) -> dict[str, float]:
     """
     plant, own = context.parent.hypothesis.plant, context.parent.plant_theta.copy()
     w = context.actuator
-    before = plant.simulation.run(w, plant.numbers(own))
+    nominal = plant.simulation.run(w, plant.numbers(own))
     least = WOKEN * float(np.std(context.residual))
 
     def moved(i: int, theta: float) -> float:
         changed = own.copy()
         changed[i] = theta
         output = plant.simulation.run(w, plant.numbers(changed))
-        return float(np.std(output - before)) if np.isfinite(output).all() else np.inf
+        return float(np.std(output - nominal)) if np.isfinite(output).all() else np.inf
 
-    found = {}
+    woken = {}
     for i, number in enumerate(plant.free):
         size = number.number(float(own[i]))
         if size == 0.0 or max(moved(i, own[i] + step) for step in (number.step, -number.step)) > 0.0:
@@ -97,8 +97,8 @@ def woken_numbers(context: Context) -> dict[str, float]:
         trials = (number.theta(size * share) for share in SHRUNK)
         acting = next((theta for theta in trials if theta >= number.lower and moved(i, theta) > least), None)
         if acting is not None:
-            found[number.name] = acting
-    return found
+            woken[number.name] = acting
+    return woken
 
 
 class Friction(Inside):

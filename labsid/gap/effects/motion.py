@@ -159,6 +159,7 @@ class QuadraticDrag(PlantEffect):
         excited_by="Slow and fast motion: small and large steps, without reaching a limit.",
         parameters={"drag": Reported("drag: command that holds it, over the square of the speed", "u s^2/y^2")},
         confused_with=("sqrt-outflow", "input-nonlinearity", "coulomb-friction"),
+        smooth_law=True,
         sketch=Sketch(
             "Speed",
             "",

@@ -143,6 +143,7 @@ class Nonlinearity(curves.Curve, OutputEffect):
             "fold": Reported("lowest reading, at which the sign is lost", "y", position=True),
         },
         confused_with=("input-nonlinearity", "sqrt-outflow", "cubic-stiffness"),
+        smooth_law=True,
         bends_reading=True,
         sketch=Sketch(
             "Output of the process",

@@ -99,9 +99,9 @@ class InnerPeriodic(_Sinusoid, PlantEffect):
         base_columns = hypothesis.design(theta, data.u).columns
         derivatives = []
         for i in at:
-            one = theta.copy()
-            one[i] = SINUSOID_STEP
-            derivatives.append((hypothesis.design(one, data.u).columns[:, 0] - base_columns[:, 0]) / SINUSOID_STEP)
+            moved = theta.copy()
+            moved[i] = SINUSOID_STEP
+            derivatives.append((hypothesis.design(moved, data.u).columns[:, 0] - base_columns[:, 0]) / SINUSOID_STEP)
         columns = np.column_stack([base_columns, *derivatives])[data.rows]
         if not np.isfinite(columns).all():
             return theta

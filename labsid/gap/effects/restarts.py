@@ -98,11 +98,13 @@ class Restarts(AdditiveEffect):
         """
         at = [plant.index(state.name) for state in self.states]
         first = theta[at]
-        states, before = ([first, *np.split(x, len(self.records))] for x in (own, own if near is None else near[1]))
+        states, states_before = (
+            [first, *np.split(x, len(self.records))] for x in (own, own if near is None else near[1])
+        )
         bounds = [0, *_starts(self.records, w.size), w.size]
         runs, inner = [], theta.copy()
         for number, (start, stop) in enumerate(pairwise(bounds)):
-            if near is not None and np.array_equal(states[number], before[number]):
+            if near is not None and np.array_equal(states[number], states_before[number]):
                 runs.append(near[0][start:stop])
                 continue
             inner[at] = states[number]

@@ -63,6 +63,7 @@ class SqrtOutflow(_OfTanks):
             "empty": Reported("reading of the empty tank", "y", position=True),
         },
         confused_with=("input-nonlinearity", "output-nonlinearity", "overflow"),
+        smooth_law=True,
         sketch=Sketch(
             "Level, as a reading",
             "y",

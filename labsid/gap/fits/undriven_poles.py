@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, left_by
 from labsid.gap.dynamics import _kernels
 from labsid.gap.dynamics.responses import damping_ratio, decay_rates, denominator
 from labsid.gap.fits.fitting import Fit, rms
@@ -34,14 +34,17 @@ def has_undriven_pole(data: Data, fit: Fit) -> bool:
 def slowest_driven_rate(data: Data, fit: Fit) -> float:
     """Rate of the slowest pole of a fit whose response to the input exceeds the residual; per sample.
 
-    A linear fit to a rig with one pole has a second one that the input hardly moves, at any rate.
+    A linear fit to a rig with one pole has a second one that the input hardly moves, at any rate. A line and the free
+    response, which cancel a part of the response to the input where the pole is slow, do not count.
     """
     plant, (slow, fast) = fit.hypothesis.plant, decay_rates(*fit.rates)
     c, k = fit.rates
     if plant.kind != "linear" or not plant.zero or c * c <= 4.0 * k:
         return slow
-    forced, _ = _driven_and_free(data, fit)[0]
-    return slow if float(np.std(forced[data.rows])) > rms(data, fit) else fast
+    forced, free = (one[data.rows] for one in _driven_and_free(data, fit)[0])
+    lines = np.column_stack([np.ones(free.size), np.linspace(0.0, 1.0, free.size), free])
+    driven, _ = left_by(lines, forced, 1e-9)
+    return slow if float(np.std(driven)) > rms(data, fit) else fast
 
 
 def lag_became_mode(base: Fit, fit: Fit) -> bool:

@@ -125,16 +125,16 @@ class Refit:
         seen = self.whitened.seen(change[:, None])[:, 0]
         promised = min(((s.left(seen) / problem.count, s.theta) for s in self.starts), key=itemgetter(0))
         first = self.starts[-1].theta if near is None else near.theta  # a fast pole finds its way to a slower one
-        found: Point | None = None
+        nearest: Point | None = None
         for least, theta in ((0.0, first), promised):
-            if found is None or least < WORTH * found.cost:
+            if nearest is None or least < WORTH * nearest.cost:
                 at = problem.start(theta, self.fit.gains)
                 at = None if at is None else descend(problem, at, STEPS, TOLERANCE)
-                found = found if at is None or (found is not None and found.cost <= at.cost) else at
-        if found is None:
+                nearest = nearest if at is None or (nearest is not None and nearest.cost <= at.cost) else at
+        if nearest is None:
             return *self.left(change), None
-        rest = self.plain.seen((self.fit.output + change - found.output)[:, None])
-        return found.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise, found
+        rest = self.plain.seen((self.fit.output + change - nearest.output)[:, None])
+        return nearest.error / self.sigma, float(np.sqrt(np.mean(rest**2))) / self.noise, nearest
 
     def is_linear_at(self, change: FloatArray, vector: FloatArray) -> bool:
         """Whether a linearized refit, which leaves `vector` of a change of the output, is as good as an exact one."""

@@ -33,10 +33,12 @@ def planned_record(data: Data, fit: Fit, u: FloatArray) -> tuple[Data, Fit]:
         With the noise of the fit.
     """
     old = fit.hypothesis
-    dropped = [one for one in old.additive if not isinstance(one, Restarts)]
-    kept = tuple(one for one in old.effects if not isinstance(one, AdditiveEffect) or isinstance(one, Restarts))
+    dropped = [effect for effect in old.additive if not isinstance(effect, Restarts)]
+    kept = tuple(
+        effect for effect in old.effects if not isinstance(effect, AdditiveEffect) or isinstance(effect, Restarts)
+    )
     places = np.arange(fit.gains.size, dtype=float)
-    gains = fit.gains[~np.isin(places, [at for one in dropped for at in old.gains_of(places, one)])]
+    gains = fit.gains[~np.isin(places, [at for effect in dropped for at in old.gains_of(places, effect)])]
     hypothesis = old.with_effects(kept)
     theta = np.concatenate(
         [fit.theta[: 0 if old.delay_is_an_effect else 1], *(fit.theta[old.slices[key]] for key in hypothesis.slices)]

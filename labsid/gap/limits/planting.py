@@ -121,7 +121,7 @@ class Plantation:
 
 def plantations(data: Data, fit: Fit) -> Iterator[Plantation]:
     """Every form whose limits are reported and that the simulation and the record admit."""
-    context, found = Context(data, fit), Fitted.of(fit, data)
+    context, fitted = Context(data, fit), Fitted.of(fit, data)
     for family in FAMILIES:
         if family.name in fit.hypothesis.names:
             continue
@@ -129,11 +129,11 @@ def plantations(data: Data, fit: Fit) -> Iterator[Plantation]:
             effect = in_records(family(variant), data.pieces[1:]) if data.pieces else family(variant)
             if is_compatible(fit, effect) and effect.applies(context):
                 form = extended_hypotheses(fit.hypothesis, effect)[0]
-                zero = _at_zero(fit, found, form, effect)
+                zero = _at_zero(fit, fitted, form, effect)
                 if form.effects[:-1] == fit.hypothesis.effects and zero is not None:
                     added = len(form.parameters) + zero.gains.size - fit.theta.size - fit.gains.size
-                    made = Plantation(effect, found, form, zero, (fit.output,), max(added, 1))
-                    yield _against_its_own_kind(made) if _is_of_another_kind(found, form) else made
+                    made = Plantation(effect, fitted, form, zero, (fit.output,), max(added, 1))
+                    yield _against_its_own_kind(made) if _is_of_another_kind(fitted, form) else made
 
 
 def _against_its_own_kind(made: Plantation) -> Plantation:
@@ -146,33 +146,33 @@ def _is_of_another_kind(fit: Fitted, form: Hypothesis) -> bool:
     return form.plant.kind != fit.hypothesis.plant.kind
 
 
-def _at_zero(fit: Fit, found: Fitted, form: Hypothesis, effect: Effect) -> Fitted | None:
+def _at_zero(fit: Fit, fitted: Fitted, form: Hypothesis, effect: Effect) -> Fitted | None:
     """The form with the effect at size zero; None if it cannot be simulated."""
     theta = transfer_theta(fit, form)
     if isinstance(effect, PlantEffect):
-        own, names = theta[form.slices["plant"]], [one.name for one in form.plant.parameters]
+        own, names = theta[form.slices["plant"]], [parameter.name for parameter in form.plant.parameters]
         for name in set(names) & set(effect.absent):
             own[names.index(name)] = effect.absent[name]
-        if _is_of_another_kind(found, form):
+        if _is_of_another_kind(fitted, form):
             own[:2] = form.plant.starts(*fit.rates)[0][:2]
             if form.plant.kind == "tanks":
                 own[:2] += np.log(form.plant.level_slopes(own))
-            theta = _with_states(found, form, theta) if form.plant.kind in STATES else theta
-            at = _matched(found, form, theta)
-            return None if at is None else Fitted(form, theta, at.gains, found.data)
+            theta = _with_states(fitted, form, theta) if form.plant.kind in STATES else theta
+            at = _matched(fitted, form, theta)
+            return None if at is None else Fitted(form, theta, at.gains, fitted.data)
     if isinstance(effect, Placed):  # its output is that behind a filtered input
-        return Fitted(form, theta, fit.gains, found.data)
+        return Fitted(form, theta, fit.gains, fitted.data)
     at_place = partial(np.insert, fit.gains)
     if isinstance(effect, AdditiveEffect):
-        index = [one.key for one in form.additive].index(effect.key)
-        later = sum(one.width for one in form.additive[index + 1 :])
+        index = [additive.key for additive in form.additive].index(effect.key)
+        later = sum(additive.width for additive in form.additive[index + 1 :])
         gains = at_place(fit.gains.size - later, np.zeros(form.additive[index].width))
     else:
-        columns = form.design(theta, found.data.u).columns.shape[1]
+        columns = form.design(theta, fitted.data.u).columns.shape[1]
         gains = fit.gains
         if columns > gains.size:
             gains = at_place(form.plant.slow_column, np.zeros(columns - gains.size))
-    return Fitted(form, theta, gains, found.data)
+    return Fitted(form, theta, gains, fitted.data)
 
 
 def _with_states(fit: Fitted, form: Hypothesis, theta: FloatArray) -> FloatArray:

@@ -100,18 +100,20 @@ def find_smallest_sizes(data: Data, fit: Fit, noise: float, measured: bool = Tru
     traced = mapped(lambda plantation: _traced(plantation, refit), plantations(data, fit), (data, fit))
     sown = list(chain.from_iterable(traced))
     rows: dict[tuple[str, str], list[_Sown]] = {}
-    for one in sown:
-        if one.parameter == next(other.parameter for other in sown if other.plantation is one.plantation):
-            rows.setdefault((one.trace.name, one.parameter), []).append(one)
+    for planted in sown:
+        if planted.parameter == next(same.parameter for same in sown if same.plantation is planted.plantation):
+            rows.setdefault((planted.trace.name, planted.parameter), []).append(planted)
     margins = _Margins.of(data, fit)
-    rivals = Rivals([one.trace for one in sown]) if sown else None
+    rivals = Rivals([planted.trace for planted in sown]) if sown else None
     starts = dict(zip(sown, rivals.starts, strict=False)) if rivals else {}
-    found = [_limits(row, rivals, starts, margins, refit if measured else None) for row in rows.values() if rivals]
+    limits_of_rows = [
+        _limits(row, rivals, starts, margins, refit if measured else None) for row in rows.values() if rivals
+    ]
     missing = [
         Limits(name, "", "", "", None, None, None, {}, None, {}, reason) for name, reason in _missing(data, fit, rows)
     ]
     order = list(dict.fromkeys(family.name for family in FAMILIES))
-    return tuple(sorted([*found, *missing], key=lambda one: order.index(one.name)))
+    return tuple(sorted([*limits_of_rows, *missing], key=lambda limits: order.index(limits.name)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,14 +183,14 @@ def _traced(plantation: Plantation, refit: Refit) -> list[_Sown]:
         visible |= strongest > INVISIBLE
         going = not plantation.is_linear and (strongest > INVISIBLE or not visible)
         share /= COARSE if strongest > PLAIN else FINE
-    found = []
+    planted = []
     exact = bool(seen) and not plantation.is_linear and _needs_refits(next(iter(seen.values()))[::-1], refit)
     for place, points in seen.items():
         points = _refitted(points[::-1], refit) if exact else points[::-1]
         shares, vectors, sizes = (np.array([getattr(p, x) for p in points]) for x in ("share", "vector", "size"))
         trace = Trace(plantation.effect.name, shares, vectors, sizes, plantation.added, plantation.is_linear)
-        found.append(_Sown(plantation, place, parameters[place], trace))
-    return found
+        planted.append(_Sown(plantation, place, parameters[place], trace))
+    return planted
 
 
 def _needs_refits(points: list[_Change], refit: Refit) -> bool:
@@ -214,7 +216,9 @@ def _limits(
     row: list[_Sown], rivals: Rivals, starts: Mapping[_Sown, int], margins: _Margins, refit: Refit | None
 ) -> Limits:
     """The limits of one parameter of an effect; the first form and place of the row that is visible states them."""
-    first = next((one for one in row if _crossing(one.trace, _seen(one.trace, margins)) is not None), row[0])
+    first = next(
+        (planted for planted in row if _crossing(planted.trace, _seen(planted.trace, margins)) is not None), row[0]
+    )
     trace, start = first.trace, starts[first]
     seen = _seen(trace, margins)
     others = rivals.names != trace.name
@@ -280,8 +284,8 @@ def _crossing(trace: Trace, score: FloatArray) -> float | None:
 def _excluded_in_every_form(row: list[_Sown], refit: Refit, margins: _Margins) -> float | None:
     """The size that is excluded whichever form the effect has: friction of a mass on a spring, or of a motor."""
     ends = []
-    for plantation in dict.fromkeys(one.plantation for one in row):
-        forms = [one for one in row if one.plantation is plantation]
+    for plantation in dict.fromkeys(planted.plantation for planted in row):
+        forms = [planted for planted in row if planted.plantation is plantation]
         detect = _crossing(forms[0].trace, _seen(forms[0].trace, margins))
         end = None if detect is None else _excluded(forms, refit, detect)
         if end is not None and plantation.turns_into("speed"):
@@ -331,9 +335,9 @@ def _excluded(row: list[_Sown], refit: Refit, detect: float) -> float | None:
     may rise again: an actuator that is off is a small gain.
     """
     first = row[0]
-    same = [one for one in row if one.plantation is first.plantation]
-    same = [one for one in same if not one.trace.is_linear or _place(one) == _place(first)]
-    profiles = [_profile(one.trace, refit.residual) for one in same]
+    same = [planted for planted in row if planted.plantation is first.plantation]
+    same = [planted for planted in same if not planted.trace.is_linear or _place(planted) == _place(first)]
+    profiles = [_profile(planted.trace, refit.residual) for planted in same]
     below = [max(int(np.searchsorted(shares, detect)), 1) for shares, _ in profiles]
     least = min(0.0, *(float(loss[:n].min()) for n, (_, loss) in zip(below, profiles, strict=True)))
     ends = []

@@ -23,17 +23,17 @@ def clock_findings(record: Record, holdout: Record | None = None) -> list[Findin
     list of Finding
         Of jitter only if the time stamps deviate from even times by more than 1 % of the sampling time.
     """
-    found = [Finding("note", "file", f"{note}.") for note in (*record.notes, *missing_notes(record))]
+    findings = [Finding("note", "file", f"{note}.") for note in (*record.notes, *missing_notes(record))]
     if holdout is not None:
-        found += [Finding("note", "file", f"holdout: {note}.") for note in (*holdout.notes, *missing_notes(holdout))]
-    for whose, what, one in (("", "record", record), (" of the holdout", "holdout", holdout)):
-        if one is not None and one.jitter > REGULAR_WITHIN:
+        findings += [Finding("note", "file", f"holdout: {note}.") for note in (*holdout.notes, *missing_notes(holdout))]
+    for whose, what, stamped in (("", "record", record), (" of the holdout", "holdout", holdout)):
+        if stamped is not None and stamped.jitter > REGULAR_WITHIN:
             text = (
-                f"the clock{whose} jitters by {100.0 * one.jitter:.2g}% of the sampling time (root mean square); "
-                f"the {what} is read as if it were sampled every {one.Ts:.4g} s."
+                f"the clock{whose} jitters by {100.0 * stamped.jitter:.2g}% of the sampling time (root mean square); "
+                f"the {what} is read as if it were sampled every {stamped.Ts:.4g} s."
             )
-            found.append(Finding("note", "sampling", text))
-    return found
+            findings.append(Finding("note", "sampling", text))
+    return findings
 
 
 def stated_sampling_time(simulation: object) -> object:

@@ -133,8 +133,8 @@ def find_control_law(u: FloatArray, y: FloatArray) -> ControlLaw | None:
         rows = error <= max(OUTLIER * float(np.median(error)), 1e-9 * float(np.ptp(u)))
     if np.mean(np.abs(moved) <= STILL * np.abs(moved).max()) > MOST_STILL:
         return None
-    left = moved[rows] - columns[rows] @ law
-    exact = 1.0 - float(left @ left) / float(moved[rows] @ moved[rows])
+    residual = moved[rows] - columns[rows] @ law
+    exact = 1.0 - float(residual @ residual) / float(moved[rows] @ moved[rows])
     jumps = float(np.mean(~rows))
     if law[0] >= 0.0 or exact < EXACT or jumps > MOST_JUMPS:
         return None
@@ -159,7 +159,7 @@ def switches_with_hysteresis(u: FloatArray, y: FloatArray) -> bool:
     if ends.size < RELAY_SWITCHES:
         return False
     ups = u[ends] > u[ends - 1]
-    scatter = max(float(np.std(y[ends[one]])) for one in (ups, ~ups))
+    scatter = max(float(np.std(y[ends[direction]])) for direction in (ups, ~ups))
     lengths = np.diff(ends)
     if np.median(lengths) < LEAST_HELD:
         return False

@@ -70,24 +70,26 @@ def at_readings(
     if exclude is not None:
         hidden[0] = exclude
     outputs = [np.where(rows, np.nan, record.y) for record, rows in zip(records, hidden, strict=True)]
-    found = [find_readings(record.u, y) for record, y in zip(records, outputs, strict=True)]
-    slow = [at for at in found if at is not None]
+    read_at = [find_readings(record.u, y) for record, y in zip(records, outputs, strict=True)]
+    slow = [at for at in read_at if at is not None]
     if not slow:
         return ComparedRecords(list(records), False, 1, ())
-    which = "The output" if found[0] is not None else "The output of another record"
+    which = "The output" if read_at[0] is not None else "The output of another record"
     new = f"{which} has a new value at one sample in {slow[0].every:.3g} only: "
     every, samples = slow[0].every, sum(map(len, records))
-    if not is_given and found[0] is not None and _have_one_clock(found, max(map(len, records))):
+    if not is_given and read_at[0] is not None and _have_one_clock(read_at, max(map(len, records))):
         stride = int(max(min(np.ceil(every), longest * every / samples), 1))
         if slow[0].is_even and not _moves_between(records[0].u, slow[0]):
             stride = 1
         if stride != every:
-            at_ticks = [_resampled(*one, slow[0], stride) for one in zip(records, outputs, found, strict=True)]
+            at_ticks = [_resampled(*parts, slow[0], stride) for parts in zip(records, outputs, read_at, strict=True)]
             return ComparedRecords(at_ticks, stride > 1, stride, (new + _compared(stride),))
-    only = [_without_repeats(*one) for one in zip(records, outputs, found, strict=True)]
-    stride = 1 if found[0] is None else _usual_distance(found[0].at)
-    before = None if found[0] is None else _before_samples(found[0], outputs[0])
-    return ComparedRecords(only, found[0] is not None, stride, (f"{new}the simulation is compared at these.",), before)
+    only = [_without_repeats(*parts) for parts in zip(records, outputs, read_at, strict=True)]
+    stride = 1 if read_at[0] is None else _usual_distance(read_at[0].at)
+    before = None if read_at[0] is None else _before_samples(read_at[0], outputs[0])
+    return ComparedRecords(
+        only, read_at[0] is not None, stride, (f"{new}the simulation is compared at these.",), before
+    )
 
 
 def _before_samples(readings: SlowReadings, y: FloatArray) -> FloatArray | None:

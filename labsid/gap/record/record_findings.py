@@ -78,14 +78,14 @@ def plateau_gap(
     if plateaus is None:
         return None
     missed, rms = plateaus.scatter(y - before, included), float(np.sqrt(np.mean((y - before)[included] ** 2)))
-    left = plateaus.scatter(y - after, included) ** 2 - plateaus.by_chance(y - after, included) ** 2
+    scatter = plateaus.scatter(y - after, included) ** 2 - plateaus.by_chance(y - after, included) ** 2
     return PlateauGap(
         plateaus.repeat,
         plateaus.largest,
         plateaus.scatter(y, included),
         missed,
         missed / rms if rms > 0.0 else 0.0,
-        float(np.sqrt(max(left, 0.0))) / missed if missed > 0.0 else 0.0,
+        float(np.sqrt(max(scatter, 0.0))) / missed if missed > 0.0 else 0.0,
     )
 
 
@@ -106,20 +106,20 @@ def findings_from_record(record: Record, plateau: PlateauGap | None) -> list[Fin
     """
     raw = RawRecord(record.t, record.u, record.y, record.Ts, record.y_measured, record.y_noise_reduced)
     plateaus, offsets = repeated_plateaus(record.u, record.y), find_offsets(record.u, record.y)
-    found = []
+    findings = []
     if plateaus is not None and plateau is not None and plateau.matters:
-        found.append(about_plateaus(plateaus))
+        findings.append(about_plateaus(plateaus))
     if filter_length(record) > 1:
         added = (
             "This sensor filter delays the record. The diagnosis applies the same filter to the input of the "
             "simulation, so the filter is not part of the gap."
         )
-        found += [_with_advice(finding, added) for finding in about_filter(raw, record.Ts)]
-    found += about_controller(record.u, record.y)
+        findings += [_with_advice(finding, added) for finding in about_filter(raw, record.Ts)]
+    findings += about_controller(record.u, record.y)
     if offsets.status == "settled" and offsets.settled[0] > 0:
         added = "The diagnosis estimates the initial state of the simulation, so the start is not part of the gap."
-        found.append(_with_advice(about_rest(record.u, record.y, offsets, record.Ts), added))
-    return [*found, *about_clipping(record.y)]
+        findings.append(_with_advice(about_rest(record.u, record.y, offsets, record.Ts), added))
+    return [*findings, *about_clipping(record.y)]
 
 
 def findings_from_errors(
@@ -140,7 +140,7 @@ def findings_from_errors(
     list of Finding
         Empty if there are none.
     """
-    found = []
+    findings = []
     e = np.where(included, y - after, 0.0)
     missed = float(np.sqrt(np.mean(e[included] ** 2)) / np.std(y[included]))
     if missed > UNRELATED_OUTPUT:
@@ -148,7 +148,7 @@ def findings_from_errors(
             f"the output hardly depends on the input: the error of the best simulation is {missed:.0%} of the standard "
             "deviation of the output. A diagnosis of such a record is unreliable. Use an input of larger amplitude."
         )
-        found.append(Finding("warning", "excitation", text))
+        findings.append(Finding("warning", "excitation", text))
     slip = clock_slip(y, before, included)
     if slip is not None:
         text = (
@@ -156,7 +156,7 @@ def findings_from_errors(
             f"{abs(slip):.2g} samples over the record ({abs(slip) / y.size:.2%}), as with two clocks. Resample one of "
             "them accordingly."
         )
-        return [*found, Finding("warning", "clocks", text)]
+        return [*findings, Finding("warning", "clocks", text)]
     gain = gain_from_past(e[1:], u[:-1])  # one sample ahead: a controller responds to the output of the same sample
     if gain > FEEDBACK_F and not about_controller(u, y):
         text = (
@@ -164,8 +164,8 @@ def findings_from_errors(
             "on the output, as in a closed loop, and the noise then biases the fitted dynamics; or the output responds "
             "within one sample, which a strictly proper simulation cannot reproduce."
         )
-        found.append(Finding("warning", "feedback", text))
-    return found
+        findings.append(Finding("warning", "feedback", text))
+    return findings
 
 
 def about_correction(corrected: float | None, limit: float) -> list[Finding]:

@@ -131,7 +131,7 @@ def without_slow_ends(
     least : float
         In the unit of `y`.
     """
-    return tuple(one for one in stretches if one[1] >= y.size or abs(y[one[1]] - y[one[0]]) > least)
+    return tuple(stretch for stretch in stretches if stretch[1] >= y.size or abs(y[stretch[1]] - y[stretch[0]]) > least)
 
 
 def without_rest(stretches: tuple[tuple[int, int], ...], u: FloatArray) -> tuple[tuple[int, int], ...]:
@@ -214,10 +214,10 @@ def find_spikes(
         several = length <= MAX_SPIKE_RUN and bool(np.all(np.abs(np.diff(x[start:stop])) > least[start + 1 : stop]))
         alone = length <= LONGEST_SPIKE or several
         if far[start] and alone and start > 0:  # the initial state may still be wrong at the first sample
-            before = x[start - 1]
-            behind = x[stop] if stop < x.size else before
-            height = float(np.abs(x[start : start + length] - 0.5 * (before + behind)).min())
-            if height < 3.0 * abs(behind - before):  # a lasting jump is not a spike
+            ahead = x[start - 1]
+            behind = x[stop] if stop < x.size else ahead
+            height = float(np.abs(x[start : start + length] - 0.5 * (ahead + behind)).min())
+            if height < 3.0 * abs(behind - ahead):  # a lasting jump is not a spike
                 continue
             spikes[at[start : start + length]] = True
     return spikes

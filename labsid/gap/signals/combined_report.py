@@ -151,20 +151,20 @@ def _signal(path: str, part: Part) -> str | None:
 
 def _effects(parts: Sequence[Part]) -> list[dict[str, Any]]:
     """Every effect once, with the outputs that it changes, largest gap first; its numbers are those of that output."""
-    found: dict[tuple[str | None, ...], dict[str, Any]] = {}
+    by_place: dict[tuple[str | None, ...], dict[str, Any]] = {}
     for part in sorted(parts, key=lambda part: -part.gap_size):
         for effect in part.report["effects"]:
             signal = _signal(effect["path"], part)
             pair = effect.get("from"), effect.get("to")
-            own = found.setdefault((effect["name"], signal, *pair), effect | {"signal": signal, "outputs": []})
+            own = by_place.setdefault((effect["name"], signal, *pair), effect | {"signal": signal, "outputs": []})
             if part.output not in own["outputs"]:
                 own["outputs"].append(part.output)
             if part.together:
-                closed = [other.output for other in parts if (other.report["gap"]["closed"] or 0.0) > MIN_CLOSED]
+                closed = [part.output for part in parts if (part.report["gap"]["closed"] or 0.0) > MIN_CLOSED]
                 own["outputs"] = list(dict.fromkeys([*own["outputs"], *closed]))
             if effect["probability"] > own["probability"]:
                 own |= {key: effect[key] for key in ("probability", "chance")}
-    return list(found.values())
+    return list(by_place.values())
 
 
 def _verdict(effects: Sequence[dict[str, Any]], last: dict[str, Part]) -> str:
@@ -180,25 +180,25 @@ def _gap(last: dict[str, Part]) -> dict[str, Any]:
     own = {name: part.report["gap"] for name, part in last.items()}
     sds = {name: part.sd for name, part in last.items()}
     by_output = {
-        name: {key: one[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {"sd": sds[name]}
-        for name, one in own.items()
+        name: {key: gap[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {"sd": sds[name]}
+        for name, gap in own.items()
     }
     if len(own) == 1:
-        (one,) = own.values()
-        return {key: one[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {
+        (gap,) = own.values()
+        return {key: gap[key] for key in ("before", "after", "noise_floor", "closed", "ci95")} | {
             "outputs": by_output,
             "mode": mode,
         }
-    noise = {name: max(one["noise_floor"], np.finfo(float).tiny) for name, one in own.items()}
+    noise = {name: max(gap["noise_floor"], np.finfo(float).tiny) for name, gap in own.items()}
     before, after = (
-        float(np.sqrt(np.mean([(one[key] / noise[name]) ** 2 for name, one in own.items()])))
+        float(np.sqrt(np.mean([(gap[key] / noise[name]) ** 2 for name, gap in own.items()])))
         for key in ("before", "after")
     )
     open_gap = [
-        max((one["before"] / noise[name]) ** 2 - 1.0, 0.0) if one["closed"] is not None else 0.0
-        for name, one in own.items()
+        max((gap["before"] / noise[name]) ** 2 - 1.0, 0.0) if gap["closed"] is not None else 0.0
+        for name, gap in own.items()
     ]
-    unsure = any(size and not one["ci95"] for one, size in zip(own.values(), open_gap, strict=True))
+    unsure = any(size and not gap["ci95"] for gap, size in zip(own.values(), open_gap, strict=True))
     closed = closed_share(before**2, after**2, 1.0) if before**2 > NO_GAP_MEAN_SQUARE and any(open_gap) else None
     return {
         "before": before,
@@ -207,7 +207,7 @@ def _gap(last: dict[str, Part]) -> dict[str, Any]:
         "closed": closed,
         "ci95": None if closed is None or unsure else _interval(list(own.values()), open_gap),
         "over_sd": {
-            key: float(np.sqrt(np.mean([(one[key] / sds[name]) ** 2 for name, one in own.items()])))
+            key: float(np.sqrt(np.mean([(gap[key] / sds[name]) ** 2 for name, gap in own.items()])))
             for key in ("before", "after", "noise_floor")
         },
         "outputs": by_output,

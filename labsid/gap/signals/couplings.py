@@ -44,13 +44,13 @@ def with_couplings(report: dict[str, Any], signals: Signals, j: int, before: Fit
         From which effects were searched.
     """
     given = signals.given
-    found: Sequence[Coupling] = given.couplings[j] if given is not None and given.couplings else ()
-    if given is None or not found:
+    couplings: Sequence[Coupling] = given.couplings[j] if given is not None and given.couplings else ()
+    if given is None or not couplings:
         return report
     effects = report["effects"]
-    freed = bool(given.simulator.free) or (given.linear and found[-1].bic - before.bic > BIC_MARGIN)
-    effects = [one for one in effects if freed or one["name"] != MISMATCH]
-    own = [_effect(one, signals, j, report, alone=not effects) for one in found]
+    freed = bool(given.simulator.free) or (given.linear and couplings[-1].bic - before.bic > BIC_MARGIN)
+    effects = [effect for effect in effects if freed or effect["name"] != MISMATCH]
+    own = [_effect(coupling, signals, j, report, alone=not effects) for coupling in couplings]
     verdict = "effect" if report["verdict"] in ("none", "effect") else "partial"
     gap = report["gap"]
     if gap["closed"] is None and gap["before"] ** 2 > NO_GAP_MEAN_SQUARE * gap["noise_floor"] ** 2:

@@ -74,7 +74,7 @@ def diagnose_signals(
         If a signal cannot be used.
     """
     prepared = prepare(record, exclude)
-    other = None if holdout is None else prepare_holdout(holdout, prepared)
+    scored_holdout = None if holdout is None else prepare_holdout(holdout, prepared)
     prepared = replace(prepared, findings=(*clock_findings(record, holdout), *prepared.findings))
     prepared = _with_simulation(prepared, simulation, record.outputs, free)
     given = prepared.signals.given
@@ -84,12 +84,14 @@ def diagnose_signals(
         given.simulator.meter.begin(evaluations)
         with given.simulator.meter.searching(SEARCH_SHARE):
             explained = explain_outputs(prepared.signals, order, progress)
-    made = [_parts(prepared, one, other, seed, progress) for one in explained]
+    made = [_parts(prepared, output, scored_holdout, seed, progress) for output in explained]
     parts = [part for parts, _ in made for part in parts]
     if explained[0].search.signals is not prepared.signals:  # beside measured neighbours
-        parts = _simulated_together(prepared, explained, parts, [answer.score for _, answer in made], other, order)
+        parts = _simulated_together(
+            prepared, explained, parts, [answer.score for _, answer in made], scored_holdout, order
+        )
     system = _system(prepared.signals, explained, [answer for _, answer in made], record.outputs)
-    models = {name: one.model for name, one in system.outputs.items()}
+    models = {name: output.model for name, output in system.outputs.items()}
     exportable = None if explained[0].search.signals is not prepared.signals else system
     return SignalsDiagnosis(combine(prepared, explained, parts), models, exportable)
 
@@ -189,8 +191,8 @@ def _simulated_together(
     """The parts with errors of the free run of all outputs together, before that of the linear model of each output."""
     signals = prepared.signals if other is None else other.signals
     coupled = [
-        Coupled(one.search.signals, one.through[-1].explanation.data, score.after_fit)
-        for one, score in zip(explained, scores, strict=True)
+        Coupled(output.search.signals, output.through[-1].explanation.data, score.after_fit)
+        for output, score in zip(explained, scores, strict=True)
     ]
     together = simulate_together(signals, coupled, other is not None)
     before = simulate_linear_models(prepared.signals, order, None if other is None else other.signals)

@@ -295,20 +295,20 @@ def find_couplings(
     before = fit_from(data, base.structure, np.zeros(len(base.structure.parameters)))
     if before is None:
         return ()
-    found: list[Coupling] = []
+    couplings: list[Coupling] = []
     at_first = before.cost
     for i in np.argsort(-parts.strength).tolist():
         if system.paths[j, i] or not parts.seen[i]:
             continue
-        one = FurtherInput(names[i], parts.rates[i], float(pairs[i].u[0]), False, pairs[i].u)
-        after = _with(data, before, one)
+        further = FurtherInput(names[i], parts.rates[i], float(pairs[i].u[0]), False, pairs[i].u)
+        after = _with(data, before, further)
         if after is None or not is_improvement(data, before, after):
             continue
-        gain = _static_gain(after, one) * data.y_scale.unit / pairs[i].u_scale.unit
-        left = after.cost / max(at_first, np.finfo(float).tiny)
-        found.append(Coupling(i, one, gain, mismatch_probability(before, after), left, after.bic))
+        gain = _static_gain(after, further) * data.y_scale.unit / pairs[i].u_scale.unit
+        left_share = after.cost / max(at_first, np.finfo(float).tiny)
+        couplings.append(Coupling(i, further, gain, mismatch_probability(before, after), left_share, after.bic))
         before = after
-    return tuple(found)
+    return tuple(couplings)
 
 
 def _with(data: Data, before: Fit, effect: FurtherInput) -> Fit | None:

@@ -62,18 +62,20 @@ def linear_parts(pairs: list[Data]) -> LinearParts:
         best = min(fits, key=lambda i: fits[i].cost)
         responses[:, best], rates[best] = _response(fits[best], pairs[best]), _not_too_fast(fits[best])
         order.append(best)
-        left = y - responses.sum(axis=1)
-        fits = {i: _shown(replace(pair, y=left)) for i, pair in enumerate(pairs) if i not in order}
+        residual = y - responses.sum(axis=1)
+        fits = {i: _shown(replace(pair, y=residual)) for i, pair in enumerate(pairs) if i not in order}
     if len(pairs) > 1:
         joint = [_together(pairs, order, start) for start in (rates, own, [own[order[0]]] * len(pairs))]
         _, responses, rates, e = min(joint, key=lambda found: found.cost)
     else:
         e = y - alone[0].output
     power = np.var(e[rows])
-    without = np.var((e[:, None] + responses)[rows], axis=0)
+    without_input = np.var((e[:, None] + responses)[rows], axis=0)
     count = int(rows.sum())
-    gains = count * np.log(without / max(power, np.finfo(float).tiny))
-    if len(pairs) > 1 and not all(shows(y.size, *one) for one in rates):  # slow poles may imitate what is no response
+    gains = count * np.log(without_input / max(power, np.finfo(float).tiny))
+    if len(pairs) > 1 and not all(
+        shows(y.size, *pair_of_rates) for pair_of_rates in rates
+    ):  # slow poles may imitate what is no response
         responses, rates = np.column_stack([_response(fit, pair) for fit, pair in zip(alone, pairs, strict=True)]), own
     strength = np.std(responses[rows], axis=0)
     moves = gains > OWN_PARAMETERS * np.log(count)
@@ -122,14 +124,14 @@ def _together(pairs: list[Data], order: list[int], rates: list[tuple[float, floa
     if fit is None:
         raise ValueError("no linear model can be simulated on this record. Check the signals.")
     design = fit.hypothesis.design(fit.theta, pairs[first].u)
-    responses, found = np.zeros((pairs[0].samples, len(pairs))), list(rates)
-    responses[:, first], found[first] = design.columns[:, :2] @ fit.gains[:2], fit.rates
+    responses, all_rates = np.zeros((pairs[0].samples, len(pairs))), list(rates)
+    responses[:, first], all_rates[first] = design.columns[:, :2] @ fit.gains[:2], fit.rates
     for effect, columns in zip(fit.hypothesis.additive, design.parts[1:], strict=True):
         i = int(effect.variant)
         responses[:, i] = columns[:, :2] @ fit.hypothesis.gains_of(fit.gains, effect)[:2]
         c, k = np.multiply(rates[i], np.exp(fit.theta[fit.hypothesis.slices[effect.key]]))
-        found[i] = float(c), float(k)
-    return _Joint(fit.cost, responses, found, pairs[0].y - fit.output)
+        all_rates[i] = float(c), float(k)
+    return _Joint(fit.cost, responses, all_rates, pairs[0].y - fit.output)
 
 
 def others_beside(
@@ -147,13 +149,13 @@ def others_beside(
     kind : {"apart", "coupled", "same entry"}
         With poles of their own, with those of the response to the main input, or with all its dynamics but the gain.
     """
-    found: list[FurtherInput | SameEntry] = []
+    effects: list[FurtherInput | SameEntry] = []
     for i in np.flatnonzero(parts.moves):
         signal, first = np.ascontiguousarray(signals[:, i]), float(signals[0, i])
         if i == main:
             continue
         if kind == "same entry":
-            found.append(SameEntry(names[i], first, signal))
+            effects.append(SameEntry(names[i], first, signal))
         else:
-            found.append(FurtherInput(names[i], parts.rates[i], first, kind == "coupled", signal))
-    return found
+            effects.append(FurtherInput(names[i], parts.rates[i], first, kind == "coupled", signal))
+    return effects

@@ -25,14 +25,14 @@ def simulate_linear_models(signals: Signals, order: int, other: Signals | None =
     -------
     ndarray, shape (N, ny)
     """
-    found = []
+    runs = []
     for j in range(len(signals.outputs)):
         parts = linear_parts([signals.data(i, j) for i in range(len(signals.inputs))])
         role = make_role(signals, j, parts.strongest, parts, order)
         if other is None:
             rows = role.data.rows & ~held_out_samples(role.data.samples)
             fit = fit_baseline(replace(role.data, rows=rows), role.base.structure)
-            found.append(role.data.y_scale.back(fit.output))
+            runs.append(role.data.y_scale.back(fit.output))
             continue
         fit = fit_baseline(role.data, role.base.structure)
         scaled = {
@@ -41,5 +41,5 @@ def simulate_linear_models(signals: Signals, order: int, other: Signals | None =
         }
         fit = replace(fit, hypothesis=fit.hypothesis.with_signals(scaled))
         u, y = (np.ascontiguousarray(x) for x in (other.u[:, parts.strongest], other.y[:, j]))
-        found.append(export_model(role.data, fit).simulate(u, y))
-    return np.column_stack(found)
+        runs.append(export_model(role.data, fit).simulate(u, y))
+    return np.column_stack(runs)

@@ -74,7 +74,7 @@ def simulate_together(signals: Signals, outputs: Sequence[Coupled], elsewhere: b
         In the units of the record; None if it diverges or does not settle.
     """
     spread = np.std(signals.y, axis=0)
-    runs = [_runner(signals, j, one, elsewhere) for j, one in enumerate(outputs)]
+    runs = [_runner(signals, j, output, elsewhere) for j, output in enumerate(outputs)]
     y = signals.y
     for _ in range(MOST_ROUNDS):
         new = np.column_stack([run(y) for run in runs])

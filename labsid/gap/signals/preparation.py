@@ -151,9 +151,9 @@ def _check_inputs(u: FloatArray, names: Sequence[str], what: str) -> None:
 def _check_outputs(u: FloatArray, y: FloatArray, rows: np.ndarray, record: Record) -> None:
     for j, name in enumerate(record.outputs):
         at = rows[:, j]
-        for i, other in enumerate(record.inputs):
+        for i, input_name in enumerate(record.inputs):
             if at.any() and np.array_equal(y[at, j], u[at, i]):
-                raise ValueError(f"the output {name} holds the values of the input {other}. Check the columns.")
+                raise ValueError(f"the output {name} holds the values of the input {input_name}. Check the columns.")
         for k in range(j):
             both = at & rows[:, k]
             if _is_used(y[both, j]) and abs(np.corrcoef(y[both, k], y[both, j])[0, 1]) > 1.0 - SAME_OUTPUT:

@@ -132,12 +132,12 @@ class OutputSearch:
         """
         role = self.role(main, others)
         only = most == 1 and main != self.seen[0]
-        found = explain_record(replace(role.data, at_input=only), role.base, self.progress, most)[0]
-        found = replace(found, data=replace(found.data, at_input=False))
+        explanation = explain_record(replace(role.data, at_input=only), role.base, self.progress, most)[0]
+        explanation = replace(explanation, data=replace(explanation.data, at_input=False))
         if others or self.beside:
             plain = replace(self, beside=()).through(main, (), 0).explanation.best
-            found = replace(found, path=(plain, *(found.path[1:] or found.path)))
-        return Through(role, found, (*self.beside, *others))
+            explanation = replace(explanation, path=(plain, *(explanation.path[1:] or explanation.path)))
+        return Through(role, explanation, (*self.beside, *others))
 
     @property
     def seen(self) -> list[int]:
@@ -196,35 +196,37 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
     if signals.given is not None and not signals.given.linear:
         parts = [_with_paths(own, signals.given.paths[j]) for j, own in enumerate(parts)]
         closed = [_linear(signals, j, own, order, "given") for j, own in enumerate(parts)]
-        return [_deepened(one) for one in _explained(signals, parts, order, progress, closed)]
+        return [_deepened(output) for output in _explained(signals, parts, order, progress, closed)]
     plain = [_linear(signals, j, own, order, "apart") for j, own in enumerate(parts)]
-    apart = [_likeliest(signals, j, own, order, one) for j, (own, one) in enumerate(zip(parts, plain, strict=True))]
-    if not may_be_coupled(signals, parts) or all(residual_is_white(*one.fitted) for one in apart):
-        return [_deepened(one) for one in _explained(signals, parts, order, progress, apart)]
-    starts = coupled_starts(signals, parts, order, [one.fitted[1] for one in plain])
+    apart = [
+        _likeliest(signals, j, own, order, search) for j, (own, search) in enumerate(zip(parts, plain, strict=True))
+    ]
+    if not may_be_coupled(signals, parts) or all(residual_is_white(*search.fitted) for search in apart):
+        return [_deepened(output) for output in _explained(signals, parts, order, progress, apart)]
+    starts = coupled_starts(signals, parts, order, [search.fitted[1] for search in plain])
     coupled = [_linear(signals, j, parts[j], order, "coupled", start) for j, start in enumerate(starts)]
     better = bool(coupled) and _total(coupled) < _total(apart) - BIC_MARGIN
-    if better and have_poles_in_common([one.fitted for one in coupled]):
-        return [_deepened(one) for one in _explained(signals, parts, order, progress, coupled)]
+    if better and have_poles_in_common([search.fitted for search in coupled]):
+        return [_deepened(output) for output in _explained(signals, parts, order, progress, coupled)]
     searches = _beside_neighbours(signals, parts, order, progress) if signals.given is None else []
     likely = any(
-        residual_is_white(*_linear_fit(one)) and not residual_is_white(*apart[j].fitted)
-        for j, one in enumerate(searches)
+        residual_is_white(*_linear_fit(search)) and not residual_is_white(*apart[j].fitted)
+        for j, search in enumerate(searches)
     )
     beside = _explained_beside(searches) if likely else []
-    if beside and all(one.white for one in beside):
+    if beside and all(output.white for output in beside):
         return beside
-    found = _explained(signals, parts, order, progress, apart)
-    if all(one.white for one in found):
-        return _own_poles(signals, found)
-    options = [found]
+    with_own_poles = _explained(signals, parts, order, progress, apart)
+    if all(output.white for output in with_own_poles):
+        return _own_poles(signals, with_own_poles)
+    options = [with_own_poles]
     if searches:
         options.append(beside or _explained_beside(searches))
     if coupled:
-        other = _explained(signals, parts, order, progress, coupled)
-        options += [other] if have_poles_in_common([one.last for one in other]) else []
+        with_common_poles = _explained(signals, parts, order, progress, coupled)
+        options += [with_common_poles] if have_poles_in_common([output.last for output in with_common_poles]) else []
     best = min(options, key=lambda option: _rank(signals, option))
-    return _own_poles(signals, [_deepened(one) for one in best])
+    return _own_poles(signals, [_deepened(output) for output in best])
 
 
 def _with_paths(parts: LinearParts, paths: np.ndarray) -> LinearParts:
@@ -252,14 +254,16 @@ def _own_poles(signals: Signals, found: list[ExplainedOutput]) -> list[Explained
     for each output. The poles are no effects if a state-space model of that order leaves no more error, or if the error
     without them is hardly larger.
     """
-    names = {name for one in found for through in one.through for name in through.explanation.best.hypothesis.names}
+    names = {
+        name for output in found for through in output.through for name in through.explanation.best.hypothesis.names
+    }
     if len(found) < 2 or not names or not names <= names_where("adds_poles"):
         return found
-    ends = [(one.through[-1].explanation.data, one.through[-1].explanation) for one in found]
+    ends = [(output.through[-1].explanation.data, output.through[-1].explanation) for output in found]
     larger = max(mean_square(data, how.path[0]) / mean_square(data, how.best) for data, how in ends)
     if larger > FAINT**2 and not _is_of_usual_order(signals, found):
         return found
-    return [replace(one, through=tuple(_as_given(through) for through in one.through)) for one in found]
+    return [replace(output, through=tuple(_as_given(through) for through in output.through)) for output in found]
 
 
 def _is_of_usual_order(signals: Signals, found: Sequence[ExplainedOutput]) -> bool:
@@ -271,11 +275,11 @@ def _is_of_usual_order(signals: Signals, found: Sequence[ExplainedOutput]) -> bo
         simulated = simulate_states(fitted.model, u, fitted.x0)
     except ValueError:
         return False
-    for j, one in enumerate(found):
-        explanation, rows = one.through[-1].explanation, signals.rows[:, j]
+    for j, output in enumerate(found):
+        explanation, rows = output.through[-1].explanation, signals.rows[:, j]
         e = ((y - middle) / spread - simulated)[rows, j]
-        left = float(np.std(e)) * spread[j] / explanation.data.y_scale.unit
-        if left > SAME * np.sqrt(mean_square(explanation.data, explanation.best)):
+        left_rms = float(np.std(e)) * spread[j] / explanation.data.y_scale.unit
+        if left_rms > SAME * np.sqrt(mean_square(explanation.data, explanation.best)):
             return False
     return True
 
@@ -359,23 +363,23 @@ def _explained(
     """Explain every output, those with the largest gap first."""
     ny = len(parts)
     searches = [
-        OutputSearch(signals, own, j, order, _of_output(progress, j, ny), one.kind, one.start)
-        for j, (own, one) in enumerate(zip(parts, linear, strict=True))
+        OutputSearch(signals, own, j, order, _of_output(progress, j, ny), search.kind, search.start)
+        for j, (own, search) in enumerate(zip(parts, linear, strict=True))
     ]
-    gaps = [_gap(one.fitted[1]) for one in linear]
-    found: dict[int, ExplainedOutput] = {}
+    gaps = [_gap(search.fitted[1]) for search in linear]
+    by_output: dict[int, ExplainedOutput] = {}
     known: list[AtInput] = []
-    for one in sorted(searches, key=lambda one: -gaps[one.output]):
-        one = _with_known(one, known)
-        explained = _explain_output(one, known)
-        other = _OTHER_KIND.get(one.kind)
-        if other and not explained.white and one.parts.moves.sum() > 1:
-            again = _explain_output(replace(one, kind=other), known)
+    for search in sorted(searches, key=lambda search: -gaps[search.output]):
+        search = _with_known(search, known)
+        explained = _explain_output(search, known)
+        other_kind = _OTHER_KIND.get(search.kind)
+        if other_kind and not explained.white and search.parts.moves.sum() > 1:
+            again = _explain_output(replace(search, kind=other_kind), known)
             explained = min(explained, again, key=lambda result: result.through[-1].score)
-        found[one.output] = explained
+        by_output[search.output] = explained
         at_inputs = (through.found for through in explained.through)
         known += [at for at in at_inputs if at is not None and not _has(known, at)]
-    return [found[j] for j in range(ny)]
+    return [by_output[j] for j in range(ny)]
 
 
 def _with_known(search: OutputSearch, known: Sequence[AtInput]) -> OutputSearch:
@@ -463,9 +467,9 @@ def _shared(search: OutputSearch, known: list[AtInput]) -> tuple[Through, ...]:
     chain: tuple[Through, ...] = ()
     for at in known:
         main = at.role.main
-        if main not in search.seen or main in [one.role.main for one in chain]:
+        if main not in search.seen or main in [through.role.main for through in chain]:
             continue
-        others = tuple(one.found for one in chain if one.found is not None)
+        others = tuple(through.found for through in chain if through.found is not None)
         plain = search.through(main, others, 0)
         fit = _with_effects(plain, at)
         if fit is None or not is_improvement(plain.explanation.data, plain.explanation.best, fit):

@@ -42,8 +42,8 @@ def coupled_starts(
         As of the linear structure of fourth order.
     """
     starts = []
-    for j, (own, one) in enumerate(zip(parts, plain, strict=True)):
-        fit = _fitted(make_role(signals, j, own.strongest, own, order, "coupled"), one)
+    for j, (own, plain_fit) in enumerate(zip(parts, plain, strict=True)):
+        fit = _fitted(make_role(signals, j, own.strongest, own, order, "coupled"), plain_fit)
         if fit is None:
             return []
         starts.append(fit.theta)
@@ -78,7 +78,7 @@ def _fitted(role: Role, plain: Fit) -> Fit | None:
             c, k = np.multiply(effect.about, np.exp(plain.theta[plain.hypothesis.slices[effect.key]]))
             pairs.append((float(c), float(k)))
     names = [parameter.name for parameter in structure.parameters]
-    found = []
+    fits = []
     for c, k in pairs[:2]:
         for ratio in FREQUENCIES:
             for damping in DAMPINGS:
@@ -88,6 +88,6 @@ def _fitted(role: Role, plain: Fit) -> Fit | None:
                 theta[names.index("log_damping")] = np.log(damping)
                 fit = fit_from(role.data, structure, np.clip(theta, *structure.bounds), iterations=15)
                 if fit is not None:
-                    found.append(fit)
-    best = min(found, key=lambda fit: fit.cost, default=None)
+                    fits.append(fit)
+    best = min(fits, key=lambda fit: fit.cost, default=None)
     return None if best is None else fit_from(role.data, structure, best.theta, iterations=40)

@@ -106,8 +106,8 @@ def _exported(system: ExportedSystem, record: Record) -> tuple[FloatArray, Recor
                 f"the simulation has {len(names)} {what}s ({', '.join(names)}); the record has {len(own)} "
                 f"({', '.join(own)}). Choose its columns with --{what}s."
             )
-    one = next(iter(system.outputs.values()))
-    return system.simulate(record.input_columns, record.output_columns), one.model.start
+    only_output = next(iter(system.outputs.values()))
+    return system.simulate(record.input_columns, record.output_columns), only_output.model.start
 
 
 def _played(source: Path, record: Record) -> tuple[FloatArray, RecordStart]:

@@ -61,7 +61,7 @@ class Evidence(NamedTuple):
     short : float
         Share of the gap left open on held-out samples, beyond chance.
     several : float
-        1 for two effects or more, else 0.
+        Number of effects beyond the first: each is one more that chance may have found.
     coloured : float
         1 for coloured noise beside effects, else 0: an effect outside the table often leaves a residual like it.
     reduction : float
@@ -437,6 +437,8 @@ class PartialEvidence(NamedTuple):
         are then those of the set: its effects belong to one kind of rig, and each alone explains little.
     missed : float
         Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
+    smooth : float
+        1 if the law of the effect is a smooth curve, which imitates any other smooth law, else 0.
     """
 
     alone: float
@@ -446,12 +448,15 @@ class PartialEvidence(NamedTuple):
     others: float
     together: float = 0.0
     missed: float = 0.0
+    smooth: float = 0.0
 
 
-PARTIAL_PRIOR = -3.5  # the same of the effects of a partial explanation; lowered by hand from the fitted -2.7
-PARTIAL_WEIGHTS = PartialEvidence(alone=0.6, lead=2.4, margin=0.9, agreement=0.6, others=-0.1, together=1.9, missed=1.9)
-"""Weights of that function: fitted to 154 named effects of `dev` records by the regression of
-`labsid.blind.calibration`; `others` and `together` were then set by hand (README)."""
+PARTIAL_PRIOR = -3.4  # the same of the effects of a partial explanation; lowered by hand from the fitted -2.6
+PARTIAL_WEIGHTS = PartialEvidence(
+    alone=1.2, lead=0.4, margin=1.2, agreement=1.2, others=-0.1, together=1.9, missed=2.0, smooth=-1.8
+)
+"""Weights of that function: fitted to 180 named effects of `dev` records by the regression of
+`labsid.blind.calibration`, but for `others` and `together` (README)."""
 
 
 def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
@@ -472,7 +477,8 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
         beside = others - len(step.mates)
         agreement, together = float(step.agreement), float(step.together is not None)
         missed = float(np.clip(-np.log(max(step.missed, 1e-6)), 0.0, MAX_REDUCTION))
-        found[step.name] = PartialEvidence(alone, lead, min(margin, MAX_MARGIN), agreement, beside, together, missed)
+        smooth, margin = float(step.name in names_where("smooth_law")), min(margin, MAX_MARGIN)
+        found[step.name] = PartialEvidence(alone, lead, margin, agreement, beside, together, missed, smooth)
     return found
 
 
@@ -527,7 +533,7 @@ def evidence_in(
     steps = len(path) - 1
     before, after = (mean_square(explanation.data, fit) for fit in (path[0], path[-1]))
     reduction = float(np.clip(0.5 * np.log(before / max(after, 1e-300)), 0.0, MAX_FIT_REDUCTION))
-    evidence = Evidence(several=float(steps >= 2), reduction=reduction)
+    evidence = Evidence(several=float(max(steps - 1, 0)), reduction=reduction)
     if "output-quantization" in explanation.unsimulated:
         return evidence  # rounding repeats with the input, and jumps
     colour = float(np.log(max(left.colour, 1.0)))

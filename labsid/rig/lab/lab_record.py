@@ -154,7 +154,7 @@ def log_run(
     -------
     LabLog
     """
-    before = AVERAGED - 1
+    averaged = AVERAGED - 1
     rig = replace(
         tank_rig(parameters),
         # 12 bits over -10..10 V: the step of 0.0048828125 V of the real logs.
@@ -162,11 +162,11 @@ def log_run(
     )
     if is_settled:
         x0 = steady_levels(parameters, float(u[0]))
-        running = np.concatenate([np.full(before, u[0]), u])
+        running = np.concatenate([np.full(averaged, u[0]), u])
         measured = simulate_rig(rig, running, Ts, x0, max_step).y
-        earlier, measured = measured[:before], measured[before:]
+        earlier, measured = measured[:averaged], measured[averaged:]
     else:
-        earlier = np.zeros(before)
+        earlier = np.zeros(averaged)
         measured = simulate_rig(rig, u, Ts, (0.0, zero_level(parameters)), max_step).y
     t: FloatArray = Ts * np.arange(u.size, dtype=np.float64)
     return LabLog(t, u, measured, noise_reduced(measured, earlier), Ts, name)

@@ -71,8 +71,8 @@ def _stepped(
     acting, logged = (rounded, u) if acts else (u, rounded)
     y = response(system, acting, settled=True)
     sd = bench.noise * float(np.std(y))
-    other = response(system, logged, settled=True)
-    if not ratios[0] < np.std(y - other) / sd < ratios[1]:
+    logged_response = response(system, logged, settled=True)
+    if not ratios[0] < np.std(y - logged_response) / sd < ratios[1]:
         return None
     y = bench.y0 + y + sd * rng.standard_normal(bench.samples)
     return OrdinaryRecord(answers, {".csv": record_table(bench, logged, y)}, {"signal": signal, "step": step})

@@ -67,10 +67,10 @@ def response(system: System, u: FloatArray, settled: bool = False, delay: int = 
     ndarray, shape (N,)
     """
     b, a = discretised(system, between)
-    before = u[0] if settled and not system.integrates else 0.0
-    acting = np.concatenate([np.full(delay, before), u[: u.size - delay]])
-    rest = before * np.sum(b) / np.sum(a) if before else 0.0
-    return np.asarray(rest + lfilter(b, a, acting - before))
+    u_before = u[0] if settled and not system.integrates else 0.0
+    acting = np.concatenate([np.full(delay, u_before), u[: u.size - delay]])
+    rest = u_before * np.sum(b) / np.sum(a) if u_before else 0.0
+    return np.asarray(rest + lfilter(b, a, acting - u_before))
 
 
 def draw_first_order(rng: np.random.Generator, slowest: float = 45.0) -> System:

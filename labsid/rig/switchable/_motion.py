@@ -367,7 +367,7 @@ def move(
     """
     h = 1.0 / per_sample
     x = x0.copy()
-    before = x0.copy()
+    x_before = x0.copy()
     k = np.zeros((4, STATE_COUNT))
     trial = np.zeros(STATE_COUNT)
     y = np.empty(begin.size // per_sample)
@@ -385,12 +385,12 @@ def move(
             y[j // per_sample] = sensor_output(m, x)
         w = (begin[j], end[j])
         if stopped:
-            advance_with_stops(m, x, before, h, w, load[j], rate[j], leak[j], k, trial)
+            advance_with_stops(m, x, x_before, h, w, load[j], rate[j], leak[j], k, trial)
             continue
         if m.dry_friction == 0.0 or smooth_friction(m):
             advance(m, x, h, w, load[j], rate[j], leak[j], 0.0, -1, k, trial)
             continue
-        left = h
+        time_left = h
         for _ in range(3):
             speed = x[sliding] + shift
             if speed == 0.0:
@@ -398,21 +398,21 @@ def move(
                 direction = np.sign(trial[sliding])
                 derivative(m, x, w[0], load[j], rate[j], leak[j], sliding_friction(m, direction), trial)
                 if trial[sliding] * direction <= 0.0:
-                    advance(m, x, left, w, load[j], rate[j], leak[j], 0.0, sliding, k, trial)
+                    advance(m, x, time_left, w, load[j], rate[j], leak[j], 0.0, sliding, k, trial)
                     break
             else:
                 direction = np.sign(speed)
-            before[:] = x
+            x_before[:] = x
             friction = sliding_friction(m, direction)
-            advance(m, x, left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
+            advance(m, x, time_left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
             after = x[sliding] + shift
             if after * direction >= 0.0:
                 break
             part = speed / (speed - after)
-            x[:] = before
-            advance(m, x, part * left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
+            x[:] = x_before
+            advance(m, x, part * time_left, w, load[j], rate[j], leak[j], friction, -1, k, trial)
             x[sliding] = -shift
-            left *= 1.0 - part
-            if left <= 0.0:
+            time_left *= 1.0 - part
+            if time_left <= 0.0:
                 break
     return y

@@ -316,21 +316,21 @@ class OneJoint:
 
     def nominal(self) -> dict[str, float]:
         """Numbers of the model that may be fitted, by name."""
-        found = {f"{self.joint}:{key}": value for key, value in self.passive.items() if key != "springref"}
-        found[f"{self.joint}:armature"] = self.armature
+        numbers = {f"{self.joint}:{key}": value for key, value in self.passive.items() if key != "springref"}
+        numbers[f"{self.joint}:armature"] = self.armature
         if self.passive["stiffness"]:
-            found[f"{self.joint}:springref"] = self.passive["springref"]
-        found[f"{self.link}:mass"] = self.mass
+            numbers[f"{self.joint}:springref"] = self.passive["springref"]
+        numbers[f"{self.link}:mass"] = self.mass
         kind = self.kind
         own = {"position": ("kp", self.gain[0]), "velocity": ("kv", self.gain[0]), "torque": ("gain", self.gain[0])}
-        found[f"{self.actuator}:{own[kind][0]}"] = own[kind][1]
+        numbers[f"{self.actuator}:{own[kind][0]}"] = own[kind][1]
         if kind == "position":
-            found[f"{self.actuator}:kv"] = -self.bias[2]
+            numbers[f"{self.actuator}:kv"] = -self.bias[2]
         if self.dynamics in ("filter", "filterexact"):
-            found[f"{self.actuator}:timeconst"] = self.time_constant
+            numbers[f"{self.actuator}:timeconst"] = self.time_constant
         if self.symmetric:
-            found[f"{self.actuator}:forcelimit"] = self.forcerange[1]
-        return found
+            numbers[f"{self.actuator}:forcelimit"] = self.forcerange[1]
+        return numbers
 
 
 def changes_in(numbers: Mapping[str, float]) -> dict[str, float]:

@@ -110,7 +110,8 @@ def _inertia(mujoco: Any, model: Any) -> float:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     full = np.zeros((1, 1))
-    mujoco.mj_fullM(model, full, data.qM) if _takes_array(mujoco) else mujoco.mj_fullM(model, data, full)
+    arguments = (full, data.qM) if _takes_array(mujoco) else (data, full)
+    mujoco.mj_fullM(model, *arguments)
     return float(full[0, 0])
 
 
@@ -156,8 +157,8 @@ def _tip(mujoco: Any, model: Any, joint: int) -> tuple[float, float, float, floa
     if int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE):
         torque, inertia = torque_and_inertia(float(model.qpos0[0]))
         return inertia, 0.0, 0.0, torque
-    found = [torque_and_inertia(q) for q in (0.0, 0.5 * np.pi, np.pi)]
-    return (found[0][1], *_sinusoid([one[0] for one in found]))
+    forces = [torque_and_inertia(q) for q in (0.0, 0.5 * np.pi, np.pi)]
+    return (forces[0][1], *_sinusoid([force[0] for force in forces]))
 
 
 def tip_of(mujoco: Any, model: Any, joint: int) -> tuple[int, FloatArray]:
@@ -217,19 +218,19 @@ class Player:
 
     def play(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> tuple[FloatArray, np.ndarray]:
         """Position, speed and force at each sample, shape (N, 3); and the pair of geoms in contact there, or -1."""
-        mujoco, one = self.mujoco, self.one
+        mujoco, joint = self.mujoco, self.one
         model, data, changes = copy(self.opened.model), None, changes_in(numbers)
-        c = one.constants(numbers, changes)
-        _change(model, one, c, changes)
+        c = joint.constants(numbers, changes)
+        _change(model, joint, c, changes)
         data = mujoco.MjData(model)
-        data.qpos[0], data.qvel[0] = one.position + changes["start"], changes["start_speed"]
-        if one.delay:
+        data.qpos[0], data.qvel[0] = joint.position + changes["start"], changes["start_speed"]
+        if joint.delay:
             _fill_history(mujoco, model, data, float(u[0]))
-        lagging = _Lag(one, c, one.activation(float(u[0]), changes)) if not model.na and c[32] else None
+        lagging = _Lag(joint, c, joint.activation(float(u[0]), changes)) if not model.na and c[32] else None
         if model.na:
-            data.act[0] = one.activation(float(u[0]), changes)
-        steps = substeps(float(t[1] - t[0]) if t.size > 1 else one.timestep, one.timestep)
-        extra = [c[6] - one.gravity[0], c[7] - one.gravity[1], c[8] - one.gravity[2]]
+            data.act[0] = joint.activation(float(u[0]), changes)
+        steps = substeps(float(t[1] - t[0]) if t.size > 1 else joint.timestep, joint.timestep)
+        extra = [c[6] - joint.gravity[0], c[7] - joint.gravity[1], c[8] - joint.gravity[2]]
         applied = any(abs(x) > UNIT_GRAVITY for x in extra) or any(c[[42, 44, 45]])
         varied = changes["transmitted"] or changes["peak"]
         motion, contacts = np.empty((u.size, 3)), np.full(u.size, -1)
@@ -241,7 +242,9 @@ class Player:
                 if lagging is not None:
                     data.ctrl[0] = lagging.next(command)
                 if applied:
-                    data.qfrc_applied[0] = _applied(float(data.qpos[0]), (k * steps + s) * one.timestep, one, c, extra)
+                    data.qfrc_applied[0] = _applied(
+                        float(data.qpos[0]), (k * steps + s) * joint.timestep, joint, c, extra
+                    )
                 if varied:
                     model.dof_frictionloss[0] = _friction(data, c)
                 mujoco.mj_step(model, data)
@@ -289,12 +292,12 @@ def _friction(data: Any, c: FloatArray) -> float:
     return float(held + c[11] * np.exp(-((float(data.qvel[0]) / c[12]) ** 2)))
 
 
-def _change(model: Any, one: OneJoint, c: FloatArray, changes: Mapping[str, float]) -> None:
+def _change(model: Any, joint: OneJoint, c: FloatArray, changes: Mapping[str, float]) -> None:
     """Set the constants of a model of one joint."""
     model.dof_damping[0], model.jnt_stiffness[0], model.qpos_spring[0] = c[1], c[3], c[4]
     if hasattr(model, "dof_dampingpoly"):
         model.dof_dampingpoly[0, 0], model.jnt_stiffnesspoly[0, 1] = c[2], c[5]
-    model.dof_armature[0] += c[0] - one.inertia  # whatever has changed the inertia
+    model.dof_armature[0] += c[0] - joint.inertia  # whatever has changed the inertia
     model.dof_frictionloss[0] = c[9]
     if changes["friction"] or changes["transmitted"] or changes["peak"]:
         model.dof_solref[0], model.dof_solimp[0] = STANDING_SOLREF, STANDING_SOLIMP
@@ -302,7 +305,7 @@ def _change(model: Any, one: OneJoint, c: FloatArray, changes: Mapping[str, floa
         model.jnt_limited[0] = 1
         model.jnt_range[0] = max(c[15], -1e9), min(c[16], 1e9)
     model.actuator_gainprm[0, :3], model.actuator_biasprm[0, :3] = c[26:29], c[29:32]
-    if one.gain != tuple(c[26:29]) or one.bias != tuple(c[29:32]):
+    if joint.gain != tuple(c[26:29]) or joint.bias != tuple(c[29:32]):
         if any(c[27:29]):
             model.actuator_gaintype[0] = 1
         if any(c[29:32]):

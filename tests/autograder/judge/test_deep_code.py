@@ -109,6 +109,8 @@ BOUNDED = {
     "labsid/checks/matrix_causes.py": "the same",
     "labsid/checks/handed_over.py": "the same",
     "labsid/checks/key_causes.py": "the same",
+    "labsid/checks/library_errors.py": "the same",
+    "labsid/checks/operands.py": "the same",
     "labsid/checks/tables.py": "the same",
     "labsid/checks/tuple_causes.py": "the same",
     "labsid/checks/given_lines.py": "of the release",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labsid.blind import limits
 from labsid.blind.limits import _PLANTED, Planting, draw_rig, is_larger, is_same_place, judge, planted_setup, size_at
 from labsid.rig.switchable.truth import true_parameters
 
@@ -40,10 +41,10 @@ def test_sizes_are_proportional_inverse_or_distances_from_an_end():
 def test_the_counts():
     one, two = (Planting(name, "input-backlash", "width", name, 0.01, 2.0, {"tau": 1.0}) for name in ("named", "half"))
     row = {"name": "input-backlash", "parameter": "width", "excluded_above": 1.0, "at": {}}
-    limits = [row | {"share": {"excluded_above": 0.005}}]
+    stated = [row | {"share": {"excluded_above": 0.005}}]
     found = {
-        "named": {"verdict": "effect", "effects": [{"name": "input-backlash", "probability": 0.9}], "limits": limits},
-        "half": {"verdict": "none", "effects": [], "limits": limits},
+        "named": {"verdict": "effect", "effects": [{"name": "input-backlash", "probability": 0.9}], "limits": stated},
+        "half": {"verdict": "none", "effects": [], "limits": stated},
     }
     assert judge([one, two], found) == {"named": (1, 1), "half": (0, 1), "wrong": (0, 2), "excluded": (1, 1)}
     found["half"] |= {"verdict": "effect", "effects": [{"name": "extra-lag", "probability": 0.6}]}
@@ -58,3 +59,17 @@ def test_a_limit_of_another_place_says_nothing_and_a_lower_limit_is_a_larger_eff
     assert is_larger("low", 4.0, 3.0)
     assert is_larger("rate", 3.0, 4.0)
     assert is_larger("width", 4.0, 3.0)
+
+
+def test_metrics_hold_the_counts_of_the_row(monkeypatch):
+    sizes = ("named",) * 10 + ("half",) * 4
+    plantings = [Planting(f"r{i}", "input-delay", "delay", times, 0.1, 2.0, {}) for i, times in enumerate(sizes)]
+    named = {"verdict": "effect", "effects": [{"name": "input-delay", "probability": 0.9}], "limits": []}
+    silent = {"verdict": "none", "effects": [], "limits": []}
+    results = {p.name: named if i < 9 else silent for i, p in enumerate(plantings)}
+    monkeypatch.setattr(limits, "plant_and_diagnose", lambda rigs, seed, jobs: (plantings, results))
+    at_named, at_half, wrong, excluded = limits.limit_metrics(4, 0, 1)
+    assert (at_named.value, at_named.count, at_named.reaches(at_named.required)) == (0.9, 10, True)
+    assert (at_half.value, at_half.reaches(at_half.required)) == (0.0, True)
+    assert wrong.value == 0.0
+    assert excluded.value is None

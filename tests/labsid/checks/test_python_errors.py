@@ -34,7 +34,7 @@ CAUSES = [
     ("Phi.T * Y[:, np.newaxis] * Phi", "Phi.T * w", "entry by entry. The product"),
     ("Phi.T * Phi", "u * w", "`Phi.T @ Phi`, which fits"),
     ("Phi * Y", "w * Phi", "`Y[:, np.newaxis]`"),
-    ("y[1:] - u", "Phi[1:] - Phi", "19 samples and `u` has 20"),
+    ("y[1:] - u", "Phi[1:] - Phi", "19 entries and `u` has 20"),
     ("y - w", "Phi - W", "they do not pair up"),
     ("np.linalg.solve(Phi.T @ Phi, Y)", "np.linalg.solve(R, w)", "multiplied, too: `Phi.T @ Y`"),
     ("np.linalg.solve(R, w)", "np.linalg.solve(Phi, Y)", "has 2 rows, and b, here `w`, has 5"),
@@ -44,7 +44,7 @@ CAUSES = [
     ("np.linalg.inv(zeros.T @ zeros)", "np.linalg.solve(single, one)", "columns are dependent"),
     ("np.linalg.lstsq(Y, Phi, None)", "np.linalg.solve(Phi.T @ Y, w)", "`lstsq(A, b)` takes the matrix first"),
     ("np.linalg.svd(R * np.nan)", "np.linalg.inv(0 * R)", "a nan or an inf in it"),
-    ("np.zeros(3) + u", "u + w", "join them: `np.concatenate([a, b])`"),
+    ("np.zeros(3) + u", "u + w", "join them: `np.concatenate([np.zeros(3), u])`"),
     ("np.mean(Phi, axis=1) - w", "np.mean(Phi, axis=0) - w", "number of each *row*"),
     ("np.linalg.inv(Phi.T @ Phi) @ Phi", "np.linalg.inv(R.T @ R) @ w", "Is `Phi.T` in place of `Phi` meant?"),
     ("np.linalg.inv(Phi.T @ Phi) @ Y", "np.linalg.inv(R) @ w", "Is `Phi.T @` before `Y` meant?"),
@@ -176,7 +176,7 @@ CAUSES = [
     ("for phi in Phi.T:\n phi @ w[:2]", "for phi in Phi:\n phi @ w[:3]", "is gone through column by column"),
     ("theta = np.zeros(len(Phi))\nPhi[0] @ theta", "theta = np.zeros(5)\nPhi[0] @ theta", "`Phi.shape[1]`, 2"),
     ("H = np.zeros((3, 4))\nH[:, 0] = w[:4]", "H = np.zeros((3, 4))\nH[0] = w[:3]", "a row, `H[0]`, has 4"),
-    ("H = np.zeros(4)\nH[0] = w", "H = np.zeros((4, 4))\nH[0] = w", "MATLAB's `zeros(n)` is n by n"),
+    ("H = np.zeros(5)\nH[0] = w", "H = np.zeros((4, 4))\nH[0] = w", "MATLAB's `zeros(n)` is n by n"),
     ("np.linalg.solve((R, w))", "np.linalg.solve(R)", "`np.linalg.solve(R, w)`"),
     ("def g(a): pass\ng(*w)", "def g(a): pass\ng(w, w)", "each of its 5 parts as an argument of its own"),
     ("def g(a): pass\ng(1, 2)", "def g(a): pass\ng(*w)", "`g` takes `a`, and the call hands over 2"),
@@ -195,6 +195,89 @@ CAUSES = [
     ("[w, w].T @ w", "['a'].split(',')", "`np.column_stack(...)` one with a column for each"),
     ("W = np.zeros((3, 2))\nW[0] = R * w[:2] * w[:2, np.newaxis]", "W = np.zeros(3)\nW[0] = w", "Often here: `*`"),
     ("ct.ss([[0, 1], [2, 3]], [[0, 1]], [[1, 2]], [[0]], 1)", "ct.ss(R, w, w, 0)", "`[[0], [1]]`"),
+    # each with another mistake that stops with the same error
+    ("y[3] - y[:0].remove(1)", "y.plot(u)", "a method of lists, and `y[:0]` is an array"),
+    ("sigma = np.arange(20.0)\nsigma * Phi", "w * Phi", "`sigma[:, np.newaxis]`"),
+    ("np.mean(Phi, axis=1) - w[:2]", "np.mean(Phi, axis=1) - w", "`axis=0` makes one of each column, 2 in all"),
+    ("Phi - Phi.mean(axis=1)", "Phi - y", "`axis=0` makes one of each column, 2 in all"),
+    ("Phi - y", "y += Phi", "`y[:, np.newaxis]`"),
+    ("np.convolve(w, u) - u", "np.convolve(w, u)[1:] - u", "are the first, `np.convolve(w, u)[: len(u)]`"),
+    ("np.zeros(3) + u", "np.convolve(np.zeros(3), u) - np.zeros(3) + u", "Is one to stand behind the other?"),
+    ("u[0] - Phi[0] - (y - w)", "Phi[0] - y", "do not pair up"),
+    ("Phi[0] - y", "Phi[0, 0] - (y - w)", "is a row of `Phi`"),
+    ("n = len(Phi[0])\ny[n:] - y", "Phi[0] - y", "18 entries and `y` has 20"),
+    ("Phi[0] = y", "Phi[0] = w", "a column, `Phi[:, 0]`, has 20"),
+    ("Phi[0] = w", "Phi[0] = y", "`Phi[0]` takes 2 numbers, and `w` has 5"),
+    ("H = np.eye(3, 1)\nH[0] = w[:3]", "H = np.zeros((3, 1))\nH[0] = w[:2]", "is the number of columns"),
+    ("H = np.zeros(4)\nH[0] = w * k", "H = np.zeros(4)\nH[0] = {}", "Is it to be one number?"),
+    ("for k in range(30):\n y[k]", "y[20]", "Here `k` is 20"),
+    ("for k in range(9):\n Phi[0, k]", "for k in range(30):\n Phi[k, 0]", "`Phi` has 2 columns (and 20 rows)"),
+    ("i = np.digitize(25, y)\ny[i + 1]", "i = np.digitize(19, y)\ny[i]", "A value at the last edge"),
+    ("k()", "k(1 + 1)", "it takes no round brackets"),
+    ("y(w)", "y(k)", "hand over the function by its name alone"),
+    ("y(k)", "y(w)", "square ones take entries"),
+    ("np.ones(y)", "np.ones(20 / 3)", "its length is `len(y)`"),
+    ("np.ones(20 / 3)", "np.ones(2.5)", "`/` always gives a float"),
+    ("for row in Phi:\n Phi[row]", "for row in Phi:\n Phi[row[0] / 2]", "and an index is one whole number"),
+    ("y[2.0:3.0]", "y[20 / 4:]", "`2.0` is no whole number"),
+    ("np.where(np.diff(y)) + 1", "np.where(y > 3) + 1", "the array of all of them `np.where(np.diff(y))[0]`"),
+    ("np.where(y > 3) + 1", "np.where(np.diff(y)) + 1", "`np.argmax(y > 3)`"),
+    ("y > 3 and y < 5", "if y > 3: pass", "`(y > 3) & (y < 5)`"),
+    ("3 < y < 5", "y > 3 and y < 5", "A chain of comparisons"),
+    ("np.clip(y, 1, 2) if y[0] < y else 1", "np.arange(3)[:2].round(y == y)", "`y[0] < y` gives one for each entry"),
+    ("sorted([y, u])", "if y: pass", "arises within the function that is called"),
+    ("def g(x): pass\na, b = g(1)", "a, b = W", "nothing (None)"),
+    ("U, V = np.linalg.svd(Phi)", "U, V = np.linalg.lstsq(Phi, Y)", "`np.linalg.svd` returns 3 things"),
+    ("import scipy.signal\nscipy.signal.lfilter([1, k], y)", "np.linalg.solve((R, w))", "needs `x`, too"),
+    ("np.linalg.solve((R, w))", "import scipy.signal\nscipy.signal.lfilter([1, k], y)", "handed over one by one"),
+    ("import scipy.stats\nscipy.stats.t.ppf(1)", "def g(a, b): pass\ng(1)", "`scipy.stats.t.ppf` needs `df`, too"),
+    ("[].append(1, 2)", "[].insert(1)", "`[].append([1, 2])`"),
+    ("len(Phi, 1)", "abs(Phi, 1)", "`Phi.shape[1]`"),
+    ("A = w[np.newaxis, :3]\nnp.block([[W, A], [A, 0]])", "np.block([[R, Phi[:3].T], [Phi[:3], 0]])", "is `A.T` meant"),
+    (
+        "np.block([[R, Phi[:3].T], [Phi[:3], 0]])",
+        "A = w[np.newaxis, :3]\nnp.block([[W, A], [A, 0]])",
+        "The empty corner",
+    ),
+    ("np.linalg.inv(np.dot(zeros, zeros.T))", "np.linalg.inv(np.dot(zeros.T, zeros))", "of rank 2 at most"),
+    ("np.linalg.inv(Phi)", "np.linalg.inv(Phi.T)", "Least squares inverts"),
+    ("np.linalg.inv(1 + k)", "np.linalg.inv(y)", "The inverse of a number x is `1 / x`"),
+    ("np.linalg.lstsq(handed, y)", "np.linalg.lstsq(3, y)", "it is called, `handed(...)`"),
+    ("np.linalg.lstsq([u, y], Y)", "np.linalg.lstsq(Phi, w)", "which are taken for rows"),
+    ("np.array([[1, 2], [3]])", "np.array([y, w])", "have 2 and 1 entries: these must be equal"),
+    ("np.array([k, w])", "np.array([y, w])", "`*w` puts each of its entries"),
+    ("np.array([y, w])", "np.array([k, w])", "have 20 and 5 entries"),
+    ("np.concatenate([0, y])", "np.concatenate([Phi, y])", "an array of one entry is `[0]`"),
+    ("y[w > 2]", "y[20]", "and `w > 2` has 5"),
+    ("data[:, 1]", "data['y']", 'with the keys "t"'),
+    ("plt.plot(y, w)", "plt.plot(y, [y, u])", "`y` has 20 entries and `w` has 5"),
+    ("plt.plot(y, [y, u])", "plt.plot(y, w)", "a table is drawn column by column"),
+    ("np.histogram(y, 3, weights=w)", "np.fft.rfftfreq(y, 1)", "`y` has shape (20,) and `w` (5,)"),
+    ("ct.tf([1, w], [1])", "ct.tf([[1], [2]], [[1], [2], [3]], 1)", "`w` is an array, of shape (5,), among numbers"),
+    ("ct.tf([[1], [2]], [[1], [2], [3]], 1)", "ct.tf([1, w], [1])", "is a list within a list"),
+    ("ct.tf([1], [1, 2], Ts=1)", "ct.forced_response(1, frob=2)", "or the keyword `dt`"),
+    ("float(handed)", "float(y)", "is a function, and numbers are asked for"),
+    ("np.random.default_rng().rand(3)", "np.random.default_rng().unifrom(3)", "random(shape)`"),
+    ("x = e**2", "x = y @ e", "`np.exp(x)` for a power of e"),
+    ("x = var(y)", "x = 3 * var", "It is a part of numpy: `np.var`"),
+    ("p = {'low' = 1, 'high' = 2}", "p = {k == 2 3}", "a colon stands between key and value"),
+    ("f(y, 200:)", "f(y 200)", "a range `a:b` stands in square brackets only"),
+    ("Phi[0, 1, 0]", "y[0, 1]", "it takes 2 indices, not 3"),
+    ("H = np.eye(20)\nPhi @ H", "Phi @ w", "`H @ Phi` would fit"),
+    ("P = np.eye(20)\nphi = Phi[0]\nP @ phi", "phi = Phi[:, 0]\nphi @ w[:2]", "`P` is made by `P = np.eye(20)`"),
+    ("phi = Phi[:, 0]\nphi @ w[:2]", "P = np.eye(20)\nphi = Phi[0]\nP @ phi", "of `Phi`, with 20 entries"),
+    ("E = []\nE[0.5]", "E = []\nE['a']", "whole number"),
+    ("E = []\nE[0] = 1", "E = []\nE[0]", "`append` adds one"),
+    ("if y[:0] > 1 and k: pass", "y[:0].frob", "`and` asks for one True or False"),
+    ("filter(1, 2, 3)", "map(1)", "`scipy.signal.lfilter(b, a, u)`"),
+    ("np.arange((0, 1))", "np.arange(y)", "one by one, `np.arange(start, stop, step)`"),
+    ("np.dot(R, Phi.T, w)", "np.dot(R, w)", "where the result is put"),
+    ("ct.tf([1], [1, 2]).A", "ct.tf([1], [1, 2]).frob", "belong to a state space"),
+    ("np.random.default_rng().uniform(0, 1, 3, 1)", "np.append(y)", "The shape is one argument"),
+    ("def g(a): pass\nh = g\nh(1, 2)", "def g(a): pass\ng(1, 2)", "other arguments than its first line"),
+    ("x = (y if k)", "x = (y for k)", "`a if condition else b` needs both"),
+    ("k++", "k + + ", "counted up by `n += 1`"),
+    ("v = 2 * lambda / (1 - lambda)", "v = 2 * (lambda x: x x)", "call the variable `lam`"),
 ]
 
 
@@ -202,6 +285,24 @@ CAUSES = [
 def test_a_cause_is_told_and_only_where_it_holds(mistake: str, neighbour: str, said: str) -> None:
     assert said in explain(stopped(mistake))
     assert said not in explain(stopped(neighbour))
+
+
+def test_names_within_a_lambda_or_a_comprehension_are_not_those_of_the_notebook() -> None:
+    inside = "def g(y, n):\n return [y[i:n] - u for i in range(3)]\ni = 999\ng(y, 4)"
+    assert stopped(inside).things["i"].value == 0
+    outside = "i = 999\ndef g(y, n):\n return np.column_stack([y[i:n - i] for i in range(3)])\ng(y, 4)"
+    assert "i" not in stopped(outside).things
+    searched = "start = 3\ndef g(y):\n start = y\n return handed(lambda a: (y - w, start)[0])\ng(y)"
+    assert "start" in stopped(searched).things
+    unused = "start = 3\ndef g(y):\n start = y\n return handed((lambda a: y - w) if 1 else start)\ng(y)"
+    assert "start" not in stopped(unused).things
+
+
+def test_a_whole_number_is_no_fraction_in_another_process() -> None:
+    stop = stopped("m = 2.5\ny[k:m]")
+    again = unpacked(packed(stop), stop.kind, stop.text, lambda text: True)
+    assert explain(again) == explain(stop)
+    assert explain(again).startswith("`m` is no whole number")
 
 
 def test_the_texts_that_are_known_without_quotes_are_those_that_are_asked_for() -> None:
@@ -258,7 +359,7 @@ def test_reading_a_line_runs_none_of_it() -> None:
     line = "y[1:] - u + (0 if True else loud[0] + loud.shape[0] + f())"
     with pytest.raises(ValueError, match="broadcast") as caught:
         exec(line, names)
-    assert "19 samples" in explain(stop_of(caught.value, names, line))
+    assert "19 entries" in explain(stop_of(caught.value, names, line))
     assert calls == []
 
 

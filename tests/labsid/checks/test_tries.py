@@ -52,7 +52,7 @@ def test_what_names_a_mistake_is_not_said_to_its_neighbours(name: str) -> None:
     """Other tries at the question get another message, and of those with another slip none that names this mistake."""
     said = {one: it for one, it in outcomes(name).items() if one.grade != ACCEPTED}
     alike = [
-        (one.question, one.name, other.name)
+        (one.question, one.name, other.name, said[other].message)
         for one, other in permutations(said, 2)
         if one.question == other.question and one.says != other.says
         if said[one].message == said[other].message or _is_named_beside(one, said[one], said[other])

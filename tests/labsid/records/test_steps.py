@@ -294,3 +294,14 @@ def test_a_value_within_reach_of_the_others_is_one_of_them(write):
 def test_an_input_may_have_any_value(write):
     u = np.where(U > 2.5, 9999.0, U)
     np.testing.assert_array_equal(load_record(write(T, u=u)).u, u)
+
+
+def test_a_logger_that_paused_a_few_times_lost_up_to_a_third_of_its_rows():
+    t = np.arange(1100.0)
+    pause = np.r_[t[:600], t[800:]]
+    often = t[(np.arange(1100) % 50) >= 11]
+    found = fit_dropped_rows(pause)
+    assert found is not None
+    assert found.t.size == 1100
+    assert fit_dropped_rows(often) is None  # 22 % in 22 places
+    assert fit_dropped_rows(np.r_[t[:600], t[1000:]]) is None

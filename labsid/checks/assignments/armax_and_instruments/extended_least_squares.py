@@ -97,14 +97,14 @@ _ROUNDING_SHOWS = 1e50
 def _faulty(u: FloatArray, y: FloatArray, forgetting: float, LN: float, fault: str) -> FloatArray:
     """History of the notebook's loop with one of the faults in it; rounding is that of the loop."""
     theta, P, e, history = np.zeros(3), LN * np.eye(3), 0.0, np.zeros((y.size, 3))
-    one = 1.0 if fault == "1 in the denominator" else forgetting
+    in_denominator = 1.0 if fault == "1 in the denominator" else forgetting
     powers = {"not divided by lambda": 0, "multiplied by lambda": 1, "divided by lambda twice": -2}
     factor = forgetting ** powers.get(fault, -1)
     for n in range(1, y.size):
         phi = np.array([-y[n - 1], u[n - 1], e])
         e = float(y[n] - phi @ theta)
         P_phi = P @ phi
-        P = (P - np.outer(P_phi, P_phi) / (one + phi @ P_phi)) * factor
+        P = (P - np.outer(P_phi, P_phi) / (in_denominator + phi @ P_phi)) * factor
         theta = theta + (P_phi if fault == "gain from the old P" else P @ phi) * e
         history[n] = theta
     return history
@@ -142,7 +142,7 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
     got = as_history(call, value, y.size, 3)
     rights = [_history(u, y, forgetting, LN), _history(u, y, forgetting, LN / forgetting)]
     right = next((right for right in rights if _SAME(got, right)), rights[0])
-    without = recursive_armax(ARX, u, y, forgetting, _start(2, LN * forgetting)).theta
+    theta_of_arx = recursive_armax(ARX, u, y, forgetting, _start(2, LN * forgetting)).theta
     return judge(
         got,
         right,
@@ -179,7 +179,7 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
             Slip(
                 "noise term left out",
                 f"`{call}` never fills the third place of the regressor with epsilon(n-1).",
-                lambda: np.column_stack([without, np.zeros(y.size)]),
+                lambda: np.column_stack([theta_of_arx, np.zeros(y.size)]),
             ),
             Slip("forgetting not used", f"`{call}` does not forget: use lambda.", lambda: _history(u, y, 1.0, LN)),
             Slip(
@@ -223,14 +223,14 @@ def check_figure_14(ask: Ask) -> Verdict:
     history = as_array("theta_rels", ask.known("theta_rels"))
     if not axes.curves:
         raise NoAnswer("`fig_14` is empty: draw in its axes, with `plot`.", "empty axes")
-    found = [find_curve(axes, column) for column in history.T]
-    missing = [name for name, curve in zip("abc", found, strict=True) if curve is None]
+    curves = [find_curve(axes, column) for column in history.T]
+    missing = [name for name, curve in zip("abc", curves, strict=True) if curve is None]
     if missing:
         what = f"{' or '.join(missing)}, of the columns of `theta_rels`"
         raise no_curve(axes, "Fig. 14", what, history[:, "abc".index(missing[0])], "Draw them over all samples.")
     require_label(axes, "Fig. 14", "x", "")
     require_legend(axes, "Fig. 14", 3)
-    names = [_letter(legend_text(axes, curve)) for curve in found if curve is not None]
+    names = [_letter(legend_text(axes, curve)) for curve in curves if curve is not None]
     if sorted(names) == ["a", "b", "c"] and names != ["a", "b", "c"]:
         return Verdict(False, "In Fig. 14 the names in the legend are swapped.", "legend entries swapped")
     return Verdict(True, "three histories, and what they settle on.")

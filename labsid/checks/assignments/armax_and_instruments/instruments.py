@@ -215,10 +215,10 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
                 Slip(
                     "warm-up not used",
                     "`recursive_iv` changes from phi to z at a fixed sample: use the argument `warm_up`.",
-                    partial(_loop, u, y, other, ""),
+                    partial(_loop, u, y, other_warm_up, ""),
                 )
-                for other in range(y.size)
-                if other != warm_up
+                for other_warm_up in range(y.size)
+                if other_warm_up != warm_up
             ),
         ],
     )
@@ -264,15 +264,15 @@ def _loop(u: FloatArray, y: FloatArray, warm_up: int, slip: str) -> FloatArray:
     phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((y.size, 2))
     for n in range(y.size):
         z = phi if n < warm_up or slip == "phi throughout" else z_model
-        left, right = (phi, z) if slip.startswith("transposed") else (z, phi)
+        factor, right = (phi, z) if slip.startswith("transposed") else (z, phi)
         right = z if slip == "z z' for z phi'" else right
         error = y[n] - (z if slip == "z for phi in the error" else phi) @ theta
-        before = P
-        below = phi @ P @ z if slip == "transposed above only" else right @ P @ left
+        P_before = P
+        below = phi @ P @ z if slip == "transposed above only" else right @ P @ factor
         after = P @ right if slip == "P taken for symmetric" else right @ P
-        P = P - np.outer(P @ left, after) / (1 + below)
+        P = P - np.outer(P @ factor, after) / (1 + below)
         of_phi = slip in ("phi for z in the gain", "transposed throughout")
-        K = (before if slip == "gain from the P before" else P) @ (phi if of_phi else z)
+        K = (P_before if slip == "gain from the P before" else P) @ (phi if of_phi else z)
         theta = theta - K * error if slip == "sign of the update" else theta + K * error
         history[n] = theta
         stable = theta.copy() if abs(theta[0]) < 1 else stable

@@ -69,8 +69,8 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         "",
         "`fit_arx` does not return the least-squares [a, b]: write the first two equations down by hand.",
         [
-            *(Slip("sign of a", sign, partial(np.multiply, other, [-1, 1])) for other in rights),
-            *(Slip("a and b swapped", "`fit_arx` returns b before a.", other[::-1].copy) for other in rights),
+            *(Slip("sign of a", sign, partial(np.multiply, theta, [-1, 1])) for theta in rights),
+            *(Slip("a and b swapped", "`fit_arx` returns b before a.", theta[::-1].copy) for theta in rights),
             Slip("lag off by one", lag, lambda: same_time),
             Slip("lag off by one", lag, lambda: same_time * [-1, 1]),
             Slip(
@@ -84,7 +84,7 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other: MonteCarlo) -> Verdict:
+def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other_method: MonteCarlo) -> Verdict:
     runs = len(got)
     if runs < FEWEST:
         return Verdict(
@@ -112,7 +112,7 @@ def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other: M
     hints = (
         (
             "systems swapped",
-            other.mean,
+            other_method.mean,
             f"`{name}` is not of System {system}: c is {c} there.",
         ),
         ("sign of a", reference.mean * [-1, 1], f"`{name}` has the other sign of a."),

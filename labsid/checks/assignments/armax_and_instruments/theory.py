@@ -167,11 +167,11 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             f"`{call}` returns a matrix of the noise, n by n: asked for is that of theta, p by p.",
             "covariance of the noise",
         )
-    left = pseudo_inverse(Phi)
+    inverse = pseudo_inverse(Phi)
     diagonal, beside = np.eye(n), np.eye(n, k=1) + np.eye(n, k=-1)
 
     def sandwich(R: FloatArray) -> FloatArray:
-        return var_e * left @ R @ left.T
+        return var_e * inverse @ R @ inverse.T
 
     of_noise = var_e * ((1 + c**2) * diagonal + c * beside)
     start = diagonal * (1 + c**2)
@@ -207,7 +207,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             Slip(
                 "one inverse",
                 "`covariance` has the inverse of Phi'Phi on one side only: it stands on both.",
-                lambda: left @ of_noise @ Phi,
+                lambda: inverse @ of_noise @ Phi,
             ),
             Slip("as if white", as_if_white, lambda: white),
             Slip("as if white", as_if_white, lambda: (1 + c**2) * white),

@@ -50,11 +50,11 @@ def _judge_offsets(ask: Ask, u_act: FloatArray, y_act: FloatArray, y_actm: Float
 
 
 def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: FloatArray) -> Verdict:
-    found = find_offsets(u_act, y_act)
-    n = found.first_period
+    offsets = find_offsets(u_act, y_act)
+    n = offsets.first_period
     # possibly within the tolerance, so these are compared exactly; a right mean may equal one of them by chance
     is_mean = _is_mean_up_to(n, y_act, got)
-    if not (_is_mean_up_to(n, y_act, got, n // 4) or _is_rounded(found.y_offset, got)):
+    if not (_is_mean_up_to(n, y_act, got, n // 4) or _is_rounded(offsets.y_offset, got)):
         if not is_mean and _is_mean_up_to(n, y_actm, got):
             return Verdict(
                 False,
@@ -70,7 +70,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
                 "off by one",
             )
         # possibly within the tolerance, but a single sample contains the noise that averaging removes
-        is_near = abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act))
+        is_near = abs(got - offsets.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act))
         if np.any(np.abs(got - (y_act[:n] if is_near and not is_mean else y_act[[0, n - 1]])) < 1e-9):
             return Verdict(
                 False,
@@ -133,7 +133,7 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
             lambda: float(np.mean(y_act[: y_act.size // 2])),
         ),
     ]
-    settled = y_act[found.settled[0] : found.settled[1]]
+    settled = y_act[offsets.settled[0] : offsets.settled[1]]
     low, high = float(np.min(settled)), float(np.max(settled))
     side = "above" if got > high else "below" if got < low else "within"
     otherwise = (
@@ -143,11 +143,11 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
         else "`y_offset` should be the mean of the settled output before the first change of the input. Yours, "
         f"{got:.4g}, is among the values that the output takes there, {low:.4g} to {high:.4g}, and not their mean."
     )
-    if abs(got - found.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
+    if abs(got - offsets.y_offset) <= OFFSET_TOLERANCE * float(np.ptp(y_act)):
         return Verdict(True, "")
     otherwise += _samples_of_mean(got, y_act)
     # a closer tolerance for mistakes than for right answers: two mistakes may give similar values
-    return judge(got, found.y_offset, close(1e-5), "", otherwise, slips)
+    return judge(got, offsets.y_offset, close(1e-5), "", otherwise, slips)
 
 
 def _picked(pick: Callable[[FloatArray], np.floating], part: FloatArray) -> float:
@@ -226,11 +226,11 @@ def _samples_of_mean(got: float, y_act: FloatArray) -> str:
     if y_act.size > _MOST_SAMPLES:
         return ""
     sums = np.concatenate([[0.0], np.cumsum(y_act)])
-    found = []
+    spans = []
     for count in range(2, y_act.size + 1):
         means = (sums[count:] - sums[:-count]) / count
         starts = np.flatnonzero(np.abs(means - got) <= _SAME_MEAN * max(1.0, abs(got)))
-        found += [(int(start), int(start) + count) for start in starts]
-        if len(found) > 1:
+        spans += [(int(start), int(start) + count) for start in starts]
+        if len(spans) > 1:
             return ""
-    return f" It is the mean of `y_act[{found[0][0]}:{found[0][1]}]`." if found else ""
+    return f" It is the mean of `y_act[{spans[0][0]}:{spans[0][1]}]`." if spans else ""

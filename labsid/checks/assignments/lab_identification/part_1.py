@@ -49,12 +49,12 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
         got = _extracted(name, ask.value(name))
         taken = [
             Slip(
-                "y_act and y_actm swapped" if {name, other} == {"y_act", "y_actm"} else "another signal taken",
-                f"`{name}` contains `{other}`. Python counts from 0: MATLAB's column 2 has the index 1.",
-                partial(right.__getitem__, other),
+                "y_act and y_actm swapped" if {name, taken} == {"y_act", "y_actm"} else "another signal taken",
+                f"`{name}` contains `{taken}`. Python counts from 0: MATLAB's column 2 has the index 1.",
+                partial(right.__getitem__, taken),
             )
-            for other in right
-            if other != name
+            for taken in right
+            if taken != name
         ]
         counted = Slip(
             "sample number in place of time",
@@ -272,10 +272,10 @@ def _counted(ask: Ask, u: FloatArray) -> float:
     if value is None:
         raise NoAnswer("`first_period` returns nothing: end it with `return` and the number.", "nothing returned")
     if np.ndim(value):  # type: ignore[arg-type]
-        found = np.flatnonzero(np.ravel(u) != np.ravel(u)[0])
-        if np.size(value) == found.size and np.array_equal(np.ravel(np.asarray(value, float)), found):  # type: ignore[arg-type]
+        changed = np.flatnonzero(np.ravel(u) != np.ravel(u)[0])
+        if np.size(value) == changed.size and np.array_equal(np.ravel(np.asarray(value, float)), changed):  # type: ignore[arg-type]
             text = (
-                f"`first_period(u)` returns all {found.size} samples at which u is not what it was first. The "
+                f"`first_period(u)` returns all {changed.size} samples at which u is not what it was first. The "
                 "first of these indices is the answer: take it, `[0]` of the array. (`np.where` returns a tuple with "
                 "the array in it, so there it is `[0][0]`.)"
             )

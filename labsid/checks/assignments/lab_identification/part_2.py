@@ -132,7 +132,7 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
     def slip(short: str, hint: str, num: FloatArray, den: FloatArray) -> Slip[SystemValue]:
         return Slip(short, hint, lambda: TransferFunctionValue(num, den, Ts))
 
-    zero, one = np.zeros(1), "1" if b.size == 1 else ""
+    zero, index = np.zeros(1), "1" if b.size == 1 else ""
     slips = [
         slip(
             "sign of a",
@@ -174,7 +174,7 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
         *(
             slip(
                 "b in the denominator",
-                f"The denominator holds b{one} where a{one} belongs: theta begins with -a, and b comes after it.",
+                f"The denominator holds b{index} where a{index} belongs: theta begins with -a, and b comes after it.",
                 b,
                 np.concatenate([[1.0], sign * b]),
             )
@@ -183,7 +183,7 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
         *(
             slip(
                 "a in the numerator",
-                f"The numerator holds a{one} where b{one} belongs: theta begins with -a, and b comes after it.",
+                f"The numerator holds a{index} where b{index} belongs: theta begins with -a, and b comes after it.",
                 sign * a[1:],
                 a,
             )
@@ -229,7 +229,7 @@ def check_state_space(ask: Ask) -> Verdict:
         said = hint if are(A, B, C, D) or not elsewhere else f"In the state coordinates of your matrices, {elsewhere}"
         return Slip(short, said, lambda: StateSpaceValue(A, B, C, D, model.Ts))
 
-    other = "the response is that of a model with"
+    model_with = "the response is that of a model with"
     sign = np.array([[1.0], [-1.0]])
     slips = [
         slip(
@@ -239,7 +239,7 @@ def check_state_space(ask: Ask) -> Verdict:
             H,
             C,
             D,
-            f"{other} the other signs of a1 and a2.",
+            f"{model_with} the other signs of a1 and a2.",
         ),
         slip(
             "a1 and a2 swapped",
@@ -248,7 +248,7 @@ def check_state_space(ask: Ask) -> Verdict:
             H,
             C,
             D,
-            f"{other} a1 and a2 swapped.",
+            f"{model_with} a1 and a2 swapped.",
         ),
         slip("B and C exchanged", "The matrices B and C are exchanged: B is H, a column of 0 and 1.", G, C.T, H.T, D)
         if got.A.shape == G.shape and np.allclose(got.A, G, atol=1e-9)
@@ -268,7 +268,7 @@ def check_state_space(ask: Ask) -> Verdict:
             H,
             C[:, ::-1],
             D,
-            f"{other} b1 and b2 swapped.",
+            f"{model_with} b1 and b2 swapped.",
         ),
         slip(
             "H reversed",
@@ -287,7 +287,7 @@ def check_state_space(ask: Ask) -> Verdict:
             D,
         ),
         slip("feed-through", "D should be 0: u(k) does not act on y(k) in the same sample.", G, H, C, D + 1),
-        slip("sign of b", "C has the wrong sign.", G, H, -C, D, f"{other} the other signs of b1 and b2."),
+        slip("sign of b", "C has the wrong sign.", G, H, -C, D, f"{model_with} the other signs of b1 and b2."),
     ]
     otherwise = "`G_ss` does not have the response of eq. (2) with your parameters. Compare its matrices with eq. (2)."
     praise = (

@@ -294,8 +294,8 @@ def _judge_free_run(got: FloatArray, u: FloatArray, y: FloatArray, model: ArxMod
     """With noise, judge by whether the output minus the response from rest is a free response of any state."""
     rest = got - simulate(model, u)
     columns = free_response(model, u.size)
-    left = rest - columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]
-    if SAME(got - left, got):
+    residual = rest - columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]
+    if SAME(got - residual, got):
         return Verdict(True, "")
     if SAME(got, y):
         return Verdict(False, "It returns the measured output. Use `y` for the initial state only.", "measured output")

@@ -191,11 +191,11 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
         *rounded(right, f"`{name}` is rounded: keep all its digits."),
         *_wrong_fits(name, data, order),
     ]
-    left, side = Phi.T @ Phi @ got, Phi.T @ Y
+    left_side, side = Phi.T @ Phi @ got, Phi.T @ Y
     otherwise = (
         f"`{name}` does not solve eq. (8) for your Phi and Y, (Phi'Phi) theta = Phi'Y: with yours the first entry on "
         "the "
-        f"left is {left[0]:.4g}, and on the right {side[0]:.4g}."
+        f"left is {left_side[0]:.4g}, and on the right {side[0]:.4g}."
     )
     praise = "The least-squares solution for your equations."
     return judge(got, right, close(1e-6), praise, otherwise, slips)

@@ -49,9 +49,9 @@ def require_panels(name: str, value: Value, panels: tuple[Panel, ...]) -> tuple[
         raise NoAnswer(f"The two panels of `{name}` are swapped.", "panels swapped")
     others = figure.axes[::-1] if len(panels) == 2 else (None,) * len(panels)
     names = [f"ax_{letter}" for letter in ascii_lowercase[: len(panels)]]
-    for axes, panel, other, ax in zip(figure.axes, panels, others, names, strict=True):
+    for axes, panel, other_panel, ax in zip(figure.axes, panels, others, names, strict=True):
         curves = [_require_curve(axes, panel, signal) for signal in panel.signals]
-        require_here(partial(require_label, where=panel.where, axis="y", unit=panel.unit), axes, other, ax)
+        require_here(partial(require_label, where=panel.where, axis="y", unit=panel.unit), axes, other_panel, ax)
         if len(curves) > 1:
             _require_names(axes, panel, curves)
     # panels with a common time axis need its label only once, at the bottom

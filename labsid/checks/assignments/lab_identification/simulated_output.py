@@ -55,12 +55,12 @@ def judge_entire_run(
     got = read_output(name, value)
     right = simulate(model, data.u)
     n = model.order
-    for other in (
+    for accepted in (
         _zero_at_first(model, data.u),
         simulate(model, data.u, estimate_initial_state(model, data.u, data.y, n)),
     ):
-        if got.size == right.size and SAME(got, other):
-            right = other
+        if got.size == right.size and SAME(got, accepted):
+            right = accepted
 
     def joined(half: int) -> FloatArray:
         return np.concatenate([simulate(model, data.u[:half]), simulate(model, data.u[half:])])
@@ -274,9 +274,9 @@ def means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[flo
         (sums / counts, "the first {first} samples"),
         ((sums[-1] + squared[-1] - sums) / (N - counts), "the last {last} samples"),
     ):
-        found = np.flatnonzero(np.isclose(means, got, rtol=_SAME_MEAN, atol=0))
-        if found.size == 1:
-            first = int(counts[found[0]])
+        matching = np.flatnonzero(np.isclose(means, got, rtol=_SAME_MEAN, atol=0))
+        if matching.size == 1:
+            first = int(counts[matching[0]])
             text = f"`{name}` is averaged over {what.format(first=first, last=N - first)} of {N}: all of them count."
             return [Slip("mean of a part", text, partial(float, got))]
     return []
@@ -321,8 +321,8 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         "sign of b", "is right but for its sign, as with -b1 and -b2, or with -u.", lfilter(-numerator, model.a, u)
     )
     if n > 1:
-        without = "has a denominator without its leading 1: it is 1, a1, a2."
-        yield slip("theta in place of the denominator", without, lfilter(numerator, model.a[1:], u))
+        no_leading_one = "has a denominator without its leading 1: it is 1, a1, a2."
+        yield slip("theta in place of the denominator", no_leading_one, lfilter(numerator, model.a[1:], u))
     early = "is one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, b1, b2]`."
     yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
     late = "is one sample too late: y(k) depends on u(k-1)."

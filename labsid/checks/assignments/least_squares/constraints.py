@@ -170,11 +170,11 @@ def _rows_used(u: FloatArray, y: FloatArray, value: Value) -> str:
         of_y, of_known, of_u = lags
         for is_taken_off in (True, False):
             target = y[k] - u[k - of_known] if is_taken_off else y[k]
-            found = solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), target).theta
-            if SAME(got, found):
-                left = f"y(k) - {_lagged('u', of_known)}" if is_taken_off else "y(k)"
+            theta_of_rows = solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), target).theta
+            if SAME(got, theta_of_rows):
+                side = f"y(k) - {_lagged('u', of_known)}" if is_taken_off else "y(k)"
                 return (
-                    f"It is that of the rows [-{_lagged('y', of_y)}, {_lagged('u', of_u)}] with {left} on the left, "
+                    f"It is that of the rows [-{_lagged('y', of_y)}, {_lagged('u', of_u)}] with {side} on the left, "
                     f"k = {k[0] + 1} to {k[-1] + 1}. The equation is y(k) + a y(k-2) = u(k-1) + b u(k-3), k = "
                     f"4 to {u.size}."
                 )

@@ -199,7 +199,7 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
         return Verdict(
             False, "N of `all_solutions` changes Phi theta: Phi N should be zero. Check which columns of V it needs."
         )
-    found = int(np.linalg.matrix_rank(N)) if N.size else 0
+    rank = int(np.linalg.matrix_rank(N)) if N.size else 0
     if N.size == 0:
         return Verdict(
             False,
@@ -207,10 +207,10 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
             "with a small tolerance, or take `np.linalg.matrix_rank`.",
             "zero compared exactly",
         )
-    if found < free:
+    if rank < free:
         return Verdict(
             False,
-            f"N of `all_solutions` has {found} independent column{'s' * (found != 1)}; the null space of this Phi has "
+            f"N of `all_solutions` has {rank} independent column{'s' * (rank != 1)}; the null space of this Phi has "
             f"dimension p - rank = {free}.",
             "directions missing",
         )

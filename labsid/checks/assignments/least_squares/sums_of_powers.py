@@ -64,10 +64,10 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
             *(
                 Slip(
                     "powers not used",
-                    f"`{call}` fits the powers {list(other)} of x: make the columns from `powers`, in its order.",
-                    partial(_theta_of_powers, x, y, other),
+                    f"`{call}` fits the powers {list(others)} of x: make the columns from `powers`, in its order.",
+                    partial(_theta_of_powers, x, y, others),
                 )
-                for other in _other_powers(powers)
+                for others in _other_powers(powers)
             ),
             *(
                 Slip(
@@ -75,9 +75,9 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
                     "`fit_powers` fits the table `u_1`, `y_1` of the lines above, whatever is handed in: use "
                     "its arguments "
                     "x and y.",
-                    partial(_theta_of_powers, EXAMPLE_2_1.x, EXAMPLE_2_1.y, other),
+                    partial(_theta_of_powers, EXAMPLE_2_1.x, EXAMPLE_2_1.y, handed_in),
                 )
-                for other in (powers,)
+                for handed_in in (powers,)
                 if len(powers) < EXAMPLE_2_1.x.size
             ),
             Slip(

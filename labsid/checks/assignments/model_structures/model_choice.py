@@ -27,8 +27,8 @@ def check_excitation(ask: Ask) -> Verdict:
     trials = [made[i] for i in ask.rng.permutation([*first, *ask.rng.permutation(second)[:3]])]
     truth = [excitation_order(u, _LARGEST) for _, u in trials]
     raw = [returned(ask, "excitation", u, _LARGEST) for _, u in trials]
-    answers = [as_number("excitation(u, 8)", one) for one in raw]
-    if all(isinstance(one, bool) for one in raw):
+    answers = [as_number("excitation(u, 8)", answer) for answer in raw]
+    if all(isinstance(answer, bool) for answer in raw):
         return Verdict(False, "`excitation` returns True or False: the order is a number.", "no number")
     if answers == truth:
         for largest in ask.rng.permutation([1, 3, 5]):
@@ -219,17 +219,17 @@ def _judge_cancel(
     ask: Ask, P: FloatArray, Q: FloatArray, of_P: list[complex], of_Q: list[complex], within: float
 ) -> Verdict:
     parts = returned_parts(ask, "cancel", "two polynomials", 2, P, Q, within)
-    left = [_real(part) for part in parts]
+    arrays = [_real(part) for part in parts]
     right = [_poly(of_P), _poly(of_Q)]
-    sizes = [array.size for array in left]
-    if all(SAME(array, wanted) for array, wanted in zip(left, right, strict=True)):
+    sizes = [array.size for array in arrays]
+    if all(SAME(array, wanted) for array, wanted in zip(arrays, right, strict=True)):
         return Verdict(True, "what both have in common is gone, one for one.")
 
     def are(*wanted: FloatArray) -> bool:
-        return all(SAME(array, other) for array, other in zip(left, wanted, strict=True))
+        return all(SAME(array, other) for array, other in zip(arrays, wanted, strict=True))
 
     roots_P, roots_Q = np.roots(P), np.roots(Q)
-    monic = all(array.size and SAME(array[0], 1.0) for array in left)
+    monic = all(array.size and SAME(array[0], 1.0) for array in arrays)
     near = np.abs(roots_P[:, np.newaxis] - roots_Q) < within
     greedy = _poly(roots_P[~near.any(axis=1)]), _poly(roots_Q[~near.any(axis=0)])
     real = np.abs(roots_P.real[:, np.newaxis] - roots_Q.real) < within
@@ -272,7 +272,7 @@ def _judge_cancel(
         (
             "within not used",
             "does not use `within`: it cancels roots with another limit.",
-            any(are(*one) for one in fixed),
+            any(are(*pair) for pair in fixed),
         ),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(right[0], Q)),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(P, right[1])),
@@ -304,8 +304,12 @@ def _judge_cancel(
         (
             "distance with its sign",
             "compares p - q with its sign: a distance is `abs(p - q)`.",
-            any(are(*_cancelled(one, other, lambda p, q: (p - q).real < within)) for one, other in both_ways)
-            or any(are(*_cancelled(one, other, lambda p, q: (q - p).real < within)) for one, other in both_ways),
+            any(
+                are(*_cancelled(roots_1, roots_2, lambda p, q: (p - q).real < within)) for roots_1, roots_2 in both_ways
+            )
+            or any(
+                are(*_cancelled(roots_1, roots_2, lambda p, q: (q - p).real < within)) for roots_1, roots_2 in both_ways
+            ),
         ),
     ):
         if matches:

@@ -216,9 +216,9 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
             "lags of inputs that are not there",
         )
     lag = f"the inputs of `{call}` have the wrong lags: the first is u(k-d), and d is {d} here."
-    for other in range(d if nb else 0):
-        model = Structure(na, nb, 0, other)
-        if start >= max(na, other + nb - 1) and _EXACT(Phi, build_equations(model, u, y, start=start).Phi):
+    for delay in range(d if nb else 0):
+        model = Structure(na, nb, 0, delay)
+        if start >= max(na, delay + nb - 1) and _EXACT(Phi, build_equations(model, u, y, start=start).Phi):
             return Verdict(False, lag, "delay not used")
     if start < k0:
         return Verdict(
@@ -281,8 +281,8 @@ def _judge_equations(ask: Ask, u: FloatArray, y: FloatArray, structure: Structur
                 lambda: np.column_stack([past, -inputs]),
             ),
             *(
-                Slip("lag off by one", lag, partial(rows, Structure(na, nb, 0, other)))
-                for other in sorted({d + 1, 1} - {d})
+                Slip("lag off by one", lag, partial(rows, Structure(na, nb, 0, delay)))
+                for delay in sorted({d + 1, 1} - {d})
                 if nb
             ),
             Slip(

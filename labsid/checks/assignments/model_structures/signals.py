@@ -44,7 +44,7 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
             "first samples left out",
         )
     forward = np.concatenate([x, np.zeros(n)])
-    before = np.concatenate([np.full(n, x[0]), x])
+    x_before = np.concatenate([np.full(n, x[0]), x])
     return judge(
         as_vector("apply(P, x)", value, x.size),
         apply(P, x),
@@ -71,7 +71,7 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
             Slip(
                 "first sample repeated",
                 "`apply` repeats the first sample to the left; before it, the signal is zero.",
-                lambda: np.asarray(sum(P[i] * before[n - i : n - i + x.size] for i in range(n)), float),
+                lambda: np.asarray(sum(P[i] * x_before[n - i : n - i + x.size] for i in range(n)), float),
             ),
             Slip(
                 "coefficients in reverse order",

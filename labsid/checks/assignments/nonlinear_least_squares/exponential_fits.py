@@ -368,7 +368,7 @@ def _picture(axes: AxesValue, theta_exp: FloatArray) -> Verdict:
     points = [c for c in points if np.allclose(c.y[np.argsort(c.x)], right_y)]
     if not points:
         raise NoAnswer("In the figure the five points are missing: `plot(x_s, y_s, 'o')`.", "points missing")
-    if any(one.joined for one in points):
+    if any(curve.joined for curve in points):
         raise NoAnswer(
             "In the figure lines join the five points; they are measurements, to be drawn as circles alone: "
             "`plot(x_s, y_s, 'o')`.",
@@ -376,18 +376,18 @@ def _picture(axes: AxesValue, theta_exp: FloatArray) -> Verdict:
         )
     drawn = []
     for name, theta in (("theta_exp", theta_exp), ("theta_log", line)):
-        found = _find(axes, theta, 20)
-        if found is None and _find(axes, theta, 3) is not None:
+        fitted = _find(axes, theta, 20)
+        if fitted is None and _find(axes, theta, 3) is not None:
             raise NoAnswer(f"In the figure the curve of `{name}` has corners: use `grid`.", "drawn at few points")
-        if found is None and _find(axes, theta[::-1], 3) is not None:
+        if fitted is None and _find(axes, theta[::-1], 3) is not None:
             raise NoAnswer(f"In the figure `{name}` has a and b swapped.", "a and b swapped in the figure")
-        if found is None:
+        if fitted is None:
             raise NoAnswer(f"In the figure no curve shows b e^(a x) of `{name}` over `grid`.", "no curve")
-        drawn.append(found)
+        drawn.append(fitted)
     for axis in "xy":
         require_label(axes, "the figure", axis, "")
     require_legend(axes, "the figure", 3)
-    of_curve, of_line = (legend_text(axes, one).lower() for one in drawn)
+    of_curve, of_line = (legend_text(axes, artist).lower() for artist in drawn)
     if "log" in of_curve and "log" not in of_line:
         return Verdict(False, "The legend of the figure has the two methods swapped.", "legend entries swapped")
     return Verdict(True, "the curve through all five points, and the other method's beside it.")

@@ -200,7 +200,7 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     centre = beacons.mean(axis=0)
     across = np.linalg.svd(beacons - centre)[2][1]
     mirrored = fix.position - 2 * ((fix.position - centre) @ across) * across
-    other = levenberg_marquardt(
+    local_minimum = levenberg_marquardt(
         lambda theta: ranges_from(beacons, theta), lambda theta: ranges_jacobian(beacons, theta), ranges, mirrored
     ).theta
     got = as_estimate("locate(beacons, ranges)", returned(ask, "locate", beacons, ranges), 2)
@@ -250,8 +250,8 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
             Slip("no step taken", no_step, lambda: centre),
         ],
     )
-    apart = np.linalg.norm(other - fix.position) > 0.5
-    if not verdict.passed and not verdict.slip and apart and np.linalg.norm(got - other) < 0.05:
+    apart = np.linalg.norm(local_minimum - fix.position) > 0.5
+    if not verdict.passed and not verdict.slip and apart and np.linalg.norm(got - local_minimum) < 0.05:
         return Verdict(
             False,
             "`locate` ends on the wrong side of the line along which the beacons lie: a local minimum, near the mirror "
@@ -367,7 +367,7 @@ def trial_layouts(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
         (on_line(5, np.array([1.0, 0.0]), corner), "mirror"),
         (on_line(4, slanting, corner + np.array([0, 1])), "mirror"),
         (on_line(4, np.array([2.0, 1.0]), np.zeros(2)) + np.array([[0, 0], [0, 1], [0, 0], [0, 2]]), "unique"),
-        *((on_line(5, np.array([np.cos(one), np.sin(one)]), corner), "mirror") for one in angles),
+        *((on_line(5, np.array([np.cos(angle), np.sin(angle)]), corner), "mirror") for angle in angles),
         (np.repeat(corner[np.newaxis], 3, axis=0), "undetermined"),
         (np.repeat(rng.integers(1, 9, (1, 2)).astype(float), 4, axis=0), "undetermined"),
         (corner + rng.uniform(0, 1, (1, 2)), "undetermined"),

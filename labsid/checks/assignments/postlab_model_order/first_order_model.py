@@ -153,13 +153,13 @@ def check_errors(ask: Ask) -> Iterator[Verdict]:
         yield Verdict(False, "`mse_1` and `mse_2` are swapped.", "errors swapped")
     data = _data(ask)
     runs = {n: known_vector(ask, f"y_sim_{n}") for n in (1, 2)}
-    for n, other in ((1, 2), (2, 1)):
+    for n, other_order in ((1, 2), (2, 1)):
         name = f"mse_{n}"
         offset = f"`{name}` compares with `y_act`, which contains the offset: compare with `y`."
-        mixed = f"`{name}` is the error of `y_sim_{other}`: use `y_sim_{n}`."
+        mixed = f"`{name}` is the error of `y_sim_{other_order}`: use `y_sim_{n}`."
         slips = (
             Slip("offset left in", offset, partial(mse, data.y_act, runs[n])),
-            Slip("models swapped", mixed, partial(mse, data.y, runs[other])),
+            Slip("models swapped", mixed, partial(mse, data.y, runs[other_order])),
         )
         yield judge_mse(name, got[n - 1], data.y, runs[n], slips)
 
@@ -178,9 +178,9 @@ def check_figure_8(ask: Ask) -> Verdict:
     first, second = (as_number(name, ask.known(name)) for name in ("mse_1", "mse_2"))
     texts = [*axes.texts, *axes.legend, axes.title]
     found_numbers = [number for text in texts for line in text.splitlines() for number in _numbers(line)]
-    for name, wanted, other in (("first", first, second), ("second", second, first)):
+    for name, wanted, other_error in (("first", first, second), ("second", second, first)):
         if not any(_is_near(number, wanted) for number in found_numbers):
-            unexplained = [number for number in found_numbers if not _is_near(number, other)]
+            unexplained = [number for number in found_numbers if not _is_near(number, other_error)]
             return Verdict(False, *_missing(name, wanted, unexplained, axes.texts))
     for text in texts:
         names, errors = _names_and_errors(text, first, second)

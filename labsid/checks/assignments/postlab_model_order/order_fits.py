@@ -106,8 +106,8 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
         )
     if got.size != 2 * n:
         said = f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {got.size}"
-        other = ask.call("fit_order", u, y, n + 1)
-        if isinstance(other, np.ndarray) and other.size == got.size:
+        theta_above = ask.call("fit_order", u, y, n + 1)
+        if isinstance(theta_above, np.ndarray) and theta_above.size == got.size:
             raise NoAnswer(f"{said}, and so does `fit_order(u, y, {n + 1})`: it does not use n.", "order fixed")
         raise NoAnswer(f"{said}: one for each of {n} past y and {n} past u is asked for.")
     return got

@@ -120,9 +120,9 @@ def require_real(name: str, t: FloatArray, value: object, wave: Wave) -> None:
     residual, size = z - np.exp(1j * angle), np.std(np.exp(1j * angle))
     if np.std(residual.real) < 0.5 * size and np.std(residual.imag) < 0.5 * size:
         of_sine = ("np.sin", "sine", "imaginary", "real")
-        function, what, part, other = of_sine if wave is np.sin else ("np.cos", "cosine", "real", "imaginary")
+        function, what, part, other_part = of_sine if wave is np.sin else ("np.cos", "cosine", "real", "imaginary")
         raise NoAnswer(
-            f"`{name}` is complex: exp(jx) = cos x + j sin x. The {what} is its {part} part, not the {other} one; "
+            f"`{name}` is complex: exp(jx) = cos x + j sin x. The {what} is its {part} part, not the {other_part} one; "
             f"`{function}` gives it directly.",
             "complex exponential",
         )
@@ -221,8 +221,8 @@ def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
 
 def require_independent(noises: dict[str, FloatArray]) -> None:
     """Require noises that are independent of each other and from sample to sample."""
-    (first, one), (second, two) = noises.items()
-    together = _correlation(one, two)
+    (first, first_noise), (second, second_noise) = noises.items()
+    together = _correlation(first_noise, second_noise)
     if abs(together) > 1 - _EPSILON:
         raise NoAnswer(
             f"`{first}` and `{second}` contain the same noise. Draw new random numbers for each (and do "

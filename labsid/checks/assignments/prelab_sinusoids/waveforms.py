@@ -56,15 +56,15 @@ def check_noise(ask: Ask) -> Verdict:
     t = _vector(ask.known("t"))
     noises: dict[str, FloatArray] = {}
     sinusoids: dict[str, FloatArray] = {}
-    for name, wave, other in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
+    for name, wave, other_wave in (("y1", np.sin, np.cos), ("y2", np.cos, np.sin)):
         value = ask.value(name)
         require_real(name, t, value, wave)
         y = _signal(name, value, t.size)
-        require_wave(name, t, y, wave, other)
+        require_wave(name, t, y, wave, other_wave)
         sinusoids[name] = wave(0.02 * np.pi * t)
         noises[name] = y - sinusoids[name]
-    for name, found in noises.items():
-        require_uniform(name, found, sinusoids[name])
+    for name, noise in noises.items():
+        require_uniform(name, noise, sinusoids[name])
     require_independent(noises)
     return Verdict(True, "a sine and a cosine of period 100 s, each with its own uniform noise within ±0.2.")
 
@@ -81,7 +81,7 @@ def check_cut(ask: Ask) -> Verdict:
         "`t_new` should be `t` without its first 200 samples, starting from zero: see step 3.",
         new_time_slips(t),
     )
-    for name, y, other in (("y1_new", y1, y2), ("y2_new", y2, y1)):
+    for name, y, other_signal in (("y1_new", y1, y2), ("y2_new", y2, y1)):
         if verdict.passed:
             verdict = judge(
                 as_vector(name, ask.value(name)),
@@ -89,7 +89,7 @@ def check_cut(ask: Ask) -> Verdict:
                 _same,
                 verdict.reason,
                 f"`{name}` should be `{name[:2]}` without its first 200 samples: see step 3.",
-                new_signal_slips(name, y, other),
+                new_signal_slips(name, y, other_signal),
             )
     now = ask.value("t")
     is_kept = isinstance(now, np.ndarray) and now.dtype.kind in "biuf" and _same(_vector(now), t)

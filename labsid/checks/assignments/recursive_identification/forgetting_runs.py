@@ -335,7 +335,7 @@ def check_figures(ask: Ask) -> Verdict:
     rows = as_vector("Y_61", ask.known("Y_61")).size
     histories = {name: as_history(name, ask.known(name), rows, 3) for name in ("theta_1", "theta_099")}
     truth = lecture_record().theta
-    for figure, name, other in (("9", "theta_1", "theta_099"), ("10", "theta_099", "theta_1")):
+    for figure, name, swapped_with in (("9", "theta_1", "theta_099"), ("10", "theta_099", "theta_1")):
         where = f"Fig. {figure}"
         axes = as_figure(f"fig_{figure}", ask.value(f"fig_{figure}"), axes=1).axes[0]
         if not axes.curves:
@@ -343,9 +343,10 @@ def check_figures(ask: Ask) -> Verdict:
         curves: list[CurveValue] = []
         for i, parameter in enumerate(_NAMES):
             curve = find_curve(axes, histories[name][:, i])
-            if curve is None and find_curve(axes, histories[other][:, i]) is not None:
+            if curve is None and find_curve(axes, histories[swapped_with][:, i]) is not None:
                 raise NoAnswer(
-                    f"{where} shows `{other}`: Fig. 9 is lambda = 1, Fig. 10 is lambda = 0.99.", "figures swapped"
+                    f"{where} shows `{swapped_with}`: Fig. 9 is lambda = 1, Fig. 10 is lambda = 0.99.",
+                    "figures swapped",
                 )
             if curve is None:
                 what = f"{parameter}, column {i} of `{name}`"

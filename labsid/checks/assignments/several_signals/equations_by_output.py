@@ -83,8 +83,8 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
             f"`{call}` has {Y.size} rows for {N} samples; k = n, ..., N-1 are {N - n}.",
             "rows left out" if Y.size < N - n else "rows before k = n",
         )
-    for other in range(ny):
-        if other != i and SAME(Y, y[n:, other]):
+    for j in range(ny):
+        if j != i and SAME(Y, y[n:, j]):
             return Verdict(
                 False, f"Y of `{call}` is that of another output: use the argument `i`, from zero.", "wrong output"
             )
@@ -154,10 +154,10 @@ def _judge_phi(ask: Ask, u: FloatArray, y: FloatArray, i: int, n: int) -> Verdic
                 Slip(
                     "wrong output",
                     f"Phi of `{call}` has the past of another output than Y: use the argument `i`.",
-                    partial(_phi, u, y[:, other], n),
+                    partial(_phi, u, y[:, j], n),
                 )
-                for other in range(ny)
-                if other != i
+                for j in range(ny)
+                if j != i
             ),
             Slip(
                 "one input only",
@@ -249,7 +249,9 @@ def _judge_theta(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> Verdict:
             Slip(
                 "first half only",
                 f"`{call}` fits the first half of what it is given; use all of it.",
-                lambda: np.array([one.fit.theta for one in fit_arx_system(u, y, 1.0, n, stop=len(y) // 2).equations]),
+                lambda: np.array(
+                    [equation.fit.theta for equation in fit_arx_system(u, y, 1.0, n, stop=len(y) // 2).equations]
+                ),
             ),
         ],
     )

@@ -18,8 +18,8 @@ from labsid.rig.lab.heaters import SAMPLES, TS, heater_signals
 def check_read(ask: Ask) -> Iterator[Verdict]:
     """`u`, `y` and `Ts` of the log."""
     u, y = heater_signals()
-    for name, right, other, symbols in (("u", u, y, ("Q", "T")), ("y", y, u, ("T", "Q"))):
-        yield _judge_signals(name, ask.value(name), right, other, symbols)
+    for name, right, other_signal, symbols in (("u", u, y, ("Q", "T")), ("y", y, u, ("T", "Q"))):
+        yield _judge_signals(name, ask.value(name), right, other_signal, symbols)
     value = ask.value("Ts")
     if np.size(value) == SAMPLES and np.allclose(np.diff(np.ravel(value)), TS):  # type: ignore[arg-type]
         yield Verdict(
@@ -42,10 +42,12 @@ def right_read(_: Ask) -> dict[str, Value]:
     return {"u": u, "y": y, "Ts": TS}
 
 
-def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray, symbols: tuple[str, str]) -> Verdict:
+def _judge_signals(
+    name: str, value: Value, right: FloatArray, other_signal: FloatArray, symbols: tuple[str, str]
+) -> Verdict:
     got = as_array(name, value)
     own, others = symbols
-    if got.ndim == 1 and any(SAME(got, column) for column in (*right.T, *other.T)):
+    if got.ndim == 1 and any(SAME(got, column) for column in (*right.T, *other_signal.T)):
         return Verdict(
             False,
             f"`{name}` holds one signal, flat; it should hold two, side by side, shape ({SAMPLES}, 2). `record.{name}` "
@@ -67,7 +69,9 @@ def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray
         "",
         f"`{name}` does not hold {own}1 and {own}2 of the log, as they are recorded.",
         [
-            Slip("u and y swapped", f"`{name}` holds {others}1 and {others}2: powers are inputs.", lambda: other),
+            Slip(
+                "u and y swapped", f"`{name}` holds {others}1 and {others}2: powers are inputs.", lambda: other_signal
+            ),
             Slip(
                 "columns swapped",
                 f"the columns of `{name}` are in the wrong order: {own}1, then {own}2.",
@@ -77,7 +81,7 @@ def _judge_signals(name: str, value: Value, right: FloatArray, other: FloatArray
                 Slip("columns by number", mixed, partial(np.column_stack, pair))
                 for i in range(2)
                 for j in range(2)
-                for pair in ([right[:, i], other[:, j]], [other[:, j], right[:, i]])
+                for pair in ([right[:, i], other_signal[:, j]], [other_signal[:, j], right[:, i]])
             ),
             Slip(
                 "offset taken off",

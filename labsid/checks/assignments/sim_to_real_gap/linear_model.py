@@ -217,7 +217,7 @@ def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, rec
     ]
     nearest = nearest_free_run(u[:half], y[:half], Ts)
     with np.errstate(all="ignore"):
-        mse, least = (float(np.mean((y - free_run(one, u))[:half] ** 2)) for one in (theta, nearest))
+        mse, least = (float(np.mean((y - free_run(candidate, u))[:half] ** 2)) for candidate in (theta, nearest))
     return judge(
         theta,
         nearest,

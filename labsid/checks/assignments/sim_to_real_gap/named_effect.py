@@ -108,7 +108,7 @@ def check_parameters(ask: Ask) -> Verdict:
         if rig is None:
             names = ", ".join(f'"{name}"' for name in value) or "(none)"
             asked = ", ".join(f'"{name}"' for name in wanted)
-            joined = [name for name in value if len([one for one in wanted if one in name]) > 1]
+            joined = [name for name in value if len([parameter for parameter in wanted if parameter in name]) > 1]
             apart = f' "{joined[0]}" is one key: each name has one of its own.' if joined else ""
             raise NoAnswer(
                 f"`parameters` has the keys {names}; the list gives {asked} for the effect you named.{apart}",

@@ -140,20 +140,20 @@ def _slip_of_one_run(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] 
 def _slip_of_more_runs(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:
     """What is wrong where the outputs to other inputs tell, and the name of the slip."""
     y_offset = as_number("y_offset", ask.known("y_offset"))
-    without = _played(ask, run.u - ask.record.u[0])
-    if run.closed(without) >= ENOUGH or _is_near(without, run.linear, run):
+    linear_run = _played(ask, run.u - ask.record.u[0])
+    if run.closed(linear_run) >= ENOUGH or _is_near(linear_run, run.linear, run):
         return (
             "`simulate_better` expects an input without its offset. It is handed the pump voltage: take `u_offset` off "
             "inside.",
             "input offset not taken off",
         )
-    if np.allclose(y_sim, without) and not np.allclose(y_sim, _played(ask, 2 * run.u)):
+    if np.allclose(y_sim, linear_run) and not np.allclose(y_sim, _played(ask, 2 * run.u)):
         return (
             "`simulate_better` takes off the mean of what it is handed, or another of its values, in place of "
             "`u_offset`: an output then depends on the whole input.",
             "mean for the offset",
         )
-    if np.allclose(y_sim, without):
+    if np.allclose(y_sim, linear_run):
         return (
             "`simulate_better` returns the same whatever it is handed: let it use its argument.",
             "argument not used",
@@ -186,19 +186,24 @@ _WITHIN_NOISE = (
 
 def check_closed(ask: Ask) -> Verdict:
     """Step 9: the function, and the share closed on the held-out half, which must also hold on the judge's run."""
-    for sigma, before, after in ((0.01, 0.05, 0.02), (0.02, 0.09, 0.06), (0.01, 0.05, 0.009), (0.015, 0.04, 0.06)):
+    for sigma, error_before, after in (
+        (0.01, 0.05, 0.02),
+        (0.02, 0.09, 0.06),
+        (0.01, 0.05, 0.009),
+        (0.015, 0.04, 0.06),
+    ):
         scale = float(ask.rng.uniform(0.8, 1.2))
-        verdict = _judge_formula(ask, (scale * after) ** 2, (scale * before) ** 2, scale * sigma)
+        verdict = _judge_formula(ask, (scale * after) ** 2, (scale * error_before) ** 2, scale * sigma)
         if not verdict.passed:
             return verdict
     got = as_number("closed", ask.value("closed"))
-    noise, before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))
+    noise, error_before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))
     record = ask.record
     half = record.y.size // 2
     errors = _played(ask, record.u) - record.y
     squares = errors**2
     after = float(np.mean(squares[half:]))
-    right = closed_share(after, before**2, noise)
+    right = closed_share(after, error_before**2, noise)
     verdict = judge(
         got,
         right,
@@ -216,7 +221,7 @@ def check_closed(ask: Ask) -> Verdict:
             Slip(
                 "noise left in",
                 "`closed` leaves the noise in both errors: subtract its square from both mean squared errors.",
-                lambda: closed_share(after, before**2, 0.0),
+                lambda: closed_share(after, error_before**2, 0.0),
             ),
             Slip(
                 "no root",
@@ -226,31 +231,31 @@ def check_closed(ask: Ask) -> Verdict:
             Slip(
                 "no root",
                 "`closed` compares mean squares, with the noise in them: take the noise off and the root of both.",
-                lambda: 1 - after / before**2,
+                lambda: 1 - after / error_before**2,
             ),
             Slip(
                 "roots for mean squares",
                 "`closed` is made of `gap_before` itself, a root: the formula takes its square, the *mean "
                 "square* before.",
-                lambda: closed_share(after, before, noise),
+                lambda: closed_share(after, error_before, noise),
             ),
             Slip(
                 "roots for mean squares",
                 "`closed` is made of the roots of both mean squares: the formula takes the mean squares themselves.",
-                lambda: closed_share(float(np.sqrt(after)), before, noise),
+                lambda: closed_share(float(np.sqrt(after)), error_before, noise),
             ),
             Slip(
                 "roots for mean squares",
                 "`closed` is made of the root of the mean square after: the formula takes the mean square itself.",
-                lambda: closed_share(float(np.sqrt(after)), before**2, noise),
+                lambda: closed_share(float(np.sqrt(after)), error_before**2, noise),
             ),
             *(
                 Slip(
                     "square of the mean error",
                     f"`closed` is made of the square of {what}: square the errors first, then take the mean.",
-                    partial(closed_share, float(one) ** 2, before**2, noise),
+                    partial(closed_share, float(candidate) ** 2, error_before**2, noise),
                 )
-                for what, one in (
+                for what, candidate in (
                     ("the mean error", np.mean(errors[half:])),
                     ("the mean absolute error", np.mean(np.abs(errors[half:]))),
                 )
@@ -258,12 +263,12 @@ def check_closed(ask: Ask) -> Verdict:
             Slip(
                 "error over the whole record",
                 "`closed` takes the error after over the whole record. Only the held-out half counts.",
-                lambda: closed_share(float(np.mean(squares)), before**2, noise),
+                lambda: closed_share(float(np.mean(squares)), error_before**2, noise),
             ),
             Slip(
                 "error on the fitted half",
                 "`closed` takes the error after over the half that was fitted.",
-                lambda: closed_share(float(np.mean(squares[:half])), before**2, noise),
+                lambda: closed_share(float(np.mean(squares[:half])), error_before**2, noise),
             ),
         ],
         exactly=close(1e-7, 1e-9),
@@ -271,8 +276,8 @@ def check_closed(ask: Ask) -> Verdict:
     if not verdict.passed or ask.origin is None:
         return verdict
     run = _run(ask)
-    left, fresh = 1 - got, 1 - run.closed(_played(ask, run.u))
-    if abs(left - fresh) > 0.15 + 0.35 * max(left, fresh):
+    open_share, fresh = 1 - got, 1 - run.closed(_played(ask, run.u))
+    if abs(open_share - fresh) > 0.15 + 0.35 * max(open_share, fresh):
         return Verdict(
             False,
             "On the run that the judge holds back your simulation closes another share than the one you report. What "
@@ -282,9 +287,9 @@ def check_closed(ask: Ask) -> Verdict:
     return verdict
 
 
-def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdict:
-    right = closed_share(after, before, sigma)
-    value = ask.call("share_closed", after, before, sigma)
+def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) -> Verdict:
+    right = closed_share(after, error_before, sigma)
+    value = ask.call("share_closed", after, error_before, sigma)
     if value is None:
         raise NoAnswer("`share_closed` returns nothing: end it with `return` and the share.", "no return")
     if isinstance(value, float) and np.isnan(value):
@@ -293,8 +298,12 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
                 "`share_closed` returns nan, the root of a negative number. Both mean squared errors are larger here "
                 "than "
                 "the variance of the noise, sigma^2."
-                + (" Less sigma itself one is negative: sigma is not squared." if min(after, before) < sigma else ""),
-                "sigma not squared" if min(after, before) < sigma else None,
+                + (
+                    " Less sigma itself one is negative: sigma is not squared."
+                    if min(after, error_before) < sigma
+                    else ""
+                ),
+                "sigma not squared" if min(after, error_before) < sigma else None,
             )
         raise NoAnswer(
             "`share_closed` returns nan: where the error after is below the noise, the root needs `max(..., 0)`. "
@@ -317,7 +326,7 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
             Slip(
                 "noise left in",
                 "`share_closed` leaves the noise in both errors: subtract its square from both mean squared errors.",
-                lambda: closed_share(after, before, 0.0),
+                lambda: closed_share(after, error_before, 0.0),
             ),
             Slip(
                 "no root", "`share_closed` compares mean squares: take the root of both.", lambda: 1 - (1 - right) ** 2
@@ -326,27 +335,27 @@ def _judge_formula(ask: Ask, after: float, before: float, sigma: float) -> Verdi
                 "no root",
                 "`share_closed` compares mean squares, with the noise in them: take the noise off and the root of "
                 "both.",
-                lambda: 1 - after / before,
+                lambda: 1 - after / error_before,
             ),
             Slip(
                 "sigma not squared",
                 "`share_closed` subtracts sigma; subtract its square.",
-                lambda: 1 - float(np.sqrt(max(after - sigma, 0) / abs(before - sigma))),
+                lambda: 1 - float(np.sqrt(max(after - sigma, 0) / abs(error_before - sigma))),
             ),
             Slip(
                 "before and after swapped",
                 "`share_closed` has the errors before and after swapped.",
-                lambda: closed_share(before, after, sigma),
+                lambda: closed_share(error_before, after, sigma),
             ),
             Slip(
                 "noise taken from one error only",
                 "`share_closed` subtracts the noise from one of the errors only.",
-                lambda: 1 - float(np.sqrt(max(after - sigma**2, 0) / before)),
+                lambda: 1 - float(np.sqrt(max(after - sigma**2, 0) / error_before)),
             ),
             Slip(
                 "root taken before the noise",
                 "`share_closed` subtracts sigma from the roots; subtract its square from the mean squares.",
-                lambda: 1 - float(max(np.sqrt(after) - sigma, 0) / (np.sqrt(before) - sigma)),
+                lambda: 1 - float(max(np.sqrt(after) - sigma, 0) / (np.sqrt(error_before) - sigma)),
             ),
         ],
     )

@@ -42,8 +42,8 @@ def check_solve_two(ask: Ask) -> Verdict:
         _require_a_solution(ask, value, is_reversed)
         require_whole_solution("solve_two", value, U, Y, ("U", "Y"))
         if np.size(value) == 1:  # type: ignore[arg-type]
-            one = "`solve_two` returns one number. It should return both unknowns, by (A2)."
-            raise NoAnswer(one, "one of two unknowns")
+            one_number = "`solve_two` returns one number. It should return both unknowns, by (A2)."
+            raise NoAnswer(one_number, "one of two unknowns")
         verdict = judge(
             as_vector("solve_two(U, Y)", value, 2),
             two_equations(U, Y),
@@ -277,11 +277,11 @@ def trial_ranks(rng: np.random.Generator) -> list[tuple[FloatArray, bool]]:
         Phi[:, -1] = Phi[:, :-1] @ rng.uniform(0.3, 1.7, p - 1) if p > 1 else 0
         return Phi
 
-    without = full(6, 3)
-    without[:, rng.integers(3)] = 0
+    with_zero_column = full(6, 3)
+    with_zero_column[:, rng.integers(3)] = 0
     trials = [(full(n, p), True) for n, p in ((7, 3), (3, 3), (int(rng.integers(5, 9)), 2), (4, 1), (2, 2))]
     trials += [(dependent(n, p), False) for n, p in ((7, 3), (int(rng.integers(5, 9)), 4), (3, 3), (6, 2))]
-    trials += [(full(2, 3), False), (full(1, 2), False), (without, False)]
+    trials += [(full(2, 3), False), (full(1, 2), False), (with_zero_column, False)]
     order = rng.permutation([*range(len(trials)), *rng.integers(0, len(trials), 3)])
     return [trials[i] for i in order]
 

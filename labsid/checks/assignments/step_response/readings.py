@@ -100,7 +100,9 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
         nearest = min((match for match in matches if match[1].parameter == first), key=lambda match: match[0])[1]
-        both = nearest.slip == "no delay" and any(one.slip == "tau measured from the step" for _, one in matches)
+        both = nearest.slip == "no delay" and any(
+            suspect.slip == "tau measured from the step" for _, suspect in matches
+        )
         in_tau = " Here tau is the whole time to 63.2 %, so the delay is in it: tau begins at t_d." if both else ""
         return Verdict(False, where + nearest.hint + in_tau, nearest.slip)
     if right_gain and _close_to(got[1:], _from_values(step, fit)):
@@ -221,10 +223,10 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
         0,
         "K is inverted: yours is input over output, and it should be output over input.",
     )
-    for other in (2.0, 1.0):
-        if abs(a) > 0 and abs(abs(a) - other) > 0.1:
-            fixed = f"K is the change over {other:g}, and this step has the amplitude {a:.3g}."
-            yield _Suspect("amplitude of another step", "K", change / other, 0, fixed)
+    for amplitude in (2.0, 1.0):
+        if abs(a) > 0 and abs(abs(a) - amplitude) > 0.1:
+            fixed = f"K is the change over {amplitude:g}, and this step has the amplitude {a:.3g}."
+            yield _Suspect("amplitude of another step", "K", change / amplitude, 0, fixed)
     absolute = "K is the absolute value: with its sign it tells whether the output falls when the input rises."
     if right.K < 0:
         yield _Suspect("absolute value of the gain", "K", abs(right.K), 0, absolute)

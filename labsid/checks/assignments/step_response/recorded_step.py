@@ -160,8 +160,8 @@ def check_tank_model(ask: Ask) -> Verdict:
     """Step 6: the model of the recorded step."""
     got = np.array([as_number(name, ask.value(name)) for name in TANK_PARAMETERS])
     settled = find_offsets(ask.record.u, ask.record.y)
-    before = settled.settled[1] - settled.settled[0]
-    t, y, a = cut_held_step(ask.record.u, ask.record.y, ask.record.Ts, 0, before)
+    n_before = settled.settled[1] - settled.settled[0]
+    t, y, a = cut_held_step(ask.record.u, ask.record.y, ask.record.Ts, 0, n_before)
     praise = "a first-order model with delay of this step."
     verdict = judge_reading(got, Step(t, y, a, 0.03), "", praise)
     if verdict.passed:
@@ -172,7 +172,7 @@ def check_tank_model(ask: Ask) -> Verdict:
     depends = carried is not None and doubled is not None and not np.array_equal(carried, doubled)
     if depends and carried is not None and close(1e-6)(got, carried):
         return Verdict(True, "this is the result of your `read_step`, which is judged in step 5.")
-    for slip, hint, other in (
+    for slip, hint, other_value in (
         (
             "the whole record",
             "are what `read_step` makes of the whole record: hand over the one step, `t_held` and `y_held`.",
@@ -180,7 +180,7 @@ def check_tank_model(ask: Ask) -> Verdict:
         ),
         ("model of part A", "are the values of part A: read them from the step of the record.", _of_part_a(ask)),
     ):
-        if other is not None and close(1e-6)(got, other):
+        if other_value is not None and close(1e-6)(got, other_value):
             return Verdict(False, f"{', '.join(TANK_PARAMETERS[:-1])} and {TANK_PARAMETERS[-1]} {hint}", slip)
     return verdict
 

@@ -151,11 +151,11 @@ def _periodic(rng: np.random.Generator, at: CoupledContext) -> PlacedEffect:
     """A sinusoid of the load or of one sensor."""
     j = int(rng.integers(len(at.setup.outputs)))
     state = int(rng.choice(_load_ports(at.setup.plant)))
-    one = DRAWS["periodic-disturbance"](rng, _context(at, 0, j))
-    at_load = one(_one_pair(at.setup, 0, j), 1.0).load.amplitude != 0.0
+    apply_wave = DRAWS["periodic-disturbance"](rng, _context(at, 0, j))
+    at_load = apply_wave(_one_pair(at.setup, 0, j), 1.0).load.amplitude != 0.0
 
     def apply(setup: CoupledSetup, s: float) -> CoupledSetup:
-        pair = one(_one_pair(setup, 0, j), s)
+        pair = apply_wave(_one_pair(setup, 0, j), s)
         if at_load:
             return _loaded(setup, pair.load, state) if s else setup
         return replace(setup, sensors=_put(setup.sensors, j, pair.sensor))

@@ -71,8 +71,8 @@ def draw_units(rng: np.random.Generator, inputs: int, outputs: int) -> Units:
     scales = [draw_scales(rng) for _ in range(max(inputs, outputs))]
     return Units(
         Ts=scales[0].Ts,
-        u0=tuple(one.u0 for one in scales[:inputs]),
-        us=tuple(one.us for one in scales[:inputs]),
-        y0=tuple(one.y0 for one in scales[:outputs]),
-        ys=tuple(one.ys for one in scales[:outputs]),
+        u0=tuple(scale.u0 for scale in scales[:inputs]),
+        us=tuple(scale.us for scale in scales[:inputs]),
+        y0=tuple(scale.y0 for scale in scales[:outputs]),
+        ys=tuple(scale.ys for scale in scales[:outputs]),
     )

@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import Diagnosis, diagnose
 from labsid.gap.effects import families
-from labsid.gap.effects.base import Effect, InputEffect
+from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputEffect, PlantEffect
 from labsid.gap.effects.description import Description
 from labsid.gap.effects.detected import DETECTED
 from labsid.gap.effects.families import FAMILIES, descriptions_of
@@ -84,6 +84,26 @@ def test_an_incomplete_description_is_refused_when_it_is_loaded(description: Des
     """The error names the effect, its class and what is missing; it does not wait until the effect is first named."""
     with pytest.raises(TypeError, match=rf"of the effect 'input-fade' \(fade.Fade\) lacks: .*{lacks}"):
         descriptions_of((*FAMILIES, *DETECTED, described_as(description)))
+
+
+@pytest.mark.parametrize(
+    ("base", "methods", "lacks"),
+    [
+        (InputEffect, (), "`apply`"),
+        (PlantEffect, (), "`extend`"),
+        (OutputEffect, (), "`apply`, and the method `slope` or `passed`"),
+        (OutputEffect, ("apply",), "`slope` or `passed`"),
+        (AdditiveEffect, (), "`columns`"),
+    ],
+)
+def test_an_effect_without_a_method_is_refused_when_it_is_loaded(
+    base: type[Effect], methods: tuple[str, ...], lacks: str
+) -> None:
+    """It is not first noticed within a search, which would say neither the effect nor the method."""
+    given = {name: lambda *arguments: None for name in methods}
+    own = {"name": "input-fade", "description": replace(COMPLETE, clauses=("It fades",)), "__module__": "fade", **given}
+    with pytest.raises(TypeError, match=rf"the effect 'input-fade' \(fade.Fade\) lacks the method {lacks}\."):
+        descriptions_of((*FAMILIES, *DETECTED, type("Fade", (base,), own)))
 
 
 def test_an_effect_has_one_description() -> None:

@@ -13,7 +13,7 @@ from labsid.gap.effects import dynamics, input, output, tanks
 from labsid.gap.fits.fitting import Fit, finish, minimize, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_driven_pole
-from labsid.gap.fits.undriven_poles import has_undriven_pole, lag_became_mode
+from labsid.gap.fits.undriven_poles import has_undriven_pole, lag_became_mode, slowest_driven_rate
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.search.beam_search import search_effects
 from labsid.gap.search.pole_replacement import replace_undriven_pole
@@ -194,3 +194,14 @@ def test_replacing_an_undriven_pole_returns_the_steps_without_and_with_the_drift
     assert rms(data, without) > 5.0 * rms(data, along)
     assert along.bic < fit.bic + 10.0
     assert replace_undriven_pole(data, along, -np.inf) is None
+
+
+def test_a_slow_pole_whose_response_its_free_response_cancels_is_no_slow_rig():
+    rng = np.random.default_rng(130)
+    u = np.repeat(rng.integers(0, 2, 125) * 10.0, 12)
+    y = lfilter([0.0, 1.0 - np.exp(-0.17)], [1.0, -np.exp(-0.17)], u)
+    slow = lfilter([0.036], [1.0, -0.97], rng.standard_normal(u.size))
+    data = scaled(u, y + slow * y.std(), np.ones(u.size, bool), 0.05)
+    assert slowest_driven_rate(data, fit_driven_pole(data, LINEAR)) == pytest.approx(0.17, rel=0.15)
+    report = diagnose(Record(np.arange(u.size) * 0.05, u, y + slow * y.std(), 0.05)).report
+    assert [effect["name"] for effect in report["effects"]] == ["coloured-noise"]  # 30 samples, and the rig six

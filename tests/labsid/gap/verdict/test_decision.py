@@ -327,4 +327,4 @@ def test_other_parameters_of_a_given_simulation_that_pay_are_named_first(
     assert decision.probability["coulomb-friction"] < chance_of(one)  # one more effect beside it
     alone = decide_partial(search(mismatch=Reduction(0.9, 3.0)), nothing)
     assert alone.verdict == "partial"
-    assert 0.0 < alone.probability["parameter-mismatch"] < 0.1
+    assert 0.0 < alone.probability["parameter-mismatch"] < 0.2
