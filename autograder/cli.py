@@ -15,6 +15,7 @@ import typer
 from autograder.console import open_course, open_course_if_any, progress, warn
 from autograder.export_command import course_export, course_package
 from autograder.feedback_texts import make_feedback_texts
+from autograder.rig_command import course_rig
 from autograder.solutions_command import course_solutions
 from autograder.writing_commands import new_command, preview_command
 
@@ -60,6 +61,7 @@ def course_build() -> None:
 
 
 course.command("preview")(preview_command)
+course.command("rig")(course_rig)
 
 
 @course.command("release")

@@ -316,7 +316,7 @@ FOREIGN_TYPES = {
 """Types of other packages that docstrings name where the code does not, because importing them there is slow."""
 
 FILES_ELSEWHERE = {
-    *("course.toml", "students.csv", "extensions.csv"),  # an instructor's
+    *("course.toml", "students.csv", "extensions.csv", "motor.csv"),  # an instructor's
     *("timestamp.txt", "nbgrader_config.py", "meta/info.json"),  # nbgrader's, LeRobot's
     "submission_metadata.yml",  # Gradescope's
     *("grades.csv", "summary.csv", "summary.html", "told.json"),  # what commands write

@@ -14,6 +14,7 @@ from threading import Lock
 from autograder.course.individual_data import generator_hash, individual_file, is_individual
 from autograder.course.layout import Course
 from autograder.course.own_secret import read_own_secret, shared_file
+from autograder.course.settings import read_settings
 from autograder.course.solutions import hidden_tests, right_functions
 from autograder.judge.judging import Assets
 from labsid._files import write_file
@@ -109,13 +110,14 @@ def record_path(data_store: DataStore, name: str, student: str) -> Path:
     """
     if data_store.secret is None or not is_individual(name):
         return shared_file(data_store.course, name)
-    key = f"{generator_hash(name)}\0{name}\0{student}".encode(errors="surrogatepass")
+    rig = read_settings(data_store.course).rig
+    key = f"{generator_hash(name, rig)}\0{name}\0{student}".encode(errors="surrogatepass")
     stem = hmac.new(data_store.secret, key, hashlib.sha256).hexdigest()[:32]
     path = data_store.folder / f"{stem}{Path(name).suffix}"
     with _GENERATING:
         if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_file(path, individual_file(name, student, data_store.secret))
+            write_file(path, individual_file(name, student, data_store.secret, rig))
     return path
 
 

@@ -18,7 +18,11 @@ from jupytext.myst import MystMetadataParsingError
 from autograder.course.layout import Course, read_template
 from autograder.course.lint import METADATA, lint_checks, lint_metadata, lint_release, lint_source
 from autograder.course.nbgrader_access import COURSE_ID, import_nbgrader_api, without_disk_sync
+from autograder.course.own_rig import OwnRig
 from autograder.course.own_secret import shared_file
+from autograder.course.rig_check import check_rig
+from autograder.course.rig_texts import RigWords, read_for_rig, rig_words
+from autograder.course.settings import read_settings
 from labsid._files import write_file, write_text
 from labsid.checks.cells import CODE_STUB, TEXT_STUB, read_cell
 from labsid.checks.notebook import find_assignment, marks_text
@@ -44,7 +48,9 @@ def build_course(course: Course) -> Iterator[str]:
     names = course.assignments()
     if not names:
         raise ValueError(f"no assignments in {course.notebooks}: expected <name>/<name>.md.")
-    built = {name: build_source(course.notebooks / name / f"{name}.md") for name in names}
+    rig = read_settings(course).rig
+    words = None if rig is None else _words_of(rig)
+    built = {name: build_source(course.notebooks / name / f"{name}.md", words) for name in names}
     for name, notebook in built.items():
         _write_notebook(notebook, course.source / name / f"{name}.ipynb")
     yield from build_releases(course, names)
@@ -52,10 +58,25 @@ def build_course(course: Course) -> Iterator[str]:
     write_file(course.release / START_PAGE, start_notebook(templates, {}, DATA_BESIDE))
 
 
-def build_source(path: Path) -> Any:
-    """Convert a text notebook into a source notebook for nbgrader; `ValueError` lists its problems."""
+def _words_of(rig: OwnRig) -> RigWords:
+    """What the notebooks say of the course's own rig; `ValueError` if its record does not carry the lab."""
+    checked = check_rig(rig.record, rig.reading, rig.simulated)
+    if not checked.carries:
+        raise ValueError(f"[rig]: {rig.record.name} {checked.verdict}. labsid course rig says what to record instead.")
+    return rig_words(rig)
+
+
+def build_source(path: Path, words: RigWords | None = None) -> Any:
+    """Convert a text notebook into a source notebook for nbgrader; `ValueError` lists its problems.
+
+    Parameters
+    ----------
+    path : Path
+    words : RigWords, optional
+        Of the course's own rig; default the tanks.
+    """
     try:
-        notebook = jupytext.read(path, fmt="md:myst")
+        notebook = jupytext.read(path, fmt="md:myst") if words is None else read_for_rig(path, words)
     except MystMetadataParsingError as error:
         raise ValueError(f"{path} cannot be released: {error}") from None
     for cell in notebook.cells:

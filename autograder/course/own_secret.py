@@ -11,7 +11,10 @@ import secrets
 from pathlib import Path
 
 from autograder.course.individual_data import individual_file
+from autograder.course.layout import RECORD_FILE as LAB_FILE
 from autograder.course.layout import Course
+from autograder.course.own_rig import rig_file
+from autograder.course.settings import read_settings
 from labsid._files import write_file
 from labsid.rig import read_secret
 from labsid.rig.switchable.withheld_effects import RECORD_FILE, STAND_IN_STUDENT
@@ -38,7 +41,7 @@ def read_own_secret(course: Course) -> bytes:
 
 
 def shared_file(course: Course, name: str) -> Path:
-    """Path of a data file that all students of a course share; the record of a withheld rig is generated if necessary.
+    """Path of a data file that all students of a course share; that of a withheld or own rig is made if necessary.
 
     Parameters
     ----------
@@ -46,6 +49,9 @@ def shared_file(course: Course, name: str) -> Path:
     name : str
         Name of the file beside the notebook.
     """
+    rig = read_settings(course).rig if name == LAB_FILE else None
+    if rig is not None:
+        return rig_file(rig, course.own_data)
     if name != RECORD_FILE or not course.secret_file.is_file():
         return course.data / name
     secret = read_own_secret(course)

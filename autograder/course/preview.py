@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from autograder.course.layout import Course
+from autograder.course.layout import SETTINGS_FILE, Course
 from autograder.course.release import release_files
+from autograder.course.rig_texts import PASSAGES_FILE
+from autograder.course.settings import read_settings
 from labsid._files import write_file
 
 
@@ -45,10 +47,15 @@ def write_preview(
 
 
 def changed_since_build(course: Course, assignments: Sequence[str] = ()) -> list[str]:
-    """The assignments whose text was changed after the last build."""
-    return [
-        name
-        for name in course.select(assignments)
-        if (course.notebooks / name / f"{name}.md").stat().st_mtime_ns
-        > (course.release / name / f"{name}.ipynb").stat().st_mtime_ns
-    ]
+    """The assignments whose text, or the rig of which it speaks, was changed after the last build."""
+    rig = read_settings(course).rig
+
+    def is_changed(name: str) -> bool:
+        sources = [course.notebooks / name / f"{name}.md"]
+        passages = sources[0].with_name(PASSAGES_FILE)
+        if rig is not None and passages.is_file():
+            sources += [passages, course.root / SETTINGS_FILE, rig.record]
+        built = (course.release / name / f"{name}.ipynb").stat().st_mtime_ns
+        return any(path.stat().st_mtime_ns > built for path in sources)
+
+    return [name for name in course.select(assignments) if is_changed(name)]

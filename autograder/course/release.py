@@ -12,6 +12,7 @@ import labsid
 from autograder.course.individual_data import individual_file, is_individual
 from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
+from autograder.course.settings import read_settings
 from labsid._files import write_file, zip_bytes
 from labsid.checks.notebook import find_assignment
 from labsid.checks.notebook_file import START_PAGE
@@ -161,8 +162,11 @@ def individual_files(course: Course, secret: bytes, student: str, assignments: S
         raise ValueError(f"the student ID {student!r} cannot be the name of a folder.")
     wanted = ((name, find_assignment(name).record_file) for name in course.select(assignments))
     data = {name: file for name, file in wanted if file is not None}
+    rig = read_settings(course).rig
     contents = {
-        file: individual_file(file, student, secret) if is_individual(file) else shared_file(course, file).read_bytes()
+        file: individual_file(file, student, secret, rig)
+        if is_individual(file)
+        else shared_file(course, file).read_bytes()
         for file in set(data.values())
     }
     return {f"{name}/{file}": contents[file] for name, file in data.items()}

@@ -19,10 +19,20 @@
     weight = 20                          # marks in the total of the course; default those of the notebook
     late = { per-day = "5%" }            # takes the place of single values of [late]
     second-record = false                # grade on the student's own record alone; default true
+
+    [rig]                                # in the place of the tanks; try the log with: labsid course rig motor.csv
+    record = "motor.csv"                 # any log that labsid reads
+    name = "the DC motor"                # as in a sentence
+    sentence = "A bridge drives the motor, and an encoder measures its speed."
+    input = { name = "voltage", unit = "V", symbol = "v" }
+    output = { name = "speed", unit = "rpm", symbol = "n" }
+    picture = "motor.png"                # PNG, JPEG or SVG; may be left out
+    reading = { from = 7.2 }             # options of labsid check, where the log needs them
+    simulated = true                     # a record made with a model of the log; default false
 """
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, tzinfo
 from decimal import Decimal
@@ -31,10 +41,13 @@ from typing import Any
 from zoneinfo import ZoneInfo
 
 from autograder.course.layout import SETTINGS_FILE, Course
+from autograder.course.own_rig import OwnRig
+from autograder.course.rig_settings import to_own_rig
+from autograder.course.toml_values import moment, refuse_unknown, switch, text, value_of
 
 LATE_KEYS = ("grace", "per-day", "most")
 LEARNING_PLATFORMS = ("moodle", "canvas")
-_KEYS = ("title", "timezone", "secret", "students", "extensions", "lms", "late", "assignments")
+_KEYS = ("title", "timezone", "secret", "students", "extensions", "lms", "late", "assignments", "rig")
 _ASSIGNMENT_KEYS = ("due", "weight", "late", "second-record")
 
 
@@ -77,6 +90,8 @@ class CourseSettings:
         AssignmentSettings by name.
     extensions : Path or None
         File with own due dates of single students.
+    rig : OwnRig or None
+        The rig of the lab, if it is not the tanks.
     """
 
     title: str = ""
@@ -86,6 +101,7 @@ class CourseSettings:
     lms: str | None = None
     assignments: Mapping[str, AssignmentSettings] = field(default_factory=dict)
     extensions: Path | None = None
+    rig: OwnRig | None = None
 
     @property
     def weights(self) -> dict[str, Decimal]:
@@ -144,27 +160,28 @@ def read_settings(course: Course) -> CourseSettings:
 
 
 def _to_settings(found: dict[str, Any], course: Course) -> CourseSettings:
-    _refuse_unknown(found, _KEYS, "the file")
-    zone_name = _value(found, "timezone", _text)
+    refuse_unknown(found, _KEYS, "the file")
+    zone_name = value_of(found, "timezone", text)
     zone = UTC if zone_name is None else time_zone(zone_name)
     late = _late(found.get("late", {}), "[late]")
     tables = found.get("assignments", {})
     if not isinstance(tables, dict):
         raise ValueError(f"assignments must be tables such as [assignments.NAME], got {tables!r}.")
     known = course.assignments()
-    _refuse_unknown(tables, known, "[assignments]")
-    lms = _value(found, "lms", _text)
+    refuse_unknown(tables, known, "[assignments]")
+    lms = value_of(found, "lms", text)
     if lms not in (None, *LEARNING_PLATFORMS):
         raise ValueError(f"lms must be {' or '.join(LEARNING_PLATFORMS)}, got {lms!r}.")
-    secret, students, extensions = (_value(found, key, _text) for key in ("secret", "students", "extensions"))
+    secret, students, extensions = (value_of(found, key, text) for key in ("secret", "students", "extensions"))
     return CourseSettings(
-        _value(found, "title", _text) or "",
+        value_of(found, "title", text) or "",
         zone_name,
         None if secret is None else course.root / secret,
         None if students is None else course.root / students,
         lms,
         {name: _assignment(tables[name], name, zone, late) for name in known if name in tables},
         None if extensions is None else course.root / extensions,
+        to_own_rig(found["rig"], course.root) if "rig" in found else None,
     )
 
 
@@ -172,56 +189,22 @@ def _assignment(table: Any, name: str, zone: tzinfo, late: Mapping[str, str]) ->
     where = f"[assignments.{name}]"
     if not isinstance(table, dict):
         raise ValueError(f"{where} must be a table with {', '.join(_ASSIGNMENT_KEYS)}, got {table!r}.")
-    _refuse_unknown(table, _ASSIGNMENT_KEYS, where)
-    due = _value(table, "due", _moment, where)
+    refuse_unknown(table, _ASSIGNMENT_KEYS, where)
+    due = value_of(table, "due", moment, where)
     if due is not None:
         due = (due if due.tzinfo is not None else due.replace(tzinfo=zone)).astimezone(UTC)
     rule = {**late, **_late(table.get("late", {}), f"late of {where}")}
     if rule and due is not None and "per-day" not in rule:
         raise ValueError(f'the late rule of {where} needs per-day, such as per-day = "10%".')
-    second = _value(table, "second-record", _switch, where)
-    return AssignmentSettings(due, _value(table, "weight", _weight, where), rule, second is not False)
+    second = value_of(table, "second-record", switch, where)
+    return AssignmentSettings(due, value_of(table, "weight", _weight, where), rule, second is not False)
 
 
 def _late(table: Any, where: str) -> dict[str, str]:
     if not isinstance(table, dict):
         raise ValueError(f"{where} must be a table with {', '.join(LATE_KEYS)}, got {table!r}.")
-    _refuse_unknown(table, LATE_KEYS, where)
-    return {key: _value(table, key, _text, where) for key in table}
-
-
-def _refuse_unknown(table: Mapping[str, Any], known: Sequence[str], where: str) -> None:
-    unknown = [key for key in table if key not in known]
-    if unknown:
-        raise ValueError(f"{where} has the unknown key {unknown[0]!r}; expected one of {', '.join(known)}.")
-
-
-def _value(table: Mapping[str, Any], key: str, convert: Callable[[Any], Any], where: str = "") -> Any:
-    """A value of a table, converted; None if it is missing."""
-    if key not in table:
-        return None
-    try:
-        return convert(table[key])
-    except TypeError as error:
-        raise ValueError(f"{key}{where and f' in {where}'} must be {error}, got {table[key]!r}.") from None
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str) or not value.strip():
-        raise TypeError("text in quotation marks")
-    return value
-
-
-def _moment(value: Any) -> datetime:
-    if not isinstance(value, datetime):
-        raise TypeError("a date and time such as 2026-11-30T23:59:00, without quotation marks")
-    return value
-
-
-def _switch(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise TypeError("true or false")
-    return value
+    refuse_unknown(table, LATE_KEYS, where)
+    return {key: value_of(table, key, text, where) for key in table}
 
 
 def _weight(value: Any) -> Decimal:

@@ -10,6 +10,7 @@ from autograder.course.individual_data import individual_file, is_individual
 from autograder.course.layout import Course, read_template
 from autograder.course.own_secret import shared_file
 from autograder.course.release import packages_beside
+from autograder.course.settings import read_settings
 from autograder.export.solution_notebooks import notebook_bytes, solution_page, solve
 from autograder.intake.worksheet import Worksheet, participant_folder, participant_number
 from autograder.results.extensions import Extensions
@@ -92,6 +93,8 @@ def solved_files(
     todo = [("", name) for name in plan.shared]
     todo += [(student, name) for student in plan.students for name in plan.individual]
 
+    rig = read_settings(course).rig
+
     def one(item: tuple[str, str]) -> tuple[str, str, dict[str, bytes] | str]:
         student, name = item
         file = find_assignment(name).record_file
@@ -100,7 +103,7 @@ def solved_files(
                 record = None
             elif student:
                 assert secret is not None
-                record = individual_file(file, student, secret)
+                record = individual_file(file, student, secret, rig)
             else:
                 record = shared_file(course, file).read_bytes()
             solved = solve(course, name, record)

@@ -119,7 +119,8 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
     if unit and not _has_unit(label, unit):
         if _has_unit(axes.ylabel if axis == "x" else axes.xlabel, unit):
             raise NoAnswer(f"In {where} the labels of the two axes are swapped.", "axis labels swapped")
-        raise NoAnswer(f"In {where} the {axis}-label {label!r} has no unit: write it as ({unit}).", "no unit")
+        has = "another unit than the signal" if re.search(r"[(\[]", label) else "no unit"
+        raise NoAnswer(f"In {where} the {axis}-label {label!r} has {has}: write it as ({unit}).", "no unit")
 
 
 def _has_unit(label: str, unit: str) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 if TYPE_CHECKING:  # slow imports, and a command needs only one of them
     from labsid._arrays import FloatArray
+    from labsid.lab.findings import Finding
     from labsid.lab.identification import Identification
     from labsid.lab.record_check import RecordCheck
     from labsid.records.contents import ColumnSummary
@@ -19,16 +20,21 @@ _COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"
 
 def print_check(check: "RecordCheck") -> None:
     """Print the check of a record: the verdict, then one line per finding."""
+    print_findings(check.verdict, check.findings)
+
+
+def print_findings(verdict: str, findings: "Sequence[Finding]") -> None:
+    """Print a verdict, then one line per finding."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     console = Console(highlight=False)
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    for finding in check.findings:
+    for finding in findings:
         table.add_row(Text(finding.level, style=_COLOURS[finding.level]), finding.topic, Text(finding.text))
     with console.capture() as capture:
-        console.print(Text(check.verdict, style="bold"))
+        console.print(Text(verdict, style="bold"))
         console.print()
         console.print(table)
     # rich pads the last column with blanks.

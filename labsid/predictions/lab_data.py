@@ -24,6 +24,8 @@ class LabData:
         Sampling time, in s.
     t, u, y : ndarray, shape (N,)
     y_offset : float
+    unit : str
+        Of the output.
     """
 
     Ts: float
@@ -31,6 +33,7 @@ class LabData:
     u: FloatArray
     y: FloatArray
     y_offset: float
+    unit: str = "V"
 
     def __post_init__(self) -> None:
         freeze(self, t=self.t, u=self.u, y=self.y)
@@ -46,6 +49,16 @@ class LabData:
         low, high = float(self.y.min()), float(self.y.max())
         return low - 0.5 * (high - low), high + 0.5 * (high - low)
 
+    @property
+    def ylabel(self) -> str:
+        """Label of the output in every figure."""
+        return f"Output y ({self.unit})"
+
+    def say(self, value: float) -> str:
+        """A size of the output in words, however large."""
+        most = 1000 * 10 ** max(0, int(np.log10(np.ptp(self.y))))
+        return f"more than {most} {self.unit}" if value > most else f"{value:.2g} {self.unit}"
+
 
 def read_lab_data(sources: Sources) -> LabData:
     """The record of the lab without its offsets; `ValueError` without a record."""
@@ -54,7 +67,7 @@ def read_lab_data(sources: Sources) -> LabData:
         raise ValueError("this notebook has no record")
     offsets = find_offsets(record.u, record.y)
     u, y = remove_offsets(record.u, record.y, offsets)
-    return LabData(record.Ts, record.t, u, y, offsets.y_offset)
+    return LabData(record.Ts, record.t, u, y, offsets.y_offset, record.units[-1] or "V")
 
 
 def fit(u: FloatArray, y: FloatArray, n: int, shift: int = 0) -> tuple[FloatArray, float]:
@@ -88,15 +101,11 @@ def rms(error: FloatArray) -> float:
     return found if np.isfinite(found) else np.inf
 
 
-def volts(value: float) -> str:
-    """A voltage in words, however large."""
-    return "more than 1000 V" if value > 1000 else f"{value:.2g} V"
-
-
 def output_view(data: LabData, title: str, moved: FloatArray, label: str, said: str, before: FloatArray | None) -> View:
     """The measured output, the model as it was, and what moves with the slider."""
     low, high = data.limits
     shown = np.clip(np.nan_to_num(moved, nan=high, posinf=9 * high, neginf=9 * low), 9 * low, 9 * high)
     curves = [Curve("measured", "Record", data.t, data.y)]
     curves += [] if before is None else [Curve("before", "As fitted", data.t, before)]
-    return View(title, (*curves, Curve("moved", label, data.t, shown)), (low, high), said)
+    moved_curve = Curve("moved", label, data.t, shown)
+    return View(title, (*curves, moved_curve), (low, high), said, ylabel=data.ylabel)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from labsid._arrays import FloatArray
 from labsid.plots.predictions import Curve, View
-from labsid.predictions.lab_data import LabData, fit, output_view, read_lab_data, rms, simulate, volts
+from labsid.predictions.lab_data import LabData, fit, output_view, read_lab_data, rms, simulate
 from labsid.predictions.prediction import Outcome, Prediction, Sources
 
 SHIFTS = (-1, 0, 1, 2, 3)
@@ -16,6 +16,7 @@ class ShiftedRows:
 
     def __init__(self, sources: Sources) -> None:
         self._data = read_lab_data(sources)
+        self._say = self._data.say
 
     def _fit(self, shift: int) -> tuple[FloatArray, float, float]:
         data = self._data
@@ -32,7 +33,7 @@ class ShiftedRows:
             if shift
             else "in place"
         )
-        said = f"Error of the fit {volts(of_fit)}, of the simulation {volts(of_simulation)} (rms)."
+        said = f"Error of the fit {self._say(of_fit)}, of the simulation {self._say(of_simulation)} (rms)."
         before = None if shift == 0 else self._fit(0)[0]
         return output_view(self._data, f"Rows of Φ {where}", simulated, "Simulation", said, before)
 
@@ -43,10 +44,10 @@ class ShiftedRows:
         holds = 2 if after > 3 * before else 1 if after > 1.2 * before else 0
         return Outcome(
             holds,
-            f"The error of the fit is {volts(fit_after)} in place of {volts(fit_before)}, that of the simulation "
-            f"{volts(after)} in place of {volts(before)}. The output hardly changes from one sample to the next, so a "
-            "wrong row still predicts it; a simulation uses its own past outputs alone. (One sample too early, the row "
-            "contains y(k) itself: the fit is perfect, and the simulated output stays zero.)",
+            f"The error of the fit is {self._say(fit_after)} in place of {self._say(fit_before)}, that of the "
+            f"simulation {self._say(after)} in place of {self._say(before)}. The output hardly changes from one sample "
+            "to the next, so a wrong row still predicts it; a simulation uses its own past outputs alone. (One sample "
+            "too early, the row contains y(k) itself: the fit is perfect, and the simulated output stays zero.)",
         )
 
 
@@ -58,6 +59,7 @@ class SignOfA:
 
     def __init__(self, sources: Sources) -> None:
         self._data = read_lab_data(sources)
+        self._say = self._data.say
         self._theta = fit(self._data.u[: self._data.half], self._data.y[: self._data.half], 2)[0]
 
     def _poles(self, position: int) -> NDArray[np.complex128]:
@@ -72,7 +74,7 @@ class SignOfA:
         part = slice(max(first - 3, 0), first + 30)
         theta = self._theta * np.array([sign_1, sign_2, 1, 1])
         poles = ", ".join(map(_pole, self._poles(position)))
-        short = LabData(data.Ts, data.t[part], data.u[part], data.y[part], data.y_offset)
+        short = LabData(data.Ts, data.t[part], data.u[part], data.y[part], data.y_offset, data.unit)
         low, high = -3 * float(np.abs(data.y).max()), 3 * float(np.abs(data.y).max())
         with np.errstate(over="ignore", invalid="ignore"):
             moved = simulate(theta, data.u[: part.stop])[part]
@@ -80,7 +82,13 @@ class SignOfA:
             Curve("measured", "Record", short.t, short.y),
             Curve("moved", "Model", short.t, np.clip(moved, 9 * low, 9 * high)),
         )
-        return View("After the first change of the input", curves, (low, high), f"Poles of the model: {poles}.")
+        return View(
+            "After the first change of the input",
+            curves,
+            (low, high),
+            f"Poles of the model: {poles}.",
+            ylabel=data.ylabel,
+        )
 
     def outcome(self) -> Outcome:
         """What the pole of the largest size does when both signs are wrong."""
@@ -107,6 +115,7 @@ class OffsetLeftIn:
 
     def __init__(self, sources: Sources) -> None:
         self._data = read_lab_data(sources)
+        self._say = self._data.say
 
     def _fit(self, share: float) -> tuple[FloatArray, float, float]:
         data = self._data
@@ -118,7 +127,7 @@ class OffsetLeftIn:
     def view(self, position: int) -> View:
         """The simulation of the model, without offset."""
         simulated, slowest, error = self._fit(SHARES[position])
-        said = f"Slow pole at z = {slowest:.4f} ({_speed(slowest, self._data.Ts)}); error {volts(error)} (rms)."
+        said = f"Slow pole at z = {slowest:.4f} ({_speed(slowest, self._data.Ts)}); error {self._say(error)} (rms)."
         before = None if position == 0 else self._fit(0.0)[0]
         title = f"{SHARES[position]:.0%} of the offset left in y while fitting"
         return output_view(self._data, title, simulated, "Simulation", said, before)
@@ -131,14 +140,14 @@ class OffsetLeftIn:
         holds = 2 if slower and after > 3 * before else 1 if after > 3 * before else 0
         return Outcome(
             holds,
-            f"The slow pole goes from {pole_before:.3f} to {pole_after:.4f}, the error from {volts(before)} to "
-            f"{volts(after)}. A model without a constant term can hold a constant output at zero input only by a "
+            f"The slow pole goes from {pole_before:.3f} to {pole_after:.4f}, the error from {self._say(before)} to "
+            f"{self._say(after)}. A model without a constant term can hold a constant output at zero input only by a "
             "pole at 1: the constant, not the dynamics, decides the parameters.",
         )
 
 
 def _speed(pole: float, Ts: float) -> str:
-    return f"time constant {-Ts / np.log(pole):.0f} s" if 0 < pole < 0.9999 else "it never settles"
+    return f"time constant {-Ts / np.log(pole):.3g} s" if 0 < pole < 0.9999 else "it never settles"
 
 
 STARTS = (0.0, 0.5, 1.0, 1.5, 2.0)
@@ -152,8 +161,8 @@ class InitialState:
         data = read_lab_data(sources)
         theta = fit(data.u[: data.half], data.y[: data.half], 2)[0]
         part = slice(data.half, None)
-        self._data = LabData(data.Ts, data.t[part], data.u[part], data.y[part], data.y_offset)
-        self._limits = data.limits
+        self._data = LabData(data.Ts, data.t[part], data.u[part], data.y[part], data.y_offset, data.unit)
+        self._limits, self._say = data.limits, data.say
         self._rest = simulate(theta, data.u[part])
         self._free = simulate(theta, data.u)[part] - self._rest
 
@@ -168,13 +177,15 @@ class InitialState:
         """The second half from a multiple of the state carried over."""
         start = STARTS[position]
         error = rms(self._data.y - self._rest - start * self._free)
-        said = f"Error {volts(error)} (rms); the start matters for {self._settling(start):.0f} s."
+        said = f"Error {self._say(error)} (rms); the start matters for {self._settling(start):.3g} s."
         curves = (
             Curve("measured", "Record", self._data.t, self._data.y),
             Curve("before", "From the right state", self._data.t, self._rest + self._free),
             Curve("moved", "From the chosen state", self._data.t, self._rest + start * self._free),
         )
-        return View(f"Second half, from {start:g} times the right state", curves, self._limits, said)
+        return View(
+            f"Second half, from {start:g} times the right state", curves, self._limits, said, ylabel=self._data.ylabel
+        )
 
     def outcome(self) -> Outcome:
         """Which of the two wrong starts matters longer."""
@@ -182,7 +193,7 @@ class InitialState:
         holds = 1 if abs(twice - from_rest) <= 0.1 * from_rest else 2 if twice > from_rest else 0
         return Outcome(
             holds,
-            f"From rest the start matters for {from_rest:.0f} s, from twice the state for {twice:.0f} s. The model is "
+            f"From rest the start matters for {from_rest:.3g} s, from twice the state for {twice:.3g} s. The model is "
             "linear: both differences are the same free response, with opposite signs, and its poles alone say how "
             "fast it decays.",
         )
@@ -192,7 +203,7 @@ LAB_PLACES = (
     Prediction(
         "row-of-phi",
         "Suppose the rows of Φ stand one sample too late: beside y(k) stands the row that belongs to y(k−1). The error "
-        "of the fit stays at a few millivolts. How well does the fitted model simulate your record?",
+        "of the fit stays small. How well does the fitted model simulate your record?",
         (
             "About as well as before.",
             "A little worse: about as much as the error of the fit grows.",

@@ -5,7 +5,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.estimation.recursive import recursive_least_squares
 from labsid.plots.predictions import Curve, View
-from labsid.predictions.lab_data import fit, output_view, read_lab_data, rms, simulate, volts
+from labsid.predictions.lab_data import fit, output_view, read_lab_data, rms, simulate
 from labsid.predictions.prediction import Outcome, Prediction, Sources
 
 FACTORS = (0.1, 0.3, 1.0, 2.0, 3.0, 10.0)
@@ -16,6 +16,7 @@ class MovedPole:
 
     def __init__(self, sources: Sources) -> None:
         self._data = read_lab_data(sources)
+        self._say = self._data.say
         self._pole, b = fit(self._data.u[: self._data.half], self._data.y[: self._data.half], 1)[0]
         self._gain = b / (1 - self._pole)
 
@@ -26,7 +27,7 @@ class MovedPole:
     def view(self, position: int) -> View:
         """The simulation with the pole at a position."""
         pole, simulated = self._simulate(FACTORS[position])
-        said = f"Time constant {-self._data.Ts / np.log(pole):.1f} s; error {volts(rms(self._data.y - simulated))}."
+        said = f"Time constant {-self._data.Ts / np.log(pole):.1f} s; error {self._say(rms(self._data.y - simulated))}."
         before = None if FACTORS[position] == 1 else self._simulate(1.0)[1]
         return output_view(self._data, f"Pole at z = {pole:.3f}", simulated, "Pole moved", said, before)
 
@@ -37,8 +38,8 @@ class MovedPole:
         before, after = (-self._data.Ts / np.log(one) for one in (self._pole, pole))
         return Outcome(
             2 if ratio > 2 else 1 if ratio > 1.1 else 0,
-            f"The pole goes from {self._pole:.3f} to {pole:.3f}, and the time constant from {before:.0f} s to "
-            f"{after:.0f} s. Near 1 the distance of the pole from 1 counts: τ is about Ts / (1 − p). The levels are "
+            f"The pole goes from {self._pole:.3f} to {pole:.3f}, and the time constant from {before:.3g} s to "
+            f"{after:.3g} s. Near 1 the distance of the pole from 1 counts: τ is about Ts / (1 − p). The levels are "
             "the same, but the input does not hold long enough for the slow model to reach them.",
         )
 
@@ -51,6 +52,7 @@ class ModelOrder:
 
     def __init__(self, sources: Sources) -> None:
         data = self._data = read_lab_data(sources)
+        self._say = data.say
         fits = [fit(data.u[: data.half], data.y[: data.half], n) for n in ORDERS]
         self._simulated = [simulate(theta, data.u) for theta, _ in fits]
         self._of_fit = [float(np.sqrt(error)) for _, error in fits]
@@ -63,10 +65,16 @@ class ModelOrder:
         largest = float(np.abs(errors[0]).max())
         curves = [Curve("before", "Order 1", data.t, errors[0])] if position else []
         curves.append(Curve("moved", f"Order {n}", data.t, errors[position]))
-        of_fit, mse = volts(self._of_fit[position]), self._mse[position]
-        said = f"Error of the fit {of_fit} (rms); MSE of the simulation {mse:.2e} V²."
+        of_fit, mse = self._say(self._of_fit[position]), self._mse[position]
+        said = f"Error of the fit {of_fit} (rms); MSE of the simulation {mse:.2e} {self._data.unit}²."
         limits = (-1.1 * largest, 1.1 * largest)
-        return View(f"Error of the simulation, order {n}", tuple(curves), limits, said, ylabel="y minus simulation (V)")
+        return View(
+            f"Error of the simulation, order {n}",
+            tuple(curves),
+            limits,
+            said,
+            ylabel=f"y minus simulation ({data.unit})",
+        )
 
     def outcome(self) -> Outcome:
         """How much order 3 saves, beside what order 2 saved."""
@@ -75,9 +83,9 @@ class ModelOrder:
         return Outcome(
             holds,
             f"MSE of the simulation: {self._mse[0]:.2e} with order 1, {self._mse[1]:.2e} with 2, "
-            f"{self._mse[2]:.2e} with 3, {self._mse[5]:.2e} V² with 6. The error of the fit falls with every order, as "
-            "each model contains the smaller ones; that of the simulation need not. What remains is mostly the gain "
-            "that changes with the level, which no linear model has.",
+            f"{self._mse[2]:.2e} with 3, {self._mse[5]:.2e} {self._data.unit}² with 6. The error of the fit falls with "
+            "every order, as each model contains the smaller ones; that of the simulation need not. What remains is "
+            "noise, and what no linear model has, such as a gain that changes with the level.",
         )
 
 
@@ -131,7 +139,7 @@ OTHER_PLACES = (
         "stays as it is. How does the response change?",
         (
             "It gets faster.",
-            "It gets a little slower: the pole hardly moves, by about 0.015.",
+            "It gets a little slower: the pole hardly moves.",
             "It gets about three times slower.",
         ),
         "Time constant, times",

@@ -39,8 +39,9 @@ def log_of_variables(variables: dict[str, Any], output: str, by_layout: bool) ->
     name = next((name for name in _LOGS if name in variables), None)
     if name is not None and by_layout:
         logged = _read_lab_log(name, _unwrap(variables[name]), output)
-        notes = logged.pop("notes")
-        columns = [Column(key, values) for key, values in logged.items() if values is not None]
+        notes, u_unit, y_unit = (logged.pop(key) for key in ("notes", "u_unit", "y_unit"))
+        units = {"t": "s" if u_unit or y_unit else "", "u": u_unit}
+        columns = [Column(key, values, units.get(key, y_unit)) for key, values in logged.items() if values is not None]
         others = tuple(k for k, column in enumerate(columns) if column.name in _OTHERS)
         log = log_of(columns, "variable", notes)
         return Log(log.names, log.read, True, "variable", log.notes, others)
@@ -85,7 +86,8 @@ def _read_lab_log(name: str, log: Any, output: str) -> dict[str, Any]:
     """Read the lab's layout.
 
     ``.time``; ``.signals(1).values`` with the columns [reference,] measured, noise-reduced;
-    ``.signals(2).values``, the input.
+    ``.signals(2).values``, the input. A signal may have a ``unit``, as the numbers of its characters
+    (``double('rpm')``): the records of another rig than the tanks have it.
     """
     for field in ("time", "signals"):
         if not isinstance(log, dict) or field not in log:
@@ -118,7 +120,9 @@ def _read_lab_log(name: str, log: Any, output: str) -> dict[str, Any]:
         notes.append(f"{name}.signals has {len(signals)} elements; those after the second are not used")
     if t.size == 0:
         notes.append(f"{name}.time is empty")
-    logged: dict[str, Any] = {"t": t if t.size else None, "u": u[:, 0], "notes": notes}
+    y_unit, u_unit = (_unit(signal.get("unit")) for signal in signals[:2])
+    logged: dict[str, Any] = {"t": t if t.size else None, "u": u[:, 0]}
+    logged |= {"notes": notes, "u_unit": u_unit, "y_unit": y_unit}
     if outputs.shape[1] == 1:
         if output == "noise-reduced":
             raise ValueError(
@@ -131,6 +135,13 @@ def _read_lab_log(name: str, log: Any, output: str) -> dict[str, Any]:
         logged["reference"] = outputs[:, 0]
     y = measured if output == "measured" else noise_reduced
     return logged | {"y": y, "y_measured": measured, "y_noise_reduced": noise_reduced}
+
+
+def _unit(value: Any) -> str:
+    """A unit, given as the numbers of its characters; empty if it is not."""
+    if not isinstance(value, np.ndarray) or not np.all((value >= 32) & (value < 0x3000)):
+        return ""
+    return "".join(chr(int(number)) for number in value.ravel())
 
 
 def _unwrap(value: Any) -> Any:

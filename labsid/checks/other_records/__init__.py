@@ -46,5 +46,6 @@ def another_record(name: str, own: Record, entropy: int) -> bytes:
     """
     if name not in _MAKERS:
         raise ValueError(f"there are no other records in the place of {name}, only of {', '.join(_MAKERS)}.")
-    make: Callable[[Record, int], bytes] = import_module(f"{__name__}.{_MAKERS[name]}").make_other
+    maker = "other_rig" if name == LAB_FILE and any(own.units) else _MAKERS[name]
+    make: Callable[[Record, int], bytes] = import_module(f"{__name__}.{maker}").make_other
     return make(own, entropy)

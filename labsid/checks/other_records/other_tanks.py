@@ -1,10 +1,11 @@
 """Another record of coupled tanks: other tanks, another rest level, other times and sizes of the steps."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, freeze
 from labsid.lab.offset import find_offsets
 from labsid.lab.step_response import FirstOrderDelay, cut_held_step, first_order_response, fit_step_response
 from labsid.records.record import Record
@@ -33,7 +34,7 @@ _NUMBERS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class _Rig:
+class ShownRig:
     """What a record shows of its rig: the rest, and the response to the first step."""
 
     u0: float
@@ -50,12 +51,19 @@ class _Rig:
 
 def make_other(own: Record, entropy: int) -> bytes:
     """Draw a record of other tanks in the place of `own`; see `labsid.checks.other_records.another_record`."""
+    return draw_apart(own, entropy, _draw)
+
+
+def draw_apart(
+    own: Record, entropy: int, draw_log: Callable[[Record, ShownRig, np.random.SeedSequence], LabLog]
+) -> bytes:
+    """The first log that is drawn far enough from `own`, as a file; `ValueError` if there is none."""
     rig = _rig_of(own)
     problem = "no draw was far enough from it"
     for draw in range(DRAWS):
         seed = np.random.SeedSequence(entropy=entropy, spawn_key=(draw,))
         try:
-            log = _draw(own, rig, seed)
+            log = draw_log(own, rig, seed)
             if _is_apart(_rig_of_log(log), rig):
                 return lab_record_bytes(log)
         except ValueError as error:
@@ -63,21 +71,21 @@ def make_other(own: Record, entropy: int) -> bytes:
     raise ValueError(f"no other record can be drawn in the place of {own.name or 'this one'}: {problem}")
 
 
-def _rig_of(record: Record) -> _Rig:
+def _rig_of(record: Record) -> ShownRig:
     measured = record.y if record.y_measured is None else record.y_measured
     return _read(record.u, record.y, measured, record.Ts)
 
 
-def _rig_of_log(log: LabLog) -> _Rig:
+def _rig_of_log(log: LabLog) -> ShownRig:
     return _read(log.u, log.y_noise_reduced, log.y_measured, log.Ts)
 
 
-def _read(u: FloatArray, y: FloatArray, measured: FloatArray, Ts: float) -> _Rig:
+def _read(u: FloatArray, y: FloatArray, measured: FloatArray, Ts: float) -> ShownRig:
     offsets = find_offsets(u, y)
     first, n = offsets.settled
     t, step, amplitude = cut_held_step(u, y, Ts, 0, before=n - first)
     fit = fit_step_response(t, step, amplitude)
-    return _Rig(
+    return ShownRig(
         u0=offsets.u_offset,
         y0=offsets.y_offset,
         model=fit.model,
@@ -91,7 +99,7 @@ def _read(u: FloatArray, y: FloatArray, measured: FloatArray, Ts: float) -> _Rig
     )
 
 
-def _is_apart(other: _Rig, own: _Rig) -> bool:
+def _is_apart(other: ShownRig, own: ShownRig) -> bool:
     gains = [abs(own.model.K - K) / abs(K) for K in (other.model.K, other.reading_gain)]
     t = np.linspace(0.0, other.held, 200)
     K, tau, td = other.model.K, other.model.tau, other.model.td
@@ -109,30 +117,76 @@ def _is_apart(other: _Rig, own: _Rig) -> bool:
     )
 
 
-def _draw(own: Record, rig: _Rig, seed: np.random.SeedSequence) -> LabLog:
+def _draw(own: Record, rig: ShownRig, seed: np.random.SeedSequence) -> LabLog:
+    changes = draw_changes(own, rig, seed)
+    u = changes.u
+    u_before, u_after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
+    K = rig.model.K * changes.gain
+    parameters = _tanks(u_before, u_after, K, rig.model.tau * changes.slower, rig.y0 + changes.y0, *changes.tanks)
+    upper, _ = steady_levels(parameters, min(u_before, u_after))
+    fastest = parameters.upper_area / parameters.upper_orifice * np.sqrt(2 * upper / GRAVITY)
+    return log_run(
+        parameters,
+        u,
+        changes.noise_seed,
+        own.name,
+        own.Ts,
+        changes.quieter * rig.noise,
+        rig.is_settled,
+        max_step=min(own.Ts, 1.2 * float(fastest)),  # stable, and as exact as another rig is alike,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Changes:
+    """What another rig and its input differ in; see `draw_changes`.
+
+    Attributes
+    ----------
+    u : ndarray, shape (N,)
+        Its input.
+    gain, slower : float
+        Ratio of the gains and of the time constants to those of the own rig.
+    y0 : float
+        Difference of the outputs at rest.
+    quieter : float
+        Ratio of the noise.
+    tanks : tuple of float
+        Further draws, between 0 and 1.
+    noise_seed : SeedSequence
+    """
+
+    u: FloatArray
+    gain: float
+    slower: float
+    y0: float
+    quieter: float
+    tanks: tuple[float, ...]
+    noise_seed: np.random.SeedSequence
+
+    def __post_init__(self) -> None:
+        freeze(self, u=self.u)
+
+
+def draw_changes(own: Record, rig: ShownRig, seed: np.random.SeedSequence, volt: float = 1.0) -> Changes:
+    """Draw another rig and input; `volt` is the unit in which changes of the input are drawn, in units of u."""
     plan = np.random.SeedSequence(entropy=seed.entropy, spawn_key=(*seed.spawn_key, _PLAN))
     noise = np.random.SeedSequence(entropy=seed.entropy, spawn_key=(*seed.spawn_key, _NOISE))
     changes = np.flatnonzero(np.diff(own.u)) + 1
     numbers = uniform_samples(plan, _NUMBERS + changes.size)
     gain, side, slower, zero, sign, *tanks = numbers[:8].tolist()
-    u = _other_input(own.u, changes, numbers[8:])
-    u_before, after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
-    K = rig.model.K * (0.72 + 0.12 * gain if side < 0.5 else 1.19 + 0.16 * gain)
-    tau = _other_time_constant(rig, own.Ts, slower)
-    y0 = rig.y0 + (1 if sign < 0.5 else -1) * (0.08 + 0.15 * zero) * rig.range
-    parameters = _tanks(u_before, after, K, tau, y0, *tanks)
-    louder = min(1.0, abs(K * (after - u_before)) / abs(rig.model.K * rig.amplitude))
-    upper, _ = steady_levels(parameters, min(u_before, after))
-    fastest = parameters.upper_area / parameters.upper_orifice * np.sqrt(2 * upper / GRAVITY)
-    return log_run(
-        parameters,
+    u = volt * _other_input(own.u / volt, changes, numbers[8:])
+    u_before, u_after = float(u[0]), float(u[np.flatnonzero(np.diff(u))[0] + 1])
+    ratio = 0.72 + 0.12 * gain if side < 0.5 else 1.19 + 0.16 * gain
+    louder = min(1.0, abs(ratio * (u_after - u_before)) / abs(rig.amplitude))
+    return Changes(
         u,
+        ratio,
+        _other_time_constant(rig, own.Ts, slower) / rig.model.tau,
+        (1 if sign < 0.5 else -1) * (0.08 + 0.15 * zero) * rig.range,
+        0.9 * louder,
+        tuple(tanks),
         noise,
-        own.name,
-        own.Ts,
-        0.9 * louder * rig.noise,
-        rig.is_settled,
-        max_step=min(own.Ts, 1.2 * float(fastest)),  # stable, and as exact as another rig is alike,
     )
 
 
@@ -156,7 +210,7 @@ def _tanks(
     return replace(made, lower_area=lower_area, sensor_gain=sensor_gain, sensor_zero=y0 - sensor_gain * low)
 
 
-def _other_time_constant(rig: _Rig, Ts: float, draw: float) -> float:
+def _other_time_constant(rig: ShownRig, Ts: float, draw: float) -> float:
     """A time constant whose response differs enough, faster if that is possible; the step must settle, too."""
     own = rig.model.tau
     for ratio in (*np.arange(0.9, 0.2, -0.02), *np.arange(1.1, 4.0, 0.05)):

@@ -29,12 +29,17 @@ def sensor_noise(sd: float, seed: np.random.SeedSequence) -> Block:
     callable
         A block for `Rig.sensor`.
     """
-    quantile = NormalDist().inv_cdf
 
     def block(t: FloatArray, volts: FloatArray) -> FloatArray:
-        return volts + sd * np.array([quantile(p) for p in uniform_samples(seed, volts.size).tolist()])
+        return volts + sd * gaussian_samples(seed, volts.size)
 
     return block
+
+
+def gaussian_samples(seed: np.random.SeedSequence, n: int) -> FloatArray:
+    """Draw `n` independent normal numbers of standard deviation 1, equal on every platform."""
+    quantile = NormalDist().inv_cdf
+    return np.array([quantile(p) for p in uniform_samples(seed, n).tolist()])
 
 
 def converter(bits: int, low: float, high: float) -> Block:

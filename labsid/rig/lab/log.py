@@ -33,6 +33,8 @@ class LabLog:
         Sampling time in seconds.
     name : str
         Name of the record: the file name without its extension.
+    units : tuple of str
+        Units of input and output where these are not the volts of the tanks; else empty.
 
     Raises
     ------
@@ -46,6 +48,7 @@ class LabLog:
     y_noise_reduced: FloatArray
     Ts: float
     name: str
+    units: tuple[str, str] = ("", "")
 
     def __post_init__(self) -> None:
         t, u, measured, reduced = as_signals(
@@ -74,6 +77,7 @@ def log_to_record(log: LabLog) -> Record:
         y_measured=log.y_measured,
         y_noise_reduced=log.y_noise_reduced,
         name=log.name,
+        units=log.units,
     )
 
 
@@ -93,21 +97,24 @@ def lab_record_bytes(log: LabLog) -> bytes:
     -----
     UNSW lab, step 1a. ``LogData.time`` is (N, 1); ``LogData.signals(1).values`` is (N, 2), measured and
     noise-reduced output; ``LogData.signals(2).values`` is (N, 1), the input. The other fields are those
-    of a Simulink scope.
+    of a Simulink scope, and in records with `LabLog.units` ``unit``,
+    the numbers of its characters.
     """
     from scipy.io import savemat
 
-    fields = ("values", "dimensions", "label", "title", "plotStyle")
+    own = any(log.units)
+    fields = ("values", "dimensions", "label", "title", "plotStyle", *(["unit"] if own else []))
     signals = np.empty((1, 2), dtype=[(field, object) for field in fields])
     outputs = np.column_stack([log.y_measured, log.y_noise_reduced])
     untitled = np.empty((1, 0))
-    signals[0, 0] = (outputs, 2.0, "", untitled, np.array([[1.0, 1.0]]))
-    signals[0, 1] = (log.u[:, np.newaxis], 1.0, "Actual Input", untitled, 0.0)
+    u_unit, y_unit = ([np.array([*map(ord, unit)], np.float64)] if own else [] for unit in log.units)
+    signals[0, 0] = (outputs, 2.0, "", untitled, np.array([[1.0, 1.0]]), *y_unit)
+    signals[0, 1] = (log.u[:, np.newaxis], 1.0, "Actual Input", untitled, 0.0, *u_unit)
     content = {
         "LogData": {
             "time": log.t[:, np.newaxis],
             "signals": signals,
-            "blockName": "labsid_rig_simulated/Scope\nTANK#1",
+            "blockName": log.name if own else "labsid_rig_simulated/Scope\nTANK#1",
         }
     }
     buffer = BytesIO()

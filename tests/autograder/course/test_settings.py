@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 from autograder.course.layout import Course
+from autograder.course.own_rig import OwnRig, Quantity
 from autograder.course.settings import AssignmentSettings, CourseSettings, read_settings
 from autograder.course.students import Student, merge_students, read_students, write_students
 from autograder.results.late import parse_rules
+from labsid.records.reading import Reading
 
 ROOT = Path(__file__).resolve().parents[3]
 WHOLE = """
@@ -202,3 +204,66 @@ def test_a_name_that_a_spreadsheet_would_evaluate_is_kept_apart(tmp_path: Path) 
     text = (tmp_path / "s.csv").read_text(encoding="utf-8")
     assert text.splitlines()[1] == "'@z1,'=cmd|' /C calc'!A0,'+a@x,'-ada,7"
     assert read_students(tmp_path / "s.csv") == students
+
+
+RIG = """
+[rig]
+record = "motor.csv"
+name = "the motor"
+sentence = "A bridge drives it."
+input = { name = "voltage", unit = "V", symbol = "v" }
+output = { name = "speed", unit = "rpm" }
+"""
+
+
+def test_a_rig_is_read(settings: Callable[[str], CourseSettings], tmp_path: Path) -> None:
+    (tmp_path / "motor.png").write_bytes(b"a picture")
+    more = (
+        'picture = "motor.png"\nsimulated = true\nreading = { from = 7.25, to = 9, inputs = "Q1", time-unit = "ms" }\n'
+    )
+    rig = settings(RIG + more).rig
+    assert rig == OwnRig(
+        tmp_path / "motor.csv",
+        "the motor",
+        "A bridge drives it.",
+        Quantity("voltage", "V", "v"),
+        Quantity("speed", "rpm"),
+        tmp_path / "motor.png",
+        Reading(since=7.25, until=9, inputs="Q1", time_unit="ms"),
+        simulated=True,
+    )
+    assert (rig.input.called, rig.output.called, rig.units) == ("voltage $v$", "speed", ("V", "rpm"))
+    assert settings("").rig is None
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        (("[rig]", "[rig]\nmotor = 1"), "[rig] has the unknown key 'motor'; expected one of record, name, sentence"),
+        (('record = "motor.csv"', ""), "[rig] needs record."),
+        (("record =", "record = 3 #"), "record in [rig] must be text in quotation marks, got 3."),
+        (('{ name = "speed", unit = "rpm" }', '"speed"'), "output of [rig] must be a table such as { name ="),
+        ((', unit = "rpm"', ""), "output of [rig] needs unit."),
+        (('"rpm"', '"rounds per minute"'), "the unit of output of [rig] must be as on an axis, such as m/s or °C"),
+        (('"rpm"', '"$x$"'), "the unit of output of [rig] must be as on an axis"),
+        (("[rig]", '[rig]\npicture = "rig.gif"'), "picture of [rig] must be .png, .jpg, .jpeg, .svg, got 'rig.gif'."),
+        (("[rig]", '[rig]\npicture = "no.png"'), "picture of [rig]: there is no "),
+        (("[rig]", "[rig]\nreading = { begin = 3 }"), "reading of [rig] has the unknown key 'begin'; expected one of"),
+        (("[rig]", '[rig]\nreading = { from = "3 s" }'), "from in reading of [rig] has a value of the wrong type"),
+        (("[rig]", "[rig]\nreading = { from = 5, to = 3 }"), "since (--from) must be before until (--to)"),
+        (("[rig]", '[rig]\nsimulated = "yes"'), "simulated in [rig] must be true or false, got 'yes'."),
+    ],
+)
+def test_a_mistake_in_a_rig_is_one_clear_line(
+    changed: tuple[str, str], told: str, settings: Callable[[str], CourseSettings]
+) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)) as refused:
+        settings(RIG.replace(*changed))
+    assert "course.toml: " in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_picture_of_many_megabytes_is_refused(settings: Callable[[str], CourseSettings], tmp_path: Path) -> None:
+    (tmp_path / "big.png").write_bytes(bytes(1_000_001))
+    with pytest.raises(ValueError, match=r"big\.png has more than 1 MB"):
+        settings(RIG + 'picture = "big.png"\n')

@@ -11,7 +11,7 @@ from labsid.lab.arx import fit_arx
 from labsid.lab.identification import identify
 from labsid.plots.predictions import Curve, View, plot_view, view_png
 from labsid.predictions.display import has_widget, prediction_data
-from labsid.predictions.lab_data import fit, read_lab_data, simulate, volts
+from labsid.predictions.lab_data import LabData, fit, read_lab_data, simulate
 from labsid.predictions.places import PREDICTIONS, find_prediction
 from labsid.predictions.prediction import Outcome, Sources, verdict_text
 from labsid.predictions.still import prediction_text, still_html
@@ -92,7 +92,7 @@ def test_the_poles_of_the_wrong_signs() -> None:
 def test_equal_and_opposite_starts_settle_at_the_same_time(sources: Made) -> None:
     experiment = find_prediction("initial-state").prepare(sources("ada"))
     said = experiment.outcome().said
-    seconds = re.findall(r"matters for (\d+) s|state for (\d+) s", said)
+    seconds = re.findall(r"matters for ([\d.]+) s|state for ([\d.]+) s", said)
     assert seconds[0][0] == seconds[1][1]
     right = experiment.view(2).curves
     assert right[-1].y == pytest.approx(right[1].y)
@@ -100,7 +100,7 @@ def test_equal_and_opposite_starts_settle_at_the_same_time(sources: Made) -> Non
 
 def test_a_pole_at_a_third_of_its_distance_is_three_times_as_slow(sources: Made) -> None:
     said = find_prediction("pole-moved").prepare(sources(None)).outcome().said
-    before, after = map(float, re.search(r"time constant from (\d+) s to (\d+) s", said).groups())  # type: ignore[union-attr]
+    before, after = map(float, re.search(r"time constant from ([\d.]+) s to ([\d.]+) s", said).groups())  # type: ignore[union-attr]
     assert after / before == pytest.approx(3, rel=0.03)
 
 
@@ -143,8 +143,11 @@ def test_a_verdict_says_whether_the_prediction_held() -> None:
     assert verdict_text(prediction, 2, outcome) == said
 
 
-def test_a_voltage_is_readable() -> None:
-    assert [volts(value) for value in (0.00412, 1.4, 1e30)] == ["0.0041 V", "1.4 V", "more than 1000 V"]
+def test_a_size_of_the_output_is_readable() -> None:
+    t = np.arange(3.0)
+    volts, speed = LabData(1.0, t, t, t, 0.0), LabData(1.0, t, t, 120 * t, 0.0, "rpm")
+    assert [volts.say(value) for value in (0.00412, 1.4, 1e30)] == ["0.0041 V", "1.4 V", "more than 1000 V"]
+    assert (speed.say(4000.0), speed.say(1e30), speed.ylabel) == ("4e+03 rpm", "more than 100000 rpm", "Output y (rpm)")
 
 
 def test_a_view_is_drawn_with_a_legend_and_its_limits() -> None:

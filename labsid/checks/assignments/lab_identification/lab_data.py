@@ -20,7 +20,7 @@ class LabData:
     Attributes
     ----------
     u_act, y_act, y_actm : ndarray, shape (N,)
-        Input, noise-reduced and measured output (V).
+        Input, noise-reduced and measured output.
     u_offset, y_offset : float
     Ts : float
         Sampling time (s).
@@ -67,6 +67,12 @@ class LabData:
         )
 
 
+def units_of(record: Record) -> tuple[str, str]:
+    """Units of input and output: those that the record names, as of a course's own rig, else volts."""
+    u_unit, y_unit = record.units[0], record.units[-1]
+    return u_unit or "V", y_unit or "V"
+
+
 def measured_output(record: Record) -> FloatArray:
     """Column 1 of a lab record."""
     return record.y if record.y_measured is None else record.y_measured
@@ -91,7 +97,8 @@ def changed_in_place(ask: Ask, recorded: Mapping[str, FloatArray]) -> Verdict | 
             continue
         if np.any(by) and np.ptp(by) <= 1e-9 * np.ptp(was):
             own = name.removesuffix("_act")
-            moved = f"{abs(by[0]):.4g} V {'lower' if by[0] < 0 else 'higher'}"
+            unit = units_of(ask.record)[own == "y"]
+            moved = f"{abs(by[0]):.4g} {unit} {'lower' if by[0] < 0 else 'higher'}"
             return Verdict(
                 False,
                 f"`{name}` itself has changed since it was read: it is {moved}. `{name} -= {own}_offset` changes it, "

@@ -6,7 +6,12 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.lab_identification.lab_data import known_vector, measured_output, noise_reduced_output
+from labsid.checks.assignments.lab_identification.lab_data import (
+    known_vector,
+    measured_output,
+    noise_reduced_output,
+    units_of,
+)
 from labsid.checks.assignments.lab_identification.signal_panels import Panel, require_panels
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.question import Ask
@@ -146,8 +151,9 @@ def check_figure_5(ask: Ask) -> Verdict:
     """Step 1b: Fig. 5."""
     t, y_act, y_actm, u_act = (known_vector(ask, name) for name in ("t", "y_act", "y_actm", "u_act"))
     calls = ("measured|original|y_actm", "noise|reduced|filter|smooth")
-    upper = Panel("the upper panel of Fig. 5", {"y_actm": y_actm, "y_act": y_act}, (t,), calls)
-    lower = Panel("the lower panel of Fig. 5", {"u_act": u_act}, (t,))
+    u_unit, y_unit = units_of(ask.record)
+    upper = Panel("the upper panel of Fig. 5", {"y_actm": y_actm, "y_act": y_act}, (t,), calls, y_unit)
+    lower = Panel("the lower panel of Fig. 5", {"u_act": u_act}, (t,), unit=u_unit)
     require_panels("fig_5", ask.value("fig_5"), (upper, lower))
     return Verdict(True, "Fig. 5 shows both outputs and the input. Compare it with the description below.")
 
@@ -304,7 +310,8 @@ def _staircases(rng: np.random.Generator) -> list[FloatArray]:
 def check_figure_6(ask: Ask) -> Verdict:
     """Step 1c: Fig. 6."""
     t, y, u = (known_vector(ask, name) for name in ("t", "y", "u"))
-    upper = Panel("the upper panel of Fig. 6", {"y": y}, (t,))
-    lower = Panel("the lower panel of Fig. 6", {"u": u}, (t,))
+    u_unit, y_unit = units_of(ask.record)
+    upper = Panel("the upper panel of Fig. 6", {"y": y}, (t,), unit=y_unit)
+    lower = Panel("the lower panel of Fig. 6", {"u": u}, (t,), unit=u_unit)
     require_panels("fig_6", ask.value("fig_6"), (upper, lower))
     return Verdict(True, "Fig. 6 shows both signals without their offsets; both start at zero.")

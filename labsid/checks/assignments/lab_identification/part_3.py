@@ -6,7 +6,13 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.lab_identification.lab_data import LabData, known_data, known_model, known_vector
+from labsid.checks.assignments.lab_identification.lab_data import (
+    LabData,
+    known_data,
+    known_model,
+    known_vector,
+    units_of,
+)
 from labsid.checks.assignments.lab_identification.signal_panels import Panel, require_panels
 from labsid.checks.assignments.lab_identification.simulated_output import (
     SAME,
@@ -26,7 +32,8 @@ from labsid.lab.verification import mse
 from labsid.plots.figure_values import FigureValue
 
 TRIAL_SAMPLES = 160
-TRIAL_NOISE = 0.01
+TRIAL_NOISE = 0.0056
+"""Standard deviation of the noise of trials, as a share of the range of y: 0.01 V on the course's record."""
 CALLS = ("actual|measured|record", "simul|model|ident")
 
 
@@ -132,8 +139,9 @@ def check_figure_7(ask: Ask) -> Verdict:
     y, y_half, y_sim, y_sim_half = _measured_and_simulated(ask)
     t = known_vector(ask, "t")
     t_half = t[-y_half.size :]
-    upper = Panel("the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half,), CALLS)
-    lower = Panel("the lower panel of Fig. 7", {"y": y, "y_sim": y_sim}, (t,), CALLS)
+    unit = units_of(ask.record)[1]
+    upper = Panel("the upper panel of Fig. 7", {"y": y_half, "y_sim_half": y_sim_half}, (t_half,), CALLS, unit)
+    lower = Panel("the lower panel of Fig. 7", {"y": y, "y_sim": y_sim}, (t,), CALLS, unit)
     fig_7 = ask.value("fig_7")
     if isinstance(fig_7, FigureValue) and fig_7.axes:
         axes = fig_7.axes[0]
@@ -185,7 +193,7 @@ def _check_shape(ask: Ask, shape: tuple[int, ...]) -> Iterator[Verdict]:
     name = "simulate_from_start(u, y)"
     for noise in (0.0, TRIAL_NOISE):
         u, y_true = _trial_record(ask.rng, data, model)
-        y = y_true + noise * ask.rng.standard_normal(y_true.size)
+        y = y_true + noise * float(np.ptp(data.y)) * ask.rng.standard_normal(y_true.size)
         value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
         if value is None:
             raise NoAnswer(

@@ -29,12 +29,15 @@ class Panel:
         Time vectors against which it may be drawn; the step asks for the first.
     calls : tuple of str
         For each of several signals, a pattern that matches only its legend entries.
+    unit : str
+        Unit of its signals.
     """
 
     where: str
     signals: dict[str, FloatArray]
     t: tuple[FloatArray, ...]
     calls: tuple[str, ...] = ()
+    unit: str = "V"
 
 
 def require_panels(name: str, value: Value, panels: tuple[Panel, ...]) -> tuple[AxesValue, ...]:
@@ -48,7 +51,7 @@ def require_panels(name: str, value: Value, panels: tuple[Panel, ...]) -> tuple[
     names = [f"ax_{letter}" for letter in ascii_lowercase[: len(panels)]]
     for axes, panel, other_panel, ax in zip(figure.axes, panels, others, names, strict=True):
         curves = [_require_curve(axes, panel, signal) for signal in panel.signals]
-        require_here(partial(require_label, where=panel.where, axis="y", unit="V"), axes, other_panel, ax)
+        require_here(partial(require_label, where=panel.where, axis="y", unit=panel.unit), axes, other_panel, ax)
         if len(curves) > 1:
             _require_names(axes, panel, curves)
     # panels with a common time axis need its label only once, at the bottom

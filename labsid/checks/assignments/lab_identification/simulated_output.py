@@ -210,7 +210,7 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
         *(
             slip(
                 "divided by the size of the output",
-                f"is divided by {what}, which makes a share of it. Asked for is the mean itself, in V^2.",
+                f"is divided by {what}, which makes a share of it. Asked for is the mean itself.",
                 np.mean(squared) / size,
             )
             for what, size in (("the variance of y", np.var(y)), ("the mean of y^2", np.mean(y**2)))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.lab_identification.lab_data import LabData, known_vector, measured_output
+from labsid.checks.assignments.lab_identification.lab_data import LabData, known_vector, measured_output, units_of
 from labsid.checks.assignments.lab_identification.offset_step import OFFSET_TOLERANCE
 from labsid.checks.assignments.lab_identification.part_2 import judge_transfer_function
 from labsid.checks.assignments.lab_identification.phi_and_theta import judge_equations, judge_theta, right_equations
@@ -173,7 +173,7 @@ def right_errors(ask: Ask) -> dict[str, Value]:
 def check_figure_8(ask: Ask) -> Verdict:
     """Step 3: Fig. 8, with both errors written into it."""
     signals = {"y": _data(ask).y} | {name: known_vector(ask, name) for name in ("y_sim_1", "y_sim_2")}
-    panel = Panel("Fig. 8", signals, (ask.record.t,), CALLS)
+    panel = Panel("Fig. 8", signals, (ask.record.t,), CALLS, units_of(ask.record)[1])
     (axes,) = require_panels("fig_8", ask.value("fig_8"), (panel,))
     first, second = (as_number(name, ask.known(name)) for name in ("mse_1", "mse_2"))
     texts = [*axes.texts, *axes.legend, axes.title]

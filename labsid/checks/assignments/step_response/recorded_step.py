@@ -157,12 +157,12 @@ def check_held_step(ask: Ask) -> Verdict:
 
 
 def check_tank_model(ask: Ask) -> Verdict:
-    """Step 6: the model of the tanks."""
+    """Step 6: the model of the recorded step."""
     got = np.array([as_number(name, ask.value(name)) for name in TANK_PARAMETERS])
     settled = find_offsets(ask.record.u, ask.record.y)
     n_before = settled.settled[1] - settled.settled[0]
     t, y, a = cut_held_step(ask.record.u, ask.record.y, ask.record.Ts, 0, n_before)
-    praise = "a first-order model with delay of the water tanks."
+    praise = "a first-order model with delay of this step."
     verdict = judge_reading(got, Step(t, y, a, 0.03), "", praise)
     if verdict.passed:
         return verdict
@@ -178,7 +178,7 @@ def check_tank_model(ask: Ask) -> Verdict:
             "are what `read_step` makes of the whole record: hand over the one step, `t_held` and `y_held`.",
             _whole(ask, a),
         ),
-        ("model of part A", "are the values of part A: read them from the step of the tanks.", _of_part_a(ask)),
+        ("model of part A", "are the values of part A: read them from the step of the record.", _of_part_a(ask)),
     ):
         if other_value is not None and close(1e-6)(got, other_value):
             return Verdict(False, f"{', '.join(TANK_PARAMETERS[:-1])} and {TANK_PARAMETERS[-1]} {hint}", slip)
