@@ -105,7 +105,7 @@ def test_a_constant_says_on_what_it_was_fitted_if_the_code_says_it(pages):
     rows = re.findall(r"^\| `(\w+)` \| (.*?) \| (.*) \| (.*) \|$", pages["constants_page"](), re.M)
     origins = {name: origin for name, _, _, origin in rows if origin != "–"}
     assert origins["PRIOR"] == "fitted with `WEIGHTS`"
-    assert origins["PARTIAL_PRIOR"] == "lowered by hand from the fitted -2.7"
+    assert origins["PARTIAL_PRIOR"] == "lowered by hand from the fitted -2.6"
     for name in ("WEIGHTS", "PARTIAL_WEIGHTS", "RANGES"):
         assert "`dev` records" in origins[name]
         assert "labsid.blind.calibration" in origins[name]

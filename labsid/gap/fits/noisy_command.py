@@ -13,7 +13,7 @@ from labsid.gap.record.data import scaled
 from labsid.records.record import Record
 
 JUMP = 7.5  # noises in the least change of the command: those of the noise alone are smaller
-MIN_JUMPS = 3
+MIN_JUMPS = 3  # changes of the command, at least
 MIN_RANGE = 10.0  # noises between the lowest level and the highest
 SAME_LEVEL = 4.0  # standard errors between the means of two stretches, below which their level is taken for one
 TOLERANCE = 0.15  # relative difference of the noise about the levels from that between neighbouring samples
