@@ -57,7 +57,8 @@ class ServedCalls:
         if isinstance(encoded, dict) and encoded.get(_TAG) == FUNCTION:
             key = int(encoded["key"])
             return lambda *arguments: self._ask({"key": key}, arguments, {})
-        return as_object(decode(encoded))
+        decoded = as_object(decode(encoded))
+        return list(decoded) if isinstance(decoded, tuple) else decoded  # a list, as in the notebook
 
     def _ask(self, wanted: dict[str, Any], arguments: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
         with self._lock:

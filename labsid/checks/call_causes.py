@@ -152,8 +152,16 @@ def no_steps(stop: Stop, _: re.Match[str]) -> str | None:
     for node in _calls(stop):
         called = ast.unparse(node.func)
         if called.endswith("linspace") and len(node.args) > 2:
+            count = ast.unparse(node.args[2])
+            inner = list(ast.walk(node.args[2]))
+            numbers = [one.value for one in inner if isinstance(one, ast.Constant) and isinstance(one.value, float)]
+            if any(isinstance(one, ast.Div) for one in inner) or any(map(float.is_integer, numbers)):
+                return (
+                    f"What comes third in `linspace` is the number of points, a whole number. `{count}` is a float, as "
+                    f"all results of `/` and of numbers such as `1e3` are: `round({count})` is a whole number."
+                )
             return (
-                f"What comes third in `linspace` is the number of points, here `{ast.unparse(node.args[2])}`. With a "
+                f"What comes third in `linspace` is the number of points, here `{count}`. With a "
                 "step it is `np.arange(start, stop, step)`."
             )
         if called == "range":

@@ -164,7 +164,8 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
         return said
     return (
         f"{said} `y[a:b]` has b - a of them. Each column is cut so that this difference is the same, or begins with as "
-        "many zeros as its slice drops samples."
+        "many zeros as its slice drops samples. Row 0 holds the sample a: lags of 1 and 2 beside `y[2:]` are `[1:-1]` "
+        "and `[:-2]`."
     )
 
 
@@ -289,6 +290,17 @@ def _unpacked_call(stop: Stop, call: ast.Call, count: int) -> str:
     if called.endswith("lstsq"):
         return "`lstsq` returns four things: the solution is its first, `[0]`."
     got = re.search(r"got (\d+)", stop.text)
+    made = stop.made.get(called, "")
+    if made.startswith("return"):
+        given = parsed_line(made)
+        value = next((one.value for one in ast.walk(given) if isinstance(one, ast.Return)), None) if given else None
+        number = len(value.elts) if isinstance(value, ast.Tuple) else 1
+        if isinstance(value, ast.Call | ast.Starred) or number == count:
+            return f"Print what `{called}` returns: it ends with `{made}`, and on the left of `=` stand {count} names."
+        return (
+            f"`{called}` ends with `{made}`, which is {number} thing{'s' * (number > 1)}; on the left of `=` stand "
+            f"{count} names. If that line is given, `{called}` must return {count} things."
+        )
     number = int(got[1]) if got else _PARTS.get(called.removeprefix("np.linalg."), 0)
     return f"`{called}` returns {number} things, and on the left of `=` stand {count} names." if number else ""
 

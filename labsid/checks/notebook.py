@@ -430,7 +430,9 @@ def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None)
         return verdict, ""
     wrong = next(filter(None, (cells.wrong_origin(name, verdict.passed) for name in ask.names)), None)
     if wrong is None:
-        wrong = (cells.refused() or cells.made_below()) if verdict.passed else cells.stopped_before()
+        wrong = (
+            (cells.refused() or cells.made_below()) if verdict.passed else cells.stopped_before(ask.names, verdict.slip)
+        )
     if wrong is not None:
         return replace(verdict, passed=False, reason=wrong, slip=None), ""
     return verdict, cells.remark(ask.names)

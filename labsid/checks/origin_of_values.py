@@ -17,6 +17,7 @@ from labsid.checks.notebook_file import NotebookFile
 from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
 from labsid.checks.python_errors import told
 from labsid.checks.time_limit import CELL_SECONDS
+from labsid.checks.verdict import PYTHON_ERROR
 
 CHECK_FAILED = "CheckFailed"  # kind of the error that ends the cell of a check
 
@@ -83,10 +84,20 @@ class QuestionCells:
             return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
         return None
 
-    def stopped_before(self) -> str | None:
-        """The cell that was run before the check stopped; asked where the answer cell is not known by its id."""
+    def stopped_before(self, names: Iterable[str], slip: str | None) -> str | None:
+        """The cell that was run before the check stopped; asked where the answer cell is not known by its id.
+
+        Where all `names` are functions, and the cell made those of them that it makes before it stopped, a mistake that
+        the check names in them is what is told. (A value may not be finished where the cell stopped.)
+        """
         run = next((run for run in reversed(self.runs.runs) if run.stop is None or run.stop.kind != CHECK_FAILED), None)
         if self.has_ids or run is None or run.stop is None:
+            return None
+        asked = set(names)
+        is_made = bound_names(run.source) & asked <= run.assigned and all(
+            callable(self.variables.get(n)) for n in asked
+        )
+        if slip not in (None, PYTHON_ERROR) and is_made:
             return None
         why = told(run.stop, "the cell that was run before this check", self.making_cells)
         return f"{why} Correct that and run the cell, then this check."

@@ -231,6 +231,48 @@ def parts_of(value: Value, name: str, wanted: str, count: int) -> list[Value]:
     raise NoAnswer(f"`{name}` should return {wanted}; it returns {kind_of(value)}.", "incomplete result")
 
 
+class _WithLists:
+    """Asks the same, with some arguments of each call as lists."""
+
+    def __init__(self, ask: Ask, arguments: tuple[int, ...]) -> None:
+        self._ask, self._arguments = ask, arguments
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._ask, name)
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        handed = (
+            one.tolist() if i in self._arguments and isinstance(one, np.ndarray) else one
+            for i, one in enumerate(arguments)
+        )
+        return self._ask.call(name, *handed)
+
+
+def with_lists(ask: Ask, judge: Callable[[Ask], Verdict], *arguments: int) -> Verdict:
+    """Judge a function that is right for arrays where it is handed lists, as the notebook does.
+
+    Parameters
+    ----------
+    ask : Ask
+    judge : callable
+        ``judge(ask) -> Verdict``, of one call.
+    *arguments : int
+        Which of the arguments are lists, counted from 0.
+    """
+    try:
+        verdict = judge(cast(Ask, _WithLists(ask, arguments)))
+    except NoAnswer as refused:
+        verdict = Verdict(False, str(refused), refused.slip)
+    if verdict.passed:
+        return verdict
+    mend = "" if "`np.array(...)`" in verdict.reason else " `np.asarray(x, float)` makes an array of a list."
+    return Verdict(
+        False,
+        f"with arrays it is right, but with lists, which the notebook hands over as well: {verdict.reason}{mend}",
+        "lists not taken",
+    )
+
+
 def given_values(question: Question, ask: Ask, passed: bool) -> Mapping[str, Value]:
     """The values that later steps use: the student's own if `question` passed, otherwise the right ones."""
     if question.gives is None:

@@ -47,7 +47,8 @@ class Stop:
     outside : tuple of str
         Names in the line of a function that are variables of the notebook.
     made : mapping
-        By the name of a variable in the line, or in one of these lines, the line that gave it its value.
+        By the name of a variable in the line, or in one of these lines, the line that gave it its value; by that of a
+        function of the notebook that the line calls, its only `return`.
     """
 
     kind: str
@@ -177,7 +178,7 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
         longer = [name for name in own if name.startswith(f"{error.name}_")]
         close = difflib.get_close_matches(error.name, own, 1, 0.75) or (longer if len(longer) == 1 else [])
         near = next(iter(alike or close), "")
-    made = _made(line, frame, trace.tb_lineno, source)
+    made = {**_returns(line, frame, source), **_made(line, frame, trace.tb_lineno, source)}
     is_inner = code.co_name in _INNER
     things = things_in(line, names, is_inner)
     for other in dict.fromkeys(made.values()):
@@ -230,6 +231,21 @@ def _made(line: str, frame: FrameType, number: int, source: str) -> dict[str, st
             if made and len(found) < _MOST_MADE:
                 found[name] = made
                 asked.append(made)
+    return found
+
+
+def _returns(line: str, frame: FrameType, source: str) -> dict[str, str]:
+    """The `return` of each function in the line that is defined in the notebook and has only one."""
+    found: dict[str, str] = {}
+    for name in dict.fromkeys(_NAME.findall(line)):
+        code = getattr(frame.f_globals.get(name), "__code__", None)
+        if not isinstance(code, CodeType) or getattr(frame.f_globals[name], "__globals__", None) is not frame.f_globals:
+            continue
+        lines = linecache.getlines(code.co_filename) or source.splitlines(keepends=True)
+        numbers = {number for _, _, number in code.co_lines() if number is not None and number <= len(lines)}
+        ends = [one for i in sorted(numbers) if (one := lines[i - 1].strip()).startswith("return")]
+        if len(ends) == 1 and parsed_line(ends[0]) is not None:
+            found[name] = ends[0][:_LONGEST_LINE]
     return found
 
 

@@ -38,6 +38,7 @@ _KINDS = (
     "terms_and_factors",
     "causes_and_numbers",
     "neighbours_of_errors",
+    "one_symptom",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0

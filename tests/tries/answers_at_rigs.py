@@ -93,7 +93,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "step-8-error",
             "an entry for each of Phi",
-            "should have 3 elements; it has 9",
+            "should have 5 elements; it has 10",
             "def error_vector(Phi, Y, theta):\n    E = np.zeros(Phi.size)\n    for i in range(len(Y)):\n        "
             "E[i] = Y[i] - Phi[i] @ theta\n    return E",
         ),

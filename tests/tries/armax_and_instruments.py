@@ -143,7 +143,7 @@ TRIES = (
         "1 on the diagonal",
     ),
     Try(COV, "one side", cov("var_e * ((1 + c**2) * np.eye(N) + c * np.eye(N, k=1))"), "above or below"),
-    Try(COV, "R itself", cov(THREE, "R"), "matrix of the noise"),
+    Try(COV, "R itself", cov(THREE, "R"), "covariance of the noise"),
     Try(COV, "diagonal", cov(THREE, "np.diag(I @ Phi.T @ R @ Phi @ I)"), "covariance is a"),
     Try(COV, "order", cov(THREE, "I @ Phi @ R @ Phi.T @ I"), "columns and the second"),
     Try(ARMAX, "no c", armax(c="[1]"), "leaves c epsilon"),

@@ -154,7 +154,7 @@ TRIES = (
     Try(FITS, "array of powers", fits("x**powers"), "shape|Entry by entry|samples"),
     Try(FITS, "mean", fits(result="theta, np.mean(E**2)"), "mean of the squared errors"),
     Try(FITS, "E", fits(result="theta, E"), "errors themselves"),
-    Try(FITS, "only theta", fits(result="theta"), "should return theta and the SSE|as many names"),
+    Try(FITS, "only theta", fits(result="theta"), "should return theta and the SSE|which is 1 thing"),
     Try(
         F5,
         "joined",

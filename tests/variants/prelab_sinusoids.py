@@ -201,8 +201,8 @@ VARIANTS: list[Right | Wrong] = [
         NOISE,
         "three values only",
         sinusoids(noise="rng.choice([-0.19, 0, 0.19], t.shape)"),
-        None,
-        "should cover ±0.2 evenly",
+        "noise on a grid",
+        "only 3 different values",
     ),
     wrong(
         NOISE,

@@ -55,6 +55,11 @@ def test_values_come_from_the_other_process(student: StudentProcess) -> None:
     assert value(student, "'factor' in globals()") is False
 
 
+def test_a_list_is_handed_over_as_a_list(student: StudentProcess) -> None:
+    assert student.run("def kind(x):\n    return type(x).__name__").ok
+    assert student.call("kind", [1.0, 2.0]).value == "list"
+
+
 def test_a_function_among_the_arguments_is_called_back(student: StudentProcess) -> None:
     assert value(student, "solve(lambda theta: theta - 3, [1.0])[0].tolist()[0]") == 3
     assert value(student, "solve(double, [1.0])[1]") == "solved"  # a served one, called back

@@ -22,6 +22,8 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """An assignment of two questions in the place of the course's; returns the notebook's variables."""
 
     def gain(ask: Any) -> Verdict:
+        if callable(ask.value("a")) or str(ask.value("a")).startswith("Unreadable"):
+            return Verdict(False, "judged as a function.", "a function")
         slips = [Slip("sign", "look at the sign.", lambda: -3)]
         return judge(ask.value("a"), 3, lambda x, y: x == y, "the gain is right.", "not the gain.", slips)
 
@@ -83,6 +85,28 @@ def test_jupyter_shows_that_line_and_no_traceback(tiny: dict) -> None:
         f"{RED} q-gain: there is no variable `a` yet. Define it with exactly this name.",
         "  For a hint, run check.hint() in a new cell below.",
     ]
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        pytest.param(["def a():\n    pass\nmissing"], "judged as a function", id="a named mistake in a function"),
+        pytest.param(["a = -3\nmissing"], "NameError", id="a value, which may not be finished"),
+        pytest.param(["a = 4\nmissing"], "NameError", id="a mistake without a name"),
+        pytest.param(["a = -3", "missing\na = 3"], "NameError", id="the cell has not made its answer anew"),
+    ],
+)
+def test_of_a_cell_that_stopped_a_mistake_in_its_answer_is_told_first(tiny: dict, cells: list[str], said: str) -> None:
+    from IPython.core.interactiveshell import InteractiveShell
+    from IPython.utils.capture import capture_output
+
+    shell = InteractiveShell()
+    shell.user_ns["check"] = notebook_checks("tiny", shell.user_ns)
+    with capture_output():
+        for cell in cells:
+            shell.run_cell(cell)
+        result = shell.run_cell("check('q-gain')")
+    assert said in str(result.error_in_exec)
 
 
 def test_jupyter_shows_a_right_answer_in_colour(tiny: dict) -> None:

@@ -91,6 +91,12 @@ def test_the_solution_passes_on_a_rig_of_each_effect(solved: Solved, origin: boo
     assert solved.variables["effect"] == solved.effect
 
 
+@pytest.mark.parametrize("origin", [True, False], ids=["judge", "notebook"])
+def test_the_name_of_the_effect_may_have_underscores(solved: Solved, origin: bool) -> None:
+    asked = Asked(solved, origin, effect=solved.effect.replace("-", "_"))
+    assert load_assignment(NAME).question("gap-8-effect").verdict(asked).passed
+
+
 def test_every_other_hypothesis_closes_too_little(solved: Solved) -> None:
     u_offset, y_offset = solved.variables["u_offset"], solved.variables["y_offset"]
     for name, (_, model, q) in solved.variables["fits"].items():

@@ -130,11 +130,10 @@ def _judge_history(ask: Ask, u: FloatArray, y: FloatArray, forgetting: float, LN
     value = returned(ask, "rels", u, y, forgetting, LN)
     shape = value.shape if isinstance(value, np.ndarray) else ()
     if shape == (y.size - 1, 3):
-        return Verdict(
-            False,
-            f"`{call}` has one row less than there are samples: row 0 is zero, before anything was learnt.",
-            "first row left out",
-        )
+        less = f"`{call}` has one row less than there are samples"
+        if _SAME(as_array(call, value), _history(u, y, forgetting, LN)[:-1]):
+            return Verdict(False, f"{less}: the last is missing.", "last row left out")
+        return Verdict(False, f"{less}: row 0 is zero, before anything was learnt.", "first row left out")
     if shape == (y.size, 2):
         return Verdict(False, f"`{call}` estimates a and b only: c is the third.", "noise term left out")
     if shape == (y.size, 3) and isinstance(value, np.ndarray) and value.dtype.kind == "f":

@@ -93,8 +93,9 @@ def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other_me
     if len(np.unique(got[:, 0])) < 0.9 * runs:
         return Verdict(
             False,
-            f"`{name}` holds the same estimate over and over: every record needs its own noise. Make the generator "
-            "once, before the loop.",
+            f"`{name}` holds the same estimate over and over, {len(np.unique(got[:, 0]))} different of {runs}. Every "
+            "record needs its own noise: make the generator once, before the loop. And every row needs its own fit: "
+            "print two of them.",
             "same noise in every record",
         )
     system, c = name[-1], {"1": "0", "2": "-0.8"}[name[-1]]

@@ -30,16 +30,18 @@ def check_armax(ask: Ask) -> Iterator[Verdict]:
 def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> Verdict:
     call = "prediction_errors(theta, u, y)"
     value = returned(ask, "prediction_errors", theta, u, y)
-    if as_array(call, value).size == y.size - 1:
-        return Verdict(
-            False,
-            f"`{call}` returns one sample less than y has: begin with epsilon(0) = 0.",
-            "first sample left out",
-        )
     a, b, c = (float(x) for x in theta)
 
     def errors(a: float = a, b: float = b, c: float = c, delay: int = 1) -> FloatArray:
         return prediction_errors(first_order(a, b, c, delay), u, y)
+
+    if as_array(call, value).size == y.size - 1:
+        less = f"`{call}` returns one sample less than y has"
+        if SAME(np.ravel(as_array(call, value)), errors()[:-1]):
+            return Verdict(False, f"{less}: the last is missing. Count up to len(y) - 1.", "last sample left out")
+        if SAME(np.ravel(as_array(call, value)), errors()[1:]):
+            return Verdict(False, f"{less}: begin with epsilon(0) = 0.", "first sample left out")
+        return Verdict(False, f"{less}: there is one error for each sample, and epsilon(0) is 0.")
 
     return judge(
         as_vector(call, value, y.size),

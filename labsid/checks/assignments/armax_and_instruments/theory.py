@@ -162,10 +162,17 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
     if p > 1 and as_array(call, value).shape == (p,):
         return Verdict(False, f"`{call}` returns {p} numbers; the covariance is a {p} by {p} matrix.", "variances only")
     if p > 1 and as_array(call, value).shape == (n, n):
+        table = as_array(call, value)
+        if abs(np.trace(table) - n * var_e * (1 + c**2)) < var_e and SAME(table, np.triu(np.tril(table, 1), -1)):
+            return Verdict(
+                False,
+                f"`{call}` returns the covariance of the noise, n by n: asked for is that of theta, p by p.",
+                "covariance of the noise",
+            )
         return Verdict(
             False,
-            f"`{call}` returns a matrix of the noise, n by n: asked for is that of theta, p by p.",
-            "covariance of the noise",
+            f"`{call}` returns a matrix of n by n, {n} by {n}: that of theta is p by p, {p} by {p}. Print the shape of "
+            "each product.",
         )
     inverse = pseudo_inverse(Phi)
     diagonal, beside = np.eye(n), np.eye(n, k=1) + np.eye(n, k=-1)

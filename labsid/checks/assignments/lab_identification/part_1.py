@@ -21,6 +21,11 @@ from labsid.lab.offset import first_period_length
 
 EXACT = close(1e-9, 1e-9)
 _FEWEST_SAMPLES = 5
+_COLUMNS = "Python counts from 0: MATLAB's column 2 has the index 1."
+_WHERE = (
+    "MATLAB's `signals(1)`, the outputs, are `signals[0]`, and `signals(2)`, the input, is `signals[1]`. The time is "
+    '`LogData["time"]`.'
+)
 
 
 def right_signals(ask: Ask) -> dict[str, Value]:
@@ -46,11 +51,11 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
     """Step 1a: the four signals."""
     right = {name: np.asarray(value, float) for name, value in right_signals(ask).items()}
     for name, values in right.items():
-        got = _extracted(name, ask.value(name))
+        got = _extracted(name, ask.value(name), right)
         taken = [
             Slip(
                 "y_act and y_actm swapped" if {name, taken} == {"y_act", "y_actm"} else "another signal taken",
-                f"`{name}` contains `{taken}`. Python counts from 0: MATLAB's column 2 has the index 1.",
+                f"`{name}` contains `{taken}`. " + (_COLUMNS if {name, taken} == {"y_act", "y_actm"} else _WHERE),
                 partial(right.__getitem__, taken),
             )
             for taken in right
@@ -72,16 +77,30 @@ def check_extract(ask: Ask) -> Iterator[Verdict]:
     yield Verdict(True, f"Four signals of {right['t'].size} samples each.")
 
 
-def _extracted(name: str, value: Value) -> FloatArray:
+def _extracted(name: str, value: Value, right: Mapping[str, FloatArray]) -> FloatArray:
     if isinstance(value, Mapping):
         raise NoAnswer(
             f"`{name}` is still a structure (a dictionary): take the field that contains the numbers.",
             "structure instead of its field",
         )
     if isinstance(value, np.ndarray) and value.ndim == 2 and value.shape[1] == 2:
+        is_output = name in ("y_act", "y_actm")
+        if not is_output and EXACT(value, np.column_stack([right["y_actm"], right["y_act"]])):
+            other = '`LogData["time"]`' if name == "t" else 'the second signal, `LogData["signals"][1]`'
+            raise NoAnswer(
+                f"`{name}` contains the two outputs, which are the first signal, `signals[0]`: this one is in {other}.",
+                "outputs in the place of another signal",
+            )
         raise NoAnswer(f"`{name}` contains both columns: take one, `[:, 0]` or `[:, 1]`.", "both columns taken")
     got = as_vector(name, value)
     if got.size < _FEWEST_SAMPLES:
+        table = np.column_stack([right["y_actm"], right["y_act"]])
+        if not np.all(table == got, axis=1).any() and not (got.size == 1 and got[0] in [*right[name], *table.flat]):
+            raise NoAnswer(
+                f"`{name}` is {got.tolist()}, which is no sample of this record; a signal has {right['t'].size}. Print "
+                "it, and look at the line that makes it.",
+                "not a signal",
+            )
         raise NoAnswer(
             f"`{name}` has {got.size} entries: that is one row of the table, a single sample. A column has all rows, "
             "`[:, 0]`.",

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from itertools import chain
+from itertools import chain, product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -320,6 +320,15 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     yield slip(
         "sign of b", "is right but for its sign, as with -b1 and -b2, or with -u.", lfilter(-numerator, model.a, u)
     )
+    for turned in _some_of(n):
+        a, b = model.a * np.r_[1, turned[:n]], model.b * turned[n:]
+        which = " and ".join(f"{'ab'[i // n]}{i % n + 1}" for i in np.flatnonzero(turned < 0))
+        text = (
+            f"is the run with {which} alone of the wrong sign: theta holds -a1, -a2, b1, b2, and G is "
+            "(b1 z + b2) / (z^2 + a1 z + a2)."
+        )
+        with np.errstate(all="ignore"):
+            yield slip("sign of some coefficients", text, lfilter(np.r_[0.0, b], a, u))
     if n > 1:
         no_leading_one = "has a denominator without its leading 1: it is 1, a1, a2."
         yield slip("theta in place of the denominator", no_leading_one, lfilter(numerator, model.a[1:], u))
@@ -328,6 +337,12 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     late = "is one sample too late: y(k) depends on u(k-1)."
     yield slip("numerator one step late", late, lfilter(np.concatenate([[0.0], numerator]), model.a, u))
     if n > 1:
+        exchanged = "has a2 in the place of a1 and a1 in that of a2: a1 belongs to y(k-1), a2 to y(k-2)."
+        yield slip("order of a", exchanged, lfilter(numerator, np.r_[1, model.a[:0:-1]], u))
+        last = "has a denominator whose 1 stands last: it is 1, a1, a2, the highest power first."
+        for a in (model.a[1:], model.a[:0:-1]):
+            with np.errstate(all="ignore"):
+                yield slip("order of the denominator", last, lfilter(numerator, np.r_[a, 1], u))
         reverse = "has b1 and b2 swapped: b1 belongs to u(k-1), b2 to u(k-2)."
         yield slip("order of b", reverse, lfilter(np.concatenate([[0.0], model.b[::-1]]), model.a, u))
     along = (
@@ -355,6 +370,14 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         f"`{name}` was simulated with `y` as the input; the input is `u`.",
         lambda: simulate(model, y),
     )
+
+
+def _some_of(n: int) -> Iterator[FloatArray]:
+    """Signs of a1 .. an and b1 .. bn of which some are turned; none for n = 1, where all of a or of b are."""
+    for turned in product((1.0, -1.0), repeat=2 * n if n == 2 else 0):
+        signs = np.array(turned)
+        if 0 < np.sum(signs < 0) < signs.size and len(set(signs[:n])) + len(set(signs[n:])) > 2:
+            yield signs
 
 
 def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:

@@ -301,7 +301,7 @@ def _judge_delays(ask: Ask, u: FloatArray, n: int) -> Verdict:
     shape = as_array(call, value).shape
     if n != 3 and shape == (samples, 3):
         return Verdict(False, f"`{call}` always has three columns: use the argument n.", "n not used")
-    if n > 1 and shape == (samples - n + 1, n):
+    if n > 1 and shape == (samples - n + 1, n) and _EXACT(as_array(call, value), _rows(u, n)[n - 1 :]):
         return Verdict(
             False,
             "`delayed_inputs` omits the first rows. Example 2-3 keeps them, with zeros for the samples before the "

@@ -203,8 +203,9 @@ def _directions(N: FloatArray, Phi: FloatArray, free: int) -> Verdict:
     if N.size == 0:
         return Verdict(
             False,
-            "N of `all_solutions` is empty: a singular value that should be zero is computed as about 1e-16. Compare "
-            "with a small tolerance, or take `np.linalg.matrix_rank`.",
+            "N of `all_solutions` is empty. Where singular values are compared with zero: one that should be zero is "
+            "computed as about 1e-16, so compare with a small tolerance, or take `np.linalg.matrix_rank`. Where "
+            f"columns are counted: V has {Phi.shape[1]}, and the null space the last p - rank of them, here {free}.",
             "zero compared exactly",
         )
     if rank < free:

@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_matrix, as_vector, close
 from labsid.checks.compare_systems import same_response
-from labsid.checks.question import Ask, parts_of, returned, returned_parts
+from labsid.checks.question import Ask, parts_of, returned, returned_parts, with_lists
 from labsid.checks.regressions import LEFT_SIDE, WRAPS, beside_right_rows, wrapped
 from labsid.checks.values import StateSpaceValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -27,6 +27,7 @@ def check_state_space(ask: Ask) -> Iterator[Verdict]:
         den = lead * np.r_[1, ask.rng.choice([-1.0, 1.0], n) * ask.rng.uniform(0.1, 0.3, n)]
         num = ask.rng.uniform(0.5, 2, degree + 1) * np.r_[ask.rng.choice([-1.0, 1.0], degree), 1]
         yield _judge_state_space(ask, num, den)
+    yield with_lists(ask, lambda given: _judge_state_space(given, num, den), 0, 1)
 
 
 def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_vector, close
-from labsid.checks.question import Ask, returned
+from labsid.checks.question import Ask, returned, with_lists
 from labsid.checks.regressions import wrapped_filter
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.model_structures.polynomials import apply
@@ -37,7 +37,7 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
             "signal that has ended. Keep the first len(x).",
             "tail not cut off",
         )
-    if n > 1 and size == x.size - n + 1:
+    if n > 1 and size == x.size - n + 1 and EXACT(np.ravel(as_array("apply(P, x)", value)), apply(P, x)[n - 1 :]):
         return Verdict(
             False,
             "`apply` leaves out the first samples. They are there, with zero for what lies before the signal.",
@@ -125,8 +125,8 @@ def check_simulate(ask: Ask) -> Verdict:
         e = rng.uniform(0.5, 1.5, samples)
         verdict = _judge_simulate(ask, np.r_[1, a], b, np.r_[1, c], u, e)
         if not verdict.passed:
-            break
-    return verdict
+            return verdict
+    return with_lists(ask, lambda given: _judge_simulate(given, np.r_[1, a], b, np.r_[1, c], u, e), 0, 1, 2)
 
 
 def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: FloatArray, e: FloatArray) -> Verdict:

@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta, as_vector, close
 from labsid.checks.figures import legend_text, no_curve, one_figure, plain_text, require_label, require_legend
-from labsid.checks.question import Ask, returned
+from labsid.checks.question import Ask, returned, with_lists
 from labsid.checks.regressions import WRAPS, slips_of_fit, wrapped_filter
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -135,6 +135,8 @@ def check_predict(ask: Ask) -> Iterator[Verdict]:
         u, y = rng.uniform(1, 2, samples), rng.uniform(2, 5, samples)
         yield _judge_prediction(ask, A, B, u, y)
         yield _judge_run(ask, A, B, u)
+    yield with_lists(ask, lambda given: _judge_prediction(given, A, B, u, y), 0, 1)
+    yield with_lists(ask, lambda given: _judge_run(given, A, B, u), 0, 1)
     right = _outputs(as_vector("theta_1", ask.known("theta_1"), 2))
     got = {name: as_vector(name, ask.value(name), 1000) for name in right}
     if _EXACT(got["y_hat"], right["y_sim"]) or _EXACT(got["y_sim"], right["y_hat"]):

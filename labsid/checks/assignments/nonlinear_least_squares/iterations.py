@@ -11,7 +11,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
 from labsid.checks.compare import SAME, as_array, as_matrix, as_vector
-from labsid.checks.question import Ask, returned
+from labsid.checks.question import Ask, returned, with_lists
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge, told_if_singular
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
@@ -40,7 +40,9 @@ def check_gauss_newton(ask: Ask) -> Iterator[Verdict]:
         Phi = ask.rng.uniform(-1, 1, (n, p)) + np.vstack([np.eye(p), np.zeros((n - p, p))])
         truth = ask.rng.uniform(0.4, 1.2, p)
         y = np.arcsinh(Phi @ truth) + 0.1 * ask.rng.standard_normal(n)
-        yield _judge_path(ask, Phi, y, truth + ask.rng.uniform(-0.4, 0.4, p), steps)
+        start = truth + ask.rng.uniform(-0.4, 0.4, p)
+        yield _judge_path(ask, Phi, y, start, steps)
+    yield with_lists(ask, lambda given: _judge_path(given, Phi, y, start, steps), 2)
 
 
 def _judge_path(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray, steps: int) -> Verdict:
@@ -49,7 +51,15 @@ def _judge_path(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray, ste
     walked = right_gauss_newton(g, jacobian, y, start, steps).path
     path = np.vstack([walked, np.repeat(walked[-1:], steps + 1 - len(walked), axis=0)])
     value = _handed_back(ask.call("try_gauss_newton", Phi, y, start, steps), "gauss_newton")
-    if as_array("what `gauss_newton` returns", value).shape in ((p,), (p, 1)):
+    alone = as_array("what `gauss_newton` returns", value)
+    if alone.shape in ((p,), (p, 1)) and not SAME(np.ravel(alone), path[-1]):
+        return Verdict(
+            False,
+            "`gauss_newton` returns one theta, which is not the last of the path either: asked for is the path, one "
+            "row for each theta, start first.",
+            "one theta for the path",
+        )
+    if alone.shape in ((p,), (p, 1)):
         return Verdict(
             False,
             "`gauss_newton` returns the last theta only: asked for is the path, one row for each theta, start first.",
@@ -177,6 +187,7 @@ def check_damping(ask: Ask) -> Iterator[Verdict]:
         for away in (0.2, 30.0):
             start = truth + away * ask.rng.choice([-1.0, 1.0], p)
             yield _judge_arrival(ask, Phi, y, start)
+    yield with_lists(ask, lambda given: _judge_arrival(given, Phi, y, start), 2)
     yield Verdict(True, "near or far, it goes downhill until it arrives.")
 
 

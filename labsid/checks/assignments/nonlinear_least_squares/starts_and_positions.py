@@ -210,10 +210,9 @@ def _judge_place(ask: Ask, beacons: FloatArray, ranges: FloatArray) -> Verdict:
     ).theta[:2]
     differences = _less_their_mean(beacons - centre, ranges) + centre
     no_step = (
-        "`locate` returns the centre of the beacons, and a search that starts there has made no step. Print what it is "
-        "handed at its start: one distance, and one error, for each beacon. (`np.linalg.norm` of a table is one number "
-        "for "
-        "all of it, and with `axis=1` one for each row.)"
+        "`locate` returns the centre of the beacons: its search has made no step from there, or its errors are "
+        "smallest there. So they are with one distance for all beacons, which `np.linalg.norm` of a table is: with "
+        "`axis=1` it is one for each row. Print what is handed over: one distance, and one error, for each beacon."
     )
     linear = (
         "`locate` solves the linear equations of the *squared* ranges: another criterion, which trusts far beacons "

@@ -83,6 +83,8 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
         raise NoAnswer(
             "`fit_order` returns all that `lstsq` does; return the first of it, `[0]`.", "all that lstsq returns"
         )
+    if isinstance(value, tuple):
+        raise NoAnswer(f"`fit_order` returns {len(value)} things: return theta alone.", "more than theta returned")
     got = as_vector(f"fit_order(u, y, {n})", value)
     starts = range(n, n + 3)
     if got.size == 2 * n + 1 and any(_close(got, fit, EXACT_WITHIN) for k in starts for fit in _with_ones(u, y, n, k)):

@@ -18,6 +18,8 @@ REACHED = 0.95
 """Share of the bound that the largest and the smallest value must reach."""
 AT_THE_BOUND = 15
 """Largest number of values that may equal the bound."""
+FEW_VALUES = 150
+"""Of 1001 samples of continuous noise all values differ; rounded to two digits there are 41 within the bound."""
 LEAST_FACTOR = 0.05
 """Smallest value of the sinusoid by which a product is divided again."""
 LARGEST_CORRELATION = 0.2
@@ -29,6 +31,7 @@ LARGEST_MEAN = 0.6
 """Of the noise on a wrong sinusoid; this noise may be wrong too."""
 
 _EPSILON = 1e-9
+_LISTED = 5
 
 _WRONG_WAVES: tuple[tuple[str, str, Callable[[Wave, FloatArray], FloatArray]], ...] = (
     (
@@ -139,6 +142,7 @@ def require_wave(name: str, t: FloatArray, y: FloatArray, wave: Wave, other: Wav
         return
     if abs(coefficients[2] - 1) <= tolerance and abs(coefficients[1]) <= tolerance:
         raise NoAnswer(f"`{name}`: sine and cosine are swapped. `y1` is the sine.", "sine and cosine swapped")
+    require_many_values(name, y - right)
     require_added(name, y, right)
     # a candidate may be constant at the samples, so each is judged by its residual, not by a fit
     rests = [y - made(wave, t) for _, _, made in _WRONG_WAVES]
@@ -186,9 +190,16 @@ def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
             f"All samples of `{name}` have the same random number. Draw one for each sample, with the size `t.shape`.",
             "one random number for all samples",
         )
+    require_many_values(name, noise)
+    if np.unique(np.round(noise + sinusoid, 9)).size < noise.size / 2:
+        raise NoAnswer(
+            f"`{name}` takes few different values, as rounded numbers do. Round neither the sinusoid nor the noise.",
+            "noise on a grid",
+        )
     if np.sum(np.abs(np.abs(noise) - NOISE_BOUND) < _EPSILON) > AT_THE_BOUND:
         raise NoAnswer(
-            f"Many values of the noise in `{name}` equal the bound, as if clipped. Uniform noise needs no clipping.",
+            f"Many values of the noise in `{name}` equal the bound, and the others do not repeat: it was clipped. "
+            "Uniform noise needs no clipping.",
             "noise clipped at the bound",
         )
     if _is_uniform(noise, -NOISE_BOUND, NOISE_BOUND):
@@ -217,6 +228,23 @@ def require_uniform(name: str, noise: FloatArray, sinusoid: FloatArray) -> None:
         f"The noise in `{name}` should cover ±0.2 evenly; what is left of `{name}` without the sinusoid runs from "
         f"{noise.min():.2g} to {noise.max():.2g}, with the mean {noise.mean():.2g}."
     )
+
+
+def require_many_values(name: str, noise: FloatArray) -> None:
+    """Refuse noise of few different values, which lie in equal steps or come again and again."""
+    values = np.unique(np.round(noise, 9) + 0.0)  # -0 becomes 0
+    if values.size >= min(FEW_VALUES, noise.size / 2):
+        return
+    steps = np.diff(values) / np.min(np.diff(values))
+    listed = ", ".join(f"{one:.3g}" for one in values[:_LISTED]) + ", ..." * (values.size > _LISTED)
+    said = f"The noise in `{name}` takes only {values.size} different values, {listed}"
+    if values.size > 1 and np.allclose(steps, np.round(steps), atol=1e-4):
+        raise NoAnswer(
+            f"{said}: they lie on a grid, as rounded numbers, whole numbers or a choice from a list do. Uniform noise "
+            "takes every value within its bound.",
+            "noise on a grid",
+        )
+    raise NoAnswer(f"{said}, which come again: draw a new number for each sample.", "few numbers drawn")
 
 
 def require_independent(noises: dict[str, FloatArray]) -> None:

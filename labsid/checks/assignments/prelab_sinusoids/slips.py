@@ -187,6 +187,11 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
             "leaves the time unchanged: let it start from zero.",
             lambda: data[n:],
         ),
+        slip(
+            "time subtracted from every column",
+            "subtracts the first time from every column: only the time, the first column, starts from zero.",
+            lambda: data[n:] - data[n, 0],
+        ),
         slip(*last_off, lambda: rest(0, -n)),
         slip(*last_off, lambda: data[:-n]),
         *(

@@ -198,7 +198,7 @@ def _one_error(ask: Ask) -> Verdict:
             Slip(
                 "lag of the old estimate",
                 "the lag of `tracking_mse` is that before the new sample is used: for the ramp, the recursion gives "
-                "theta(n) and not theta(n-1).",
+                "theta(n) and not theta(n-1). For lambda = 1/2 it is one slope; yours is two.",
                 lambda: (slope / (1 - lam)) ** 2 + variance,
             ),
             Slip(

@@ -22,6 +22,8 @@ from labsid.records.record import Record
 
 LATEST_START = 60
 """Latest first row of the equations, in samples: the lab's notebook allows rows from "a little later" than k = 2."""
+_EXPLAINED = 0.95
+"""Largest share of the sum of squares that is left by a run which explains something."""
 NEAREST = 1.002
 """How much larger than the smallest a sum of squares may be: where iterations stop differs."""
 
@@ -42,13 +44,24 @@ def nearest_free_run(u: FloatArray, y: FloatArray, Ts: float) -> FloatArray:
 @lru_cache(maxsize=16)  # a record is asked about at each attempt and each later step
 def _search_nearest(u_bytes: bytes, y_bytes: bytes, Ts: float) -> tuple[float, ...]:
     u, y = np.frombuffer(u_bytes), np.frombuffer(y_bytes)
+    return tuple(_search_from(fit_arx(u, y, Ts).model.theta, u, y)[0].tolist())
+
+
+def _search_from(start: FloatArray, u: FloatArray, y: FloatArray) -> tuple[FloatArray, float]:
+    """Where a search for the nearest free run ends, and which part of the sum of squares at its start is left."""
 
     def errors(theta: FloatArray) -> FloatArray:
         return np.asarray(np.nan_to_num(free_run(theta, u) - y, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
 
-    start = fit_arx(u, y, Ts).model.theta
     found = least_squares(errors, start, x_scale=np.maximum(np.abs(start), 0.02), xtol=1e-12)
-    return tuple(found.x.tolist())
+    return found.x, 2 * found.cost / max(float(np.sum(errors(start) ** 2)), np.finfo(float).tiny)
+
+
+def _is_nearest(theta: FloatArray, u: FloatArray, y: FloatArray) -> bool:
+    """Whether a free run explains some of y, and none beside it is nearer."""
+    with np.errstate(all="ignore"):
+        explains = bool(np.sum((free_run(theta, u) - y) ** 2) < _EXPLAINED * np.sum(y**2))
+    return explains and _search_from(theta, u, y)[1] > 1 / NEAREST
 
 
 def free_run(theta: FloatArray, u: FloatArray) -> FloatArray:
@@ -187,6 +200,13 @@ def _not_nearest(theta: FloatArray, u: FloatArray, y: FloatArray, half: int, rec
         with np.errstate(all="ignore"):
             return bool(np.sqrt(np.mean((free_run(one, u) - free_run(other, u)) ** 2)) < span)
 
+    if _is_nearest(theta, y[:half], u[:half]) or _is_nearest(theta, y, u):
+        return Verdict(
+            False,
+            "`theta_hat` makes of `y` the nearest run to `u`: they are handed to `fit` in the wrong order. It takes "
+            "the input before the output, `fit(model, q0, u, y)`.",
+            "u and y swapped",
+        )
     slips = [
         Slip(
             "the one-step fit",

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -161,7 +162,11 @@ def check_loss_function(ask: Ask) -> Verdict:
                 False, "`loss` returns the table 1/2 E E': the sum of the squares is E'E, one number.", "E E' for E'E"
             )
         if as_array("loss(Phi, Y, theta)", value).size == Y.size:
-            return Verdict(False, "`loss` returns one number for each equation: add them up.", "not added up")
+            each, E = np.ravel(as_array("loss(Phi, Y, theta)", value)), Y - Phi @ theta
+            what = "one number for each equation"
+            if np.allclose(np.abs(each), np.abs(E)):
+                return Verdict(False, f"`loss` returns {what}, the errors: it is half of E'E.", "errors for the loss")
+            return Verdict(False, f"`loss` returns {what}: add them up.", "not added up")
         return judge(
             as_number("loss(Phi, Y, theta)", value),
             loss(Phi, Y, theta),
@@ -220,6 +225,7 @@ def check_minimum(ask: Ask) -> Verdict:
             "`best_theta` does not give the theta with the smallest loss: see eq. (8).",
             [
                 *minimum_slips(Phi, Y),
+                *_entry_by_entry(Phi, Y),
                 _zeros("best_theta", "another theta has a smaller loss", np.zeros(Phi.shape[1])),
             ],
         )
@@ -227,17 +233,31 @@ def check_minimum(ask: Ask) -> Verdict:
     return _on_all(ask, one)
 
 
+def _products(Phi: FloatArray, Y: FloatArray) -> Iterator[FloatArray]:
+    """Eq. (8) with one product or more entry by entry, from the left or from the right."""
+    for products in list(product((np.matmul, np.multiply), repeat=3))[1:]:
+        square, behind, last = products
+        for from_left in (True, False):
+            with suppress(ValueError, np.linalg.LinAlgError):
+                inverse = np.linalg.inv(square(Phi.T, Phi))
+                yield last(behind(inverse, Phi.T), Y) if from_left else behind(inverse, last(Phi.T, Y))
+
+
 def _is_table_of_products(value: Value, Phi: FloatArray, Y: FloatArray) -> bool:
-    """Whether it is eq. (8) with one product or more entry by entry."""
-    tables = []
-    for products in product((np.matmul, np.multiply), repeat=3):
-        with suppress(ValueError, np.linalg.LinAlgError):
-            square, behind, last = products
-            inverse = np.linalg.inv(square(Phi.T, Phi))
-            tables += [last(behind(inverse, Phi.T), Y), behind(inverse, last(Phi.T, Y))]
     return isinstance(value, np.ndarray) and any(
-        value.shape == table.shape and np.allclose(value, table) for table in tables
+        value.shape == table.shape and np.allclose(value, table) for table in _products(Phi, Y)
     )
+
+
+def _entry_by_entry(Phi: FloatArray, Y: FloatArray) -> Iterator[Slip[Answer]]:
+    """What a square Phi hides: products entry by entry whose result has the size of theta."""
+    text = (
+        "`best_theta` has `*` between matrices in eq. (8), which multiplies entry by entry: their product is `@`. "
+        "(Here Phi has as many rows as columns, and `*` does not stop; with more rows it would.)"
+    )
+    for made in _products(Phi, Y):
+        if made.shape == (Phi.shape[1],):
+            yield Slip("product entry by entry", text, partial(np.copy, made))
 
 
 def check_unique(ask: Ask) -> Verdict:
@@ -344,11 +364,27 @@ def _truth(ask: Ask, Phi: FloatArray) -> bool:
     raise NoAnswer(f"`is_unique` should return True or False; it returns {kind_of(value)}.{two}", "not True or False")
 
 
-@first_failure
 def _on_all(
     ask: Ask,
     one: Callable[[FloatArray, FloatArray, FloatArray], Verdict],
     shapes: tuple[tuple[int, int], ...] = _SHAPES,
+) -> Verdict:
+    """The verdict on all trials; a tall Phi, whose shapes tell more, speaks where a square one names no mistake."""
+    try:
+        verdict = _in_turn(ask, one, shapes)
+    except NoAnswer as refused:
+        verdict = Verdict(False, str(refused), refused.slip)
+    if verdict.passed or verdict.slip is not None or len(shapes) == 1:
+        return verdict
+    tall = _in_turn(ask, one, shapes[1:])
+    return verdict if tall.passed else tall
+
+
+@first_failure
+def _in_turn(
+    ask: Ask,
+    one: Callable[[FloatArray, FloatArray, FloatArray], Verdict],
+    shapes: tuple[tuple[int, int], ...],
 ) -> Iterator[Verdict]:
     for n, p in shapes:
         Phi = ask.rng.uniform(-1, 1, (n, p)) + 3 * np.eye(n, p)
