@@ -10,6 +10,7 @@ import numpy as np
 
 from labsid.gap.effects.command_faults import Off
 from labsid.gap.effects.disturbance import PassingLoad
+from labsid.gap.effects.drifts import GainDrift
 from labsid.gap.effects.dynamics import MOST_DAMPING, ExtraLag, Resonance
 from labsid.gap.effects.families import DESCRIPTIONS, magnitudes_of, names_where, places_of
 from labsid.gap.effects.input import RateLimit
@@ -21,6 +22,7 @@ from labsid.gap.fits.residual_tests import SLOW_CORRELATION, ResidualMeasures, i
 from labsid.gap.fits.switching import has_equal_steps, only_switches
 from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
+from labsid.gap.record.sweep import sweeps_once
 from labsid.gap.search.beam_search import BIC_MARGIN, is_improvement
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.search.forms import transfer_theta
@@ -209,6 +211,10 @@ def limit_claims(
             "The fitted actuator only switches, which does not show the shape of a limit.",
             lambda one: without_curve_of_switch(one, data, best),
         ),
+        (
+            "The input sweeps its frequency once: what changes with time is not told from what changes with frequency.",
+            lambda one: without_drift_of_sweep(one, data),
+        ),
         ("Several lags move alike.", lambda one: without_lags_as_others(one, data, best)),
         (
             "Each of its sizes is within two standard errors of zero, or its place is not known.",
@@ -253,6 +259,16 @@ def without_curve_of_switch(decision: Decision, data: Data, fit: Fit) -> Decisio
     if not named or not only_switches(data, fit):
         return decision
     return _less_likely_than_not(decision, named)
+
+
+def without_drift_of_sweep(decision: Decision, data: Data) -> Decision:
+    """The decision with no drift of the rig more likely than not, if the input sweeps its frequency once.
+
+    Dynamics that the simulation lacks then show in the part of the record that has their frequency, as a drift does.
+    """
+    if GainDrift.name not in decision.names or not sweeps_once(data.u):
+        return decision
+    return _less_likely_than_not(decision, {GainDrift.name})
 
 
 def without_lags_as_others(decision: Decision, data: Data, fit: Fit) -> Decision:
