@@ -17,7 +17,7 @@ from labsid.checks.notebook_ask import PUBLIC_SEED
 from labsid.checks.question import Assignment, Origin, Question
 from labsid.checks.summary import FAILED, PASSED, SIGNS
 from labsid.checks.values import Value, as_student_object, plain
-from labsid.checks.verdict import NoAnswer, Verdict
+from labsid.checks.verdict import BEYOND_RESULTS, NoAnswer, Verdict
 from labsid.plots.figure_values import FigureValue
 from labsid.records.record import Record
 
@@ -67,7 +67,7 @@ class _PracticeAsk:
     def value(self, name: str) -> Value:
         if self.values is None:
             if self._results is not None:
-                raise NoAnswer(_LATER)
+                raise NoAnswer(_LATER, BEYOND_RESULTS)
             if name in self.known_values:
                 return self.known_values[name]
             if self._answers is None or name in self._answers:
@@ -89,7 +89,7 @@ class _PracticeAsk:
             result, *self._results = self._results  # type: ignore[assignment]
             return result
         if self._reference is None:
-            raise NoAnswer(_LATER)
+            raise NoAnswer(_LATER, BEYOND_RESULTS)
         return plain(self._reference(*arguments))
 
     def changes(self, name: str, *arguments: Value) -> bool:

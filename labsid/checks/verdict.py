@@ -68,6 +68,10 @@ def first_failure(check: Callable[P, Iterator[Verdict]]) -> Callable[P, Verdict]
     return run
 
 
+BEYOND_RESULTS = "call beyond the results at hand"
+"""`slip` of a function that cannot be called again, as in practice, where one result is handed over."""
+
+
 class NoAnswer(Exception):
     """There is nothing to compare: the value is missing, of the wrong kind, or could not be obtained.
 

@@ -26,6 +26,7 @@ from labsid.blind.kept_answers import (
     read_answers,
     simulated_answers,
 )
+from labsid.blind.limits import ROW as LIMITS
 from labsid.blind.rows import DEFAULT_ROWS, ROWS
 from labsid.cli.commands import main as command
 from labsid.records.formats import cut_signals
@@ -228,7 +229,7 @@ def test_measured_records_that_are_not_compared_are_named(few: list[Case], file:
 def test_rows_are_listed_with_what_they_are(group: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert command(["gap", group, "--rows"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines if line[0] != " "] == [*ROWS, MEASURED]
+    assert [line.split()[0] for line in lines if line[0] != " "] == [*ROWS, LIMITS, MEASURED]
     assert all(line[14].isupper() for line in lines if line[0] != " ")
     assert max(map(len, lines)) <= 80
 

@@ -95,7 +95,8 @@ def _extracted(name: str, value: Value, right: Mapping[str, FloatArray]) -> Floa
     got = as_vector(name, value)
     if got.size < _FEWEST_SAMPLES:
         table = np.column_stack([right["y_actm"], right["y_act"]])
-        if not np.all(table == got, axis=1).any() and not (got.size == 1 and got[0] in [*right[name], *table.flat]):
+        is_row = got.size == 2 and np.all(table == got, axis=1).any()
+        if not is_row and not (got.size == 1 and got[0] in [*right[name], *table.flat]):
             raise NoAnswer(
                 f"`{name}` is {got.tolist()}, which is no sample of this record; a signal has {right['t'].size}. Print "
                 "it, and look at the line that makes it.",

@@ -25,7 +25,7 @@ from labsid.checks.compare import as_number
 from labsid.checks.figures import find_curve
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
-from labsid.checks.verdict import PYTHON_ERROR, NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import BEYOND_RESULTS, PYTHON_ERROR, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.arx import ArxModel
 from labsid.lab.simulation import free_response, predict_one_step, simulate
 from labsid.lab.verification import mse
@@ -178,7 +178,7 @@ def check_initial_state(ask: Ask) -> Verdict:
             verdicts.append(Verdict(False, str(nothing), nothing.slip))
         if verdicts[-1].passed:
             return verdicts[-1]
-    named = (verdict for verdict in verdicts if verdict.slip not in (None, PYTHON_ERROR))
+    named = (verdict for verdict in verdicts if verdict.slip not in (None, PYTHON_ERROR, BEYOND_RESULTS))
     return next(named, verdicts[0])
 
 

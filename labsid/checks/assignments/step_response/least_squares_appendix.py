@@ -20,7 +20,7 @@ from labsid.checks.compare import as_array, as_number, as_theta, as_vector, clos
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
-from labsid.checks.verdict import Answer, NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import BEYOND_RESULTS, Answer, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
 _same = close(1e-8)
@@ -376,8 +376,11 @@ def _on_all(
         verdict = Verdict(False, str(refused), refused.slip)
     if verdict.passed or verdict.slip is not None or len(shapes) == 1:
         return verdict
-    tall = _in_turn(ask, one, shapes[1:])
-    return verdict if tall.passed else tall
+    try:
+        tall = _in_turn(ask, one, shapes[1:])
+    except NoAnswer as refused:
+        return verdict if refused.slip == BEYOND_RESULTS else Verdict(False, str(refused), refused.slip)
+    return verdict if tall.passed or tall.slip == BEYOND_RESULTS else tall
 
 
 @first_failure

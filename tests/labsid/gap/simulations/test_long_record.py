@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labsid.gap import diagnosis
+from labsid.gap import prepared
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.simulations.long_record import downsample, shorten_holdout, shorten_record
 from labsid.gap.simulations.simulated_output import SimulatedOutput
@@ -83,10 +83,10 @@ def test_thinned_by_one_is_the_same():
 def test_the_report_states_the_samples_left_out(rig_record, monkeypatch):
     record = rig_record("none", 900)
     monkeypatch.setattr(
-        diagnosis, "shorten_record", lambda *given, is_slow: shorten_record(*given, longest=200, is_slow=is_slow)
+        prepared, "shorten_record", lambda *given, is_slow: shorten_record(*given, longest=200, is_slow=is_slow)
     )
     monkeypatch.setattr(
-        diagnosis, "shorten_holdout", lambda holdout, every: shorten_holdout(holdout, every, longest=200)
+        prepared, "shorten_holdout", lambda holdout, every: shorten_holdout(holdout, every, longest=200)
     )
     report = diagnose(record, holdout=rig_record("none", 700, seed=6)).report
     assert report["record"]["samples"] == 900
