@@ -52,6 +52,8 @@ class Effect:
         Forms whose smallest visible size is reported.
     whole : str
         Of what the size of a planted effect is a share: the range of "u" or "y", the slowest "time" constant, "gain".
+    has_corner : bool
+        Whether this form has a corner where the law of its name is smooth (`Description.smooth_law`).
     variant : str
         Form of the effect, if there are several.
     """
@@ -68,6 +70,7 @@ class Effect:
     sizes: ClassVar[tuple[str, ...]] = ()
     planted_variants: ClassVar[tuple[str, ...]] = ()
     whole: ClassVar[str] = "u"
+    has_corner: ClassVar[bool] = False
     variant: str = ""
 
     @classmethod

@@ -22,6 +22,7 @@ class Absolute(OutputEffect):
     name = "output-nonlinearity"
     variants = ("absolute",)
     position = 1
+    has_corner = True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

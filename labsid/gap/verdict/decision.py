@@ -27,7 +27,7 @@ from labsid.gap.search.beam_search import BIC_MARGIN, is_improvement
 from labsid.gap.search.explanation import Explanation
 from labsid.gap.search.forms import transfer_theta
 from labsid.gap.verdict.held_out_errors import Reduction
-from labsid.gap.verdict.held_out_search import HeldOutSearch
+from labsid.gap.verdict.held_out_search import HeldOutSearch, Step
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
@@ -493,9 +493,15 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
         beside = others - len(step.mates)
         agreement, together = float(step.agreement), float(step.together is not None)
         missed = float(np.clip(-np.log(max(step.missed, 1e-6)), 0.0, MAX_REDUCTION))
-        smooth, margin = float(step.name in names_where("smooth_law")), min(margin, MAX_MARGIN)
+        smooth, margin = float(_is_smooth(step)), min(margin, MAX_MARGIN)
         found[step.name] = PartialEvidence(alone, lead, margin, agreement, beside, together, missed, smooth)
     return found
+
+
+def _is_smooth(step: Step) -> bool:
+    """Whether the law of an effect, in the form that was fitted, is a smooth curve."""
+    forms = [effect for effect in step.fit.hypothesis.effects if effect.name == step.name]
+    return step.name in names_where("smooth_law") and not any(form.has_corner for form in forms)
 
 
 def _gain(reduction: Reduction) -> float:
