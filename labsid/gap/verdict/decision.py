@@ -454,7 +454,8 @@ class PartialEvidence(NamedTuple):
     missed : float
         Logarithm of the rms error of the explanation without this effect over that with it; at most `MAX_REDUCTION`.
     smooth : float
-        1 if the law of the effect is a smooth curve, which imitates any other smooth law, else 0.
+        1 if the law of the effect is a smooth curve, which imitates any other smooth law, else 0; 0 in a set that is
+        tried together, whose kind of rig has that law.
     """
 
     alone: float
@@ -499,9 +500,10 @@ def evidence_by_name(search: HeldOutSearch) -> dict[str, PartialEvidence]:
 
 
 def _is_smooth(step: Step) -> bool:
-    """Whether the law of an effect, in the form that was fitted, is a smooth curve."""
+    """Whether the law of an effect, as fitted, is a smooth curve that no set of its kind of rig supports."""
     forms = [effect for effect in step.fit.hypothesis.effects if effect.name == step.name]
-    return step.name in names_where("smooth_law") and not any(form.has_corner for form in forms)
+    given = step.together is not None or any(form.has_corner for form in forms)
+    return step.name in names_where("smooth_law") and not given
 
 
 def _gain(reduction: Reduction) -> float:
