@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 
 from labsid.checks.line_values import parsed_line, shape_of
-from labsid.checks.repairs import beside, mends, shape_of_repair
+from labsid.checks.repairs import beside, mends
 from labsid.checks.stops import Stop
 
 
@@ -78,7 +78,7 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         if len(other) == 2 and other[0] == 1 and other[1] == one[-1] and mends(stop, second, f"{right}.ravel()"):
             return f"{said} `{right}` has shape {other}, a table of one row; `{right}.ravel()` is flat."
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
-        if weight and shape_of_repair(stop, f"np.diag({weight})"):
+        if weight and mends(stop, ast.Name(weight), f"np.diag({weight})"):
             return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
         inverse = re.search(r"inv\((\w+)\.T @ \1\)$", left)
         if inverse is not None and one[0] < other[0]:

@@ -77,11 +77,15 @@ class _Known(ast.NodeTransformer):
             return self.repaired  # type: ignore[return-value]
         thing = self._stop.things.get(text)
         is_read = isinstance(getattr(node, "ctx", ast.Load()), ast.Load) and not isinstance(node, ast.Constant)
-        if is_read and thing is not None and thing.kind in ("array", "number"):
+        if is_read and thing is not None and thing.kind in ("array", "number") and not self._holds_part(node):
             name = f"known_{len(self.shapes)}"
             self.shapes[name] = thing.shape or ()
             return ast.Name(name, ast.Load())
         return self.generic_visit(node)
+
+    def _holds_part(self, node: ast.AST) -> bool:
+        """Whether the part that is repaired stands within an expression: its shape will be another one."""
+        return any(isinstance(one, ast.expr) and ast.unparse(one) == self._part for one in ast.walk(node))
 
 
 def _expression(code: str) -> ast.expr | None:

@@ -206,6 +206,7 @@ CAUSES = [
     ("np.linalg.inv(Phi.T @ Phi) @ Y + w[:2]", "np.linalg.inv(Phi.T @ Phi) @ Y + w", "`Phi.T @` before `Y`"),
     ("w[:2] - Phi.T * Phi", "w - Phi.T * Phi", "`Phi.T @ Phi`, which fits"),
     ("np.zeros(3) + u", "np.zeros(3) + u - w", "join them"),
+    ("Phi.T @ Y @ Phi - R", "Phi.T @ Y @ Phi - w", "`np.diag(Y)`"),
     # a number that is called, lists that are joined, functions that are not called
     ("theta, n = 2.5, 5\ntheta(n - 1)", "theta, n = 2.5, 5\ntheta(n * 3.5)", "is the value at that index"),
     ("def g(theta, n):\n return theta(n - 1)\ng(2.5, 5)", "k(1 + 1)", "the argument holds that value already"),
