@@ -8,6 +8,7 @@ from labsid.checks.call_causes import (
     negative_size,
 )
 from labsid.checks.causes import (
+    beyond_a_list,
     beyond_the_end,
     too_many_indices,
     unequal_spectra,
@@ -23,7 +24,7 @@ from labsid.checks.matrix_causes import (
     unfit_right_side,
     unfit_rows,
 )
-from labsid.checks.operands import entry_by_entry, rows_by_a_vector, unequal_shapes
+from labsid.checks.operands import entry_by_entry, rows_by_a_vector, unequal_shapes, vector_by_columns
 from labsid.checks.stops import Stop
 from labsid.checks.tables import row_or_column, unfit_target
 from labsid.checks.tuple_causes import (
@@ -75,6 +76,7 @@ ARRAY_ERRORS: tuple[Translation, ...] = (
     Translation("ValueError", "high - low < 0", "`rng.uniform(low, high, shape)` takes the lower bound first."),
     Translation("ValueError", "n should be an integer", "It takes the number of samples first, `len(e)`, and then Ts."),
     Translation("ValueError", "could not be broadcast together", entry_by_entry),
+    Translation("ValueError", "could not be broadcast together", vector_by_columns),
     Translation("ValueError", "could not be broadcast together", rows_by_a_vector),
     Translation("ValueError", "could not be broadcast together", unequal_shapes),
     Translation("ValueError", r"solve1?: .*mismatch in its core dimension", unfit_right_side),
@@ -99,9 +101,7 @@ ARRAY_ERRORS: tuple[Translation, ...] = (
     Translation("LinAlgError", "Incompatible dimensions", unfit_rows),
     Translation("IndexError", r"index (-?\d+) is out of bounds for axis (\d+) with size (\d+)", beyond_the_end),
     Translation("IndexError", "too many indices", too_many_indices),
-    Translation(
-        "IndexError", "list index out of range", "Python counts from 0: a list of 2 has the entries `[0]` and `[1]`."
-    ),
+    Translation("IndexError", "list index out of range", beyond_a_list),
     Translation("IndexError", "tuple index out of range", unknown_part),
     Translation(
         "IndexError",

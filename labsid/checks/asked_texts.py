@@ -22,6 +22,7 @@ _RETURNED = (*KINDS, "mirror", "undetermined")
 """The texts that functions are to return, but for "unique": other questions' functions may mean a variable by it."""
 
 _ASSIGNED = re.compile(r"(?:^(?P<name>\w+)\s*=|\breturn\b)\s*(?P<text>[A-Za-z_][\w -]*?)\s*;?$")
+_SEVERAL = re.compile(r"\b(\w+)\s*=\s*([A-Za-z_]\w*(?:\s*,\s*[A-Za-z_]\w*)+)(?=\s*,\s*\w+\s*=|\s*\))")
 _BEGINNING = re.compile(r"(?:(?P<name>\w+)\s*=(?!=)|return\b)")
 
 
@@ -55,6 +56,33 @@ def key_without_quotes(name: str, stop: Stop) -> str:
             if thing is not None and name in thing.keys:
                 return f'`{owner}` has it as a key: a key that is a text stands in quotes, `{owner}["{name}"]`.'
     return ""
+
+
+def column_without_quotes(name: str, stop: Stop) -> str:
+    """That a name that is not defined stands where `load_record` takes texts, in a sentence; empty if it does not."""
+    tree = parsed_line(stop.line)
+    for node in [] if tree is None else ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("load_record"):
+            for handed in (*node.args, *(one.value for one in node.keywords)):
+                if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(handed)):
+                    names = re.sub(r"[^\w,.]", "", ast.unparse(handed))
+                    return f'`load_record` takes the names of files and columns as texts, in quotes: `"{names}"`.'
+    return ""
+
+
+def columns_without_quotes(stop: Stop) -> str:
+    """Several names after a keyword of a call that Python cannot read, in a sentence; empty if there are none."""
+    several = _SEVERAL.search(stop.line)
+    if several is None or "positional argument follows keyword" not in stop.text:
+        return ""
+    keyword, names = several.groups()
+    joined = re.sub(r"\s", "", names)
+    if "load_record" in stop.line:
+        return f'`{keyword}` takes the names of its columns as one text, in quotes: `{keyword}="{joined}"`.'
+    return (
+        f"`{several[0]}`: the comma ends the argument `{keyword}`, and after an argument with a name each needs one. "
+        f"Several values of one argument stand in a list: `{keyword}=[{names}]`."
+    )
 
 
 def _texts(name: str | None) -> tuple[str, ...]:

@@ -111,6 +111,18 @@ def unknown_in_a_number(stop: Stop, found: re.Match[str]) -> str | None:
     return f"`{owner}` is one number, no array: it has no `.{found[1]}`."
 
 
+def attribute_of_a_function(stop: Stop, found: re.Match[str]) -> str | None:
+    """An attribute of arrays, asked of a function that is not called."""
+    owner = _owner_of(stop, found[1])
+    if not owner or found[1] not in dir(np.ndarray):
+        return None
+    thing = stop.things.get(owner)
+    handed = ", ".join(thing.keys) if thing is not None else ""
+    made = stop.made.get(owner, "")
+    by = f", by `{made}`," if "=" in made else ""
+    return f"`{owner}` is a function{by} and not what it returns: it is called, `{owner}({handed or '...'})`."
+
+
 def unknown_elsewhere(stop: Stop, found: re.Match[str]) -> str | None:
     """A name that something else than a module, a number or a plain array does not have."""
     kind, name = found[1], found[2]

@@ -4,7 +4,6 @@ import ast
 import re
 
 from labsid.checks.line_values import parsed_line
-from labsid.checks.matrix_causes import unfit_blocks
 from labsid.checks.stops import Stop
 from labsid.checks.tables import zeros_of_one_size
 
@@ -37,6 +36,27 @@ def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
         f"`{ast.unparse(taken[0])}` has {size} {what if size > 1 else what[:-1].replace('ie', 'y')}{other}"
         f"{_made_by(stop, taken)}, with the indices 0 to {size - 1}. Here `{at}` is {index}."
     )
+
+
+def beyond_a_list(stop: Stop, _: re.Match[str]) -> str | None:
+    """An index beyond the end of a list."""
+    for node in stop.expressions():
+        if not isinstance(node, ast.Subscript):
+            continue
+        thing, at = stop.things.get(ast.unparse(node.value)), ast.unparse(node.slice)
+        is_list = isinstance(node.value, ast.List)
+        count = len(node.value.elts) if isinstance(node.value, ast.List) else None
+        if not is_list and thing is not None and thing.kind == "list" and thing.shape:
+            count = thing.shape[0]
+        if count is None:
+            continue
+        what = "The list" if is_list else f"`{ast.unparse(node.value)}`"
+        if not count:
+            return f"{what} is empty."
+        index = stop.things.get(at)
+        here = f" Here `{at}` is {index.value}." if index is not None and index.value is not None else ""
+        return f"{what} has {count} entries: Python counts from 0, so the last is `[{count - 1}]`.{here}"
+    return "Python counts from 0: a list of n entries has `[0]` to `[n - 1]`."
 
 
 def _taken(stop: Stop, axis: int, size: int) -> tuple[ast.expr, ast.expr] | None:
@@ -92,7 +112,7 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 if thing.kind == "number" and len(node.args) != 1:
                     return f"`{name}` is a number and no function: it takes no round brackets."
                 if thing.kind == "number":
-                    return f"`{name}` is a number, and a bracket after it calls it: a product is `{name} * (...)`."
+                    return _called_number(stop, node)
                 if not all(_can_be_an_index(stop, one) for one in node.args):
                     return (
                         f"`{name}` {thing.said}, and is no function. Where it was handed over or assigned, hand over "
@@ -111,6 +131,22 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 f"name alone, `{handed[0].func.id}`."
             )
     return "Round brackets call a function; entries are taken with square ones, `y[0]`."
+
+
+def _called_number(stop: Stop, call: ast.Call) -> str:
+    """Round brackets after a number: a product, or the index of a formula."""
+    name, written = ast.unparse(call.func), ast.unparse(call)
+    said = f"`{name}` is a number, and a bracket after it calls it:"
+    index = ast.unparse(call.args[0])
+    thing = stop.things.get(index)
+    is_step = re.fullmatch(r"\w+( [-+] \d+)?", index) is not None and (thing is None or thing.is_whole)
+    if is_step and re.match(r"[A-Za-z_]", index):
+        holds = "the argument holds that value already" if name in stop.arguments else "the name alone is that value"
+        return (
+            f"{said} the value itself is `{name}`, a product is `{name} * (...)`. (`{written}` in a formula is the "
+            f"value at that index: {holds}.)"
+        )
+    return f"{said} the value itself is `{name}`, and a product is `{name} * (...)`."
 
 
 def _can_be_an_index(stop: Stop, part: ast.expr) -> bool:
@@ -137,36 +173,6 @@ def reshaped(stop: Stop, found: re.Match[str]) -> str | None:
             f"The line has the number {fixed[0]} in it, whatever is handed over, and does not use the argument {names}."
         )
     return f"{found[1]} entries do not fill that shape: the product of its sides must be {found[1]}."
-
-
-def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
-    """Columns of different lengths side by side."""
-    said = "Side by side, all need the same number of rows."
-    if "block(" in stop.line:
-        return unfit_blocks(stop) or (
-            f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
-            "corner is `np.zeros((rows, columns))`."
-        )
-    listed = {ast.unparse(node) for node in stop.expressions() if isinstance(node, ast.List | ast.Name | ast.Tuple)}
-    lengths = [length for name in listed & set(stop.things) for length in stop.things[name].lengths]
-    if len(set(lengths)) > 1:
-        said += f" Here these are {', '.join(map(str, lengths))}."
-    to_minus = re.search(r"\[[^\[\]:]*:\s*-\s*([A-Za-z_]\w*)\]", stop.line)
-    if to_minus is not None and "has size 0" in stop.text:
-        k, first = to_minus[1], to_minus[0][1:].partition(":")[0].strip()
-        right = f"[{first} : len(x) - {k}]" if first else f"[: len(x) - {k}]"
-        return f"{said} One is empty: with {k} = 0, `{to_minus[0]}` takes nothing. `{right}` is right there, too."
-    if 0 in lengths:
-        return (
-            f"{said} One is empty, as a slice `x[a:b]` can be whose a is below zero: it counts from the end. Print a."
-        )
-    if ":" not in stop.line:
-        return said
-    return (
-        f"{said} `y[a:b]` has b - a of them. Each column is cut so that this difference is the same, or begins with as "
-        "many zeros as its slice drops samples. Row 0 holds the sample a: lags of 1 and 2 beside `y[2:]` are `[1:-1]` "
-        "and `[:-2]`."
-    )
 
 
 def time_and_input(stop: Stop, _: re.Match[str]) -> str | None:
@@ -206,10 +212,11 @@ def truth_of_an_array(stop: Stop, _: re.Match[str]) -> str | None:
                 f"{word} asks for one True or False of each part, and a comparison of an array gives one for each "
                 f"entry. Entry by entry it is `{whole}`."
             )
+        chosen = ast.unparse(one) if isinstance(one, ast.Compare) else "condition"
         return (
             f"`if`, `while`, `and` and `or` need one True or False, and `{ast.unparse(one)}` gives one for each entry. "
-            "Compare one entry, or ask `np.any(...)` or `np.all(...)`. (To choose entry by entry: "
-            "`np.where(condition, a, b)`.)"
+            f"To choose entry by entry: `np.where({chosen}, a, b)`. One True or False of all: `np.any(...)`, "
+            "`np.all(...)`, or the comparison of one entry."
         )
     if not any(isinstance(node, ast.Call) for node in stop.expressions()):
         return None
@@ -299,7 +306,7 @@ def _unpacked_call(stop: Stop, call: ast.Call, count: int) -> str:
             return f"Print what `{called}` returns: it ends with `{made}`, and on the left of `=` stand {count} names."
         return (
             f"`{called}` ends with `{made}`, which is {number} thing{'s' * (number > 1)}; on the left of `=` stand "
-            f"{count} names. If that line is given, `{called}` must return {count} things."
+            f"{count} names: as many must stand on both sides."
         )
     number = int(got[1]) if got else _PARTS.get(called.removeprefix("np.linalg."), 0)
     return f"`{called}` returns {number} things, and on the left of `=` stand {count} names." if number else ""

@@ -190,10 +190,11 @@ def as_history(call: str, value: Value, rows: int, p: int) -> FloatArray:
 def as_figure(name: str, value: Value, axes: int | None = None) -> FigureValue:
     """Read a figure, with the given number of axes."""
     if not isinstance(value, FigureValue):
-        raise NoAnswer(
-            f"`{name}` should be the figure itself, as `plt.figure()` returns it; it is {kind_of(value)}.",
-            "not the figure",
-        )
+        if value is None:
+            said = "should be a figure; it is nothing (None), as the result of a function without `return` is"
+        else:
+            said = f"should be the figure itself, the first that `plt.subplots()` returns; it is {kind_of(value)}"
+        raise NoAnswer(f"`{name}` {said}.", "not the figure")
     if axes is not None and len(value.axes) != axes:
         raise NoAnswer(
             f"`{name}` should have {axes} subplot{'s' if axes > 1 else ''}; it has {len(value.axes)}.",

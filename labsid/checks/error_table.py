@@ -3,6 +3,7 @@
 from labsid.checks.array_errors import ARRAY_ERRORS, Translation
 from labsid.checks.call_causes import (
     array_for_an_axis,
+    attribute_of_a_function,
     called_attribute,
     compared_by_python,
     missing_axis,
@@ -26,9 +27,9 @@ from labsid.checks.causes import (
     reshaped,
     time_and_input,
     truth_of_an_array,
-    unequal_columns,
     unpacked,
 )
+from labsid.checks.column_causes import unequal_columns
 from labsid.checks.handed_over import one_list, starred_argument, wrong_arguments
 from labsid.checks.key_causes import field_of_a_dictionary, unknown_key
 from labsid.checks.library_errors import (
@@ -223,6 +224,11 @@ TABLE: tuple[Translation, ...] = (
         r"'(?:Text|XAxis|YAxis)' object is not callable|'Axes' object has no attribute '(?:xlabel|ylabel|xlim|ylim)'",
         'Axes are set by methods that begin with `set_`: `ax.set_title("...")`, '
         '`ax.set_xlabel("...")`, `ax.set_xlim(0, 1)`.',
+    ),
+    Translation(
+        "AttributeError",
+        r"'(?:function|method|builtin_function_or_method|numpy.ufunc)' object has no attribute '(\w+)'",
+        attribute_of_a_function,
     ),
     Translation("AttributeError", r"'(?:[\w.]*\.)?(\w+)' object has no attribute '(\w+)'", unknown_elsewhere),
     Translation("TypeError", "object is not callable", called_attribute),

@@ -1,7 +1,10 @@
-"""What a function of the student's reads: its arguments, and variables of the notebook beside them."""
+"""What a function of the student's reads, its arguments and variables of the notebook, and whether it returns."""
 
 import dis
+import linecache
+import re
 from collections.abc import Container, Iterable, Iterator, Mapping
+from inspect import getblock
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -10,6 +13,9 @@ import numpy as np
 _MOST_NAMES, _FEWEST_UNREAD = 3, 2
 _SHORTEST_DATA, _SHORTEST_SIGNAL = 2, 20
 """Entries; parameters that a step has estimated are fewer than those of a signal, and a function may use them."""
+
+_GIVES = re.compile(r"\breturn[ \t]*[^\s#]|\byield\b")
+_MAKES_A_FIGURE = re.compile(r"(\w+)(?:\s*,[^=\n]*)?\s*=\s*plt\.(?:subplots|figure)\(")
 
 
 def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> str:
@@ -40,6 +46,36 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
         f"`{name}` {never} {_listed(data)} of the notebook. It is called with other data: use its arguments in their "
         "place."
     )
+
+
+def made_without_return(name: str, sources: Iterable[str], variables: Mapping[str, Any]) -> str:
+    """A sentence if a variable is what a function of the notebook without `return` gives; or nothing.
+
+    Parameters
+    ----------
+    name : str
+        Name of the variable.
+    sources : iterable of str
+        The cells that made it.
+    variables : mapping
+        The notebook's variables.
+    """
+    for source in sources:
+        called = re.findall(rf"^{re.escape(name)}\s*=\s*(\w+)\(", source, re.MULTILINE)
+        function = variables.get(called[-1]) if called else None
+        written = _written(function.__code__) if isinstance(function, FunctionType) else ""
+        if written and variables.get(name) is None and not _GIVES.search(written):
+            made = _MAKES_A_FIGURE.search(written)
+            return (
+                f"`{called[-1]}`, which makes it, returns nothing: end it with `return {made[1] if made else '...'}`."
+            )
+    return ""
+
+
+def _written(code: CodeType) -> str:
+    """The text of a function; empty if Python does not keep it."""
+    lines = linecache.getlines(code.co_filename)
+    return "".join(getblock(lines[code.co_firstlineno - 1 :])) if lines else ""
 
 
 def length_beside(

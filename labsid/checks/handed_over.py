@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections.abc import Iterable
 
 from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
@@ -60,8 +61,24 @@ def one_list(stop: Stop, found: re.Match[str]) -> str | None:
     call = _call_of(stop, found[1])
     if starred or call is None:
         return starred
-    handed = ", ".join(map(ast.unparse, call.args))
-    return f"Hand the arrays over together, in a list: `{ast.unparse(call.func)}([{handed}])`."
+    called, handed = ast.unparse(call.func), list(map(ast.unparse, call.args))
+    things = [stop.things.get(name) for name in handed]
+    if all(thing is not None and thing.lengths for thing in things):
+        rows = {length for thing in things if thing is not None for length in thing.lengths}
+        if len(rows) > 1:
+            return f"It takes one list of arrays. The lists here hold arrays with {_and(map(str, sorted(rows)))} rows."
+        return f"It takes one list of arrays: the lists are joined by `+`, `{called}({' + '.join(handed)})`."
+    if any(thing is not None and thing.kind == "list" for thing in things):
+        return f"`{called}` takes one list of arrays: two lists are joined by `+`, two arrays stand in one, `[a, b]`."
+    shapes = [stop.shape(part) for part in call.args]
+    if found[1] == "column_stack" and all(shapes) and len({shape[0] for shape in shapes if shape}) > 1:
+        return f"It takes one list of arrays, and these have {_and(str(shape[0]) for shape in shapes if shape)} rows."
+    return f"Hand the arrays over together, in a list: `{called}([{', '.join(handed)}])`."
+
+
+def _and(words: Iterable[str]) -> str:
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def handed_together(stop: Stop, call: ast.Call) -> str:

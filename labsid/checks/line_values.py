@@ -158,6 +158,8 @@ def _value(node: ast.AST | None, names: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Name):
         return names[node.id]
     if isinstance(node, ast.Attribute):
+        if node.attr == "newaxis":
+            return None
         if node.attr == "T":
             return _Shaped(_shape(_value(node.value, names))[::-1])
         if node.attr == "shape":
@@ -173,6 +175,8 @@ def _value(node: ast.AST | None, names: Mapping[str, Any]) -> Any:
         owner = _value(node.value, names)
         if type(owner) in (dict, list, tuple, np.ndarray):
             return owner[_index(node.slice, names)]
+        if isinstance(owner, _Shaped):
+            return _Shaped(np.shape(np.broadcast_to(0.0, owner.shape)[_index(node.slice, names)]))
         raise _Unknown
     if isinstance(node, ast.List):
         return [_as_array(_value(one, names)) for one in node.elts]
@@ -251,7 +255,14 @@ def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
         return _Shaped(_reduced(node, names))
     if called == "lfilter" and len(node.args) == 3:
         return _Shaped(_shape(_value(node.args[2], names)))
-    if called in ("inv", "abs", "sqrt", "exp", "log", "sin", "cos") and len(node.args) == 1:
+    if called in ("inv", "solve") and node.args:
+        matrix = _shape(_value(node.args[0], names))
+        if len(matrix) != 2 or matrix[0] != matrix[1]:
+            raise _Unknown
+        right = matrix if called == "inv" else _shape(_value(node.args[1], names))
+        _product(matrix, right)
+        return _Shaped(right)
+    if called in ("abs", "sqrt", "exp", "log", "sin", "cos") and len(node.args) == 1:
         return _Shaped(_shape(_value(node.args[0], names)))
     raise _Unknown
 

@@ -4,7 +4,13 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from labsid.checks.asked_texts import key_without_quotes, text_without_quotes
+from labsid.checks.asked_texts import (
+    column_without_quotes,
+    columns_without_quotes,
+    key_without_quotes,
+    text_without_quotes,
+)
+from labsid.checks.module_names import module_of
 from labsid.checks.stops import Stop
 
 
@@ -149,6 +155,10 @@ _MESSAGES: tuple[Spelling, ...] = (
     ),
 )
 
+_SET_AFTER_RETURN = (
+    "After `return` stands what is handed back: `==` compares two values. (`=` gives a name its value, in a line of "
+    "its own before.)"
+)
 _MARKED = "Python's mark `^` points at what it cannot read there."
 
 _NUMPY = re.compile(
@@ -177,6 +187,8 @@ MATLAB = {
     "subplot": "`plt.subplots(2, 1)`",
     "stairs": '`ax.step(t, u, where="post")`',
     "end": '`y[half:]` for "to the end", `y[-1]` for the last entry; Python has no `end`',
+    "step": "`ct.step_response(sys)`",
+    "impulse": "`ct.impulse_response(sys)`",
     "find": "`np.flatnonzero(condition)`",
     "e": "`np.exp(x)` for a power of e",
     "control": "`ct`, the name under which the first cell imports it",
@@ -207,10 +219,21 @@ def cause_of_syntax(stop: Stop) -> str:
     if said and _is_range(said[0]):
         return said[0] + (_TURNED if _TURNED_RANGE.search(code) else _COLUMN)
     said = [one for one in said if not _is_range(one)]
+    columns = columns_without_quotes(stop)
+    if columns or _is_set_after_return(code):
+        return columns or _SET_AFTER_RETURN
     if said:
         return " ".join(said[:_MOST_SPELLINGS])
     told = next(one.python for one in _MESSAGES if re.search(one.pattern, stop.text))
     return told if stop.number != 1 or told != _MESSAGES[-1].python else _MARKED
+
+
+def _is_set_after_return(code: str) -> bool:
+    """Whether a `=` stands after `return`, outside brackets."""
+    inside = re.compile(r"\([^()]*\)|\[[^\[\]]*\]|\{[^{}]*\}")
+    while inside.search(code):
+        code = inside.sub("_", code)
+    return re.match(r"\s*(?:return|.*:\s*return)\b[^=]*(?:[=<>!]=[^=]*)*(?<![=<>!])=(?!=)", code) is not None
 
 
 def _is_range(said: str) -> bool:
@@ -221,7 +244,9 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
     """Why a name is not defined: it is MATLAB's or numpy's, misspelt, or its cell has not been run."""
     where = "" if made_by is None else made_by(name)
     text = text_without_quotes(stop.line, name)
-    known = _QUOTES.format(text) if text else where or key_without_quotes(name, stop)
+    known = (
+        _QUOTES.format(text) if text else where or key_without_quotes(name, stop) or column_without_quotes(name, stop)
+    )
     if known:
         return known
     if stop.near and stop.near.lower() == name.lower():
@@ -234,6 +259,9 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
     is_power = name == "e" and re.search(r"\be\s*(?:\*\*|\^)", stop.line) is not None
     if name in MATLAB and (is_called or is_power or name in _NO_FUNCTIONS):
         return f"In Python: {MATLAB[name]}."
+    module = module_of(name, stop.line, is_called)
+    if module:
+        return module
     if re.match(rf"{name}\s*==", stop.line):
         return f"`==` compares; `{name}` gets its value by `=`."
     if re.match(rf"{name}\s*=(?!=).*\b{name}\b", stop.line):

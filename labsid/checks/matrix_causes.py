@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator
 
 from labsid.checks.line_values import parsed_line, shape_of
+from labsid.checks.repairs import beside, mends
 from labsid.checks.stops import Stop
 
 
@@ -73,31 +74,46 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         )
         parts = (*ast.walk(first), *ast.walk(second))
         flat = [part for part in parts if isinstance(part, ast.Name) and len(stop.shape(part) or ()) == 1]
-        if len(other) == 2 and other[0] == 1 and other[1] == one[-1]:
+        product = ast.BinOp(first, ast.MatMult(), second)
+        if len(other) == 2 and other[0] == 1 and other[1] == one[-1] and mends(stop, second, f"{right}.ravel()"):
             return f"{said} `{right}` has shape {other}, a table of one row; `{right}.ravel()` is flat."
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
-        if weight:
+        if weight and mends(stop, ast.Name(weight), f"np.diag({weight})"):
             return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
         inverse = re.search(r"inv\((\w+)\.T @ \1\)$", left)
         if inverse is not None and one[0] < other[0]:
             name = inverse[1]
             if right.endswith(".T"):
-                return f"{said} Is `{left} @ {name}.T @ {right[:-2]}` meant, with `{name}` transposed instead?"
+                turned = f"{left} @ {name}.T @ {right[:-2]}"
+                is_mended = mends(stop, product, turned)
+                return f"{said} Is `{turned}` meant, with `{name}` transposed instead?" if is_mended else said
+            if not mends(stop, product, f"{left} @ {name}.T" + (f" @ {right}" if right != name else "")):
+                return said
             before = f"`{name}.T` in place of `{name}`" if right == name else f"`{name}.T @` before `{right}`"
             return f"{said} Is {before} meant?"
         if "inv(" in left:
             return " ".join(filter(None, (said, _without_inverse(stop))))
         if one[0] == other[0] and re.fullmatch(r"(-?[\w.]+ \* )?\w+(\.T)?", left):
             turned = left[:-2] if left.endswith(".T") else f"{left}.T"
+            repairs = [f"{turned} @ {right}"]
             if len(one) == len(other) == 2 and other[1] == one[0]:
-                return f"{said} `{turned} @ {right}` and `{right} @ {left}` would fit."
-            return f"{said} Is `{turned} @ {right}` meant?"
+                repairs.append(f"{right} @ {left}")
+            mended = [f"`{repair}`" for repair in repairs if mends(stop, product, repair)]
+            if len(mended) > 1:
+                return f"{said} {mended[0]} and {mended[1]} would fit."
+            return f"{said} Is {mended[0]} meant?" if mended else f"{said}{_owed(stop, product)}"
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
-        if is_swapped:
+        if is_swapped and mends(stop, product, f"{right} @ {left}"):
             return f"{said} Is `{right} @ {left}` meant?"
         made = [name for name in (left, right) if name in stop.made and not stop.made[name].startswith("for ")]
         return " ".join((said, *(f"`{name}` is made by `{stop.made[name]}`." for name in made)))
     return "In `A @ B` the columns of A must be as many as the rows of B."
+
+
+def _owed(stop: Stop, product: ast.expr) -> str:
+    """The shape that a product must have beside another term; empty where it stands alone."""
+    other = beside(stop, product)
+    return "" if other is None else f" Beside `{other[0]}`, of shape {other[1]}, the product must have that shape, too."
 
 
 def unfit_blocks(stop: Stop) -> str:
@@ -198,7 +214,8 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                 inner = node.args[0]
                 if isinstance(inner, ast.BinOp) and isinstance(inner.op, ast.MatMult):
                     first = stop.shape(inner.left)
-                    if first and len(first) == 2 and first[1] == right[0]:
+                    repair = f"{ast.unparse(inner.left)} @ {b}"
+                    if first and len(first) == 2 and first[1] == right[0] and mends(stop, node.args[1], repair):
                         said += (
                             f" The right-hand side of the normal equations is multiplied, too: "
                             f"`{ast.unparse(inner.left)} @ {b}`."

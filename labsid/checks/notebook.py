@@ -12,6 +12,7 @@ from typing import Any
 
 from labsid.checks.cell_runs import runs_in, shell_of
 from labsid.checks.cells import Cell, answer_id, functions_asked_for, is_stub, steps_that_call
+from labsid.checks.function_reads import made_without_return
 from labsid.checks.hints import Hints
 from labsid.checks.notebook_ask import NotebookAsk
 from labsid.checks.notebook_file import open_notebook, released_template
@@ -132,7 +133,7 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
             asks_for_values = question.gives is not None or question.reference is not None
             tried = "" if verdict.slip is not None or asks_for_values else ask.tried
             beside = ask.beside if verdict.slip in (None, PYTHON_ERROR) else ""
-            reason = " ".join(filter(None, (verdict.reason, beside, tried)))
+            reason = " ".join(filter(None, (verdict.reason, self._without_return(ask, verdict), beside, tried)))
             self._fail(question, reason, cells, mend=verdict.mend, names=ask.names)
         self._passed[question_id] = given_values(question, ask, passed=True)
         self._skipped.pop(question_id, None)
@@ -213,6 +214,12 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         if has_widget(data):
             self._display(RUN_AGAIN, f"<small>{escape(RUN_AGAIN)}</small>", {})
         self._shell.display_pub.publish(data, metadata={})
+
+    def _without_return(self, ask: "NotebookAsk", verdict: Verdict) -> str:
+        """Which function without `return` made a value that the verdict says is nothing; empty if none did."""
+        sources, _ = self._sources_and_typed(n for n in ask.names if f"`{n}`" in verdict.reason)
+        told = (made_without_return(name, texts, self._variables) for name, texts in sources.items())
+        return next(filter(None, told), "") if "nothing (None)" in verdict.reason else ""
 
     def _has_practice(self, question_id: str) -> bool:
         from labsid.checks.practice import exercise_of

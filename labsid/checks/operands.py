@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from labsid.checks.line_values import parsed_line
 from labsid.checks.matrix_causes import products_of_matrices
+from labsid.checks.repairs import mends, shape_of_repair
 from labsid.checks.stops import Stop
 
 _OPERATIONS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.FloorDiv, ast.Mod)
@@ -63,9 +64,47 @@ def entry_by_entry(stop: Stop, _: re.Match[str]) -> str | None:
             f"`*` multiplies entry by entry; the product of matrices is `@`. `{left} @ {right}` would be "
             f"{one[0]} by {one[0]}, and never has an inverse; `{right} @ {left}` is {one[-1]} by {one[-1]}."
         )
-    said = f"`*` multiplies entry by entry. The product of the matrices is `{left} @ {right}`, which fits."
+    said, product = "`*` multiplies entry by entry. The product of the matrices is", f"{left} @ {right}"
     count = products_of_matrices(stop)
-    return f"{said} So are the others: each of the {count} `*` in this line is an `@`." if count else said
+    if count:
+        return f"{said} `{product}`, which fits. So are the others: each of the {count} `*` in this line is an `@`."
+    if mends(stop, ast.BinOp(found.left, ast.Mult(), found.right), product):
+        return f"{said} `{product}`, which fits."
+    return f"{said} `{product}`, of shape {(one[0], other[1])}."
+
+
+def vector_by_columns(stop: Stop, _: re.Match[str]) -> str | None:
+    """`*` between a matrix and a vector with an entry for each column, where the product fits the line."""
+    found = operands_of(stop)
+    for side in () if found is None else (found.left, found.right):
+        made = stop.made.get(side.id, "") if isinstance(side, ast.Name) else ""
+        tree = parsed_line(made) if made else side
+        for node in [] if tree is None else ast.walk(tree):
+            if not isinstance(node, ast.BinOp) or not isinstance(node.op, ast.Mult):
+                continue
+            written, left, right = map(ast.unparse, (node, node.left, node.right))
+            table, vector = stop.shape(node.left), stop.shape(node.right)
+            shape = stop.shape(node)
+            product = f"{left} @ {right}"
+            if table is None or len(table) != 2 or vector != table[1:] or shape != table:
+                continue
+            if not shape_of_repair(stop, product) or not _mended_by(stop, side, node, product):
+                continue
+            where = f"In `{made}`, `{written}`" if made else f"`{written}`"
+            return (
+                f"{where} multiplies each column of `{left}` by its entry of `{right}`, and has shape {shape}. The "
+                f"product of the matrix and the vector is `{product}`, of shape {table[:1]}."
+            )
+    return None
+
+
+def _mended_by(stop: Stop, side: ast.expr, node: ast.BinOp, product: str) -> bool:
+    """Whether a line fits with a product in the place of `*`, which stands in it or is what made its `side`."""
+    made = parsed_line(stop.made.get(side.id, "")) if isinstance(side, ast.Name) else None
+    value = next((one.value for one in ast.walk(made) if isinstance(one, ast.Assign)), None) if made else None
+    if value is None:
+        return mends(stop, node, product)
+    return mends(stop, side, ast.unparse(value).replace(ast.unparse(node), product))
 
 
 def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
@@ -83,15 +122,19 @@ def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
         name = ast.unparse(right)
         name = name if re.fullmatch(r"[\w.]+(\[.*\]|\(.*\))*", name) else f"({name})"
         if along_rows:
+            if not mends(stop, right, f"{name}[:, np.newaxis]"):
+                return along_rows
             return f"{along_rows} (To keep one for each row beside the table: `{name}[:, np.newaxis]`.)"
-        return (
-            f"numpy matches shapes from the last axis: a flat array stands for one *row* of {one[1]}. "
-            f"For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
-        )
+        said = f"numpy matches shapes from the last axis: a flat array stands for one *row* of {one[1]}."
+        if mends(stop, right, f"{name}[:, np.newaxis]"):
+            return f"{said} For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
+        return f"{said} `{ast.unparse(left)}` has shape {one} and `{ast.unparse(right)}` {other}."
     for side, shape in ((found.left, found.shapes[0]), (found.right, found.shapes[1])):
         turned = re.fullmatch(r"(\w+)\[(np\.newaxis|None),\s*:\]", ast.unparse(side))
         if turned is not None and len(shape) == 2 and shape[1] in (one[0], other[0]):
             column = f"{turned[1]}[:, {turned[2]}]"
+            if not mends(stop, side, column):
+                return f"`{turned[0]}` is one row, of shape {shape}."
             return f"`{turned[0]}` is one row. For one number to each row make a column of it: `{column}`."
     return None
 
@@ -105,26 +148,25 @@ def unequal_shapes(stop: Stop, _: re.Match[str]) -> str | None:
     one, other = found.shapes
     left, right = ast.unparse(found.left), ast.unparse(found.right)
     for side, shape, beside in ((found.left, one, other), (found.right, other, one)):
-        said = _reduced(stop, side, beside) or _convolved(stop, side, shape)
+        said = _reduced(stop, side, beside) or _convolved(stop, side, shape, beside)
         if said:
             return said
     if len(one) == len(other) == 1:
-        return f"`{left}` has {one[0]} entries and `{right}` has {other[0]}. {_paired(found, left, right)}"
+        return f"`{left}` has {one[0]} entries and `{right}` has {other[0]}. {_paired(stop, found, left, right)}"
     return (
         f"`{left}` has shape {one} and `{right}` {other}. Entry by entry, both need the same shape (an axis of "
         "length 1 fits any)."
     )
 
 
-def _paired(found: Operands, left: str, right: str) -> str:
+def _paired(stop: Stop, found: Operands, left: str, right: str) -> str:
     """How two flat arrays of different lengths can stand beside each other."""
     one, other = found.shapes[0][0], found.shapes[1][0]
     filling = re.compile(r"(?:np\.)?(zeros|ones)\(.*\)")
     if isinstance(found.operation, ast.Add) and (filling.fullmatch(left) or filling.fullmatch(right)):
-        return (
-            f"`+` adds entry by entry. Is one to stand behind the other? Then join them: "
-            f"`np.concatenate([{left}, {right}])`."
-        )
+        joined = f"np.concatenate([{left}, {right}])"
+        if mends(stop, ast.BinOp(found.left, found.operation, found.right), joined):
+            return f"`+` adds entry by entry. Is one to stand behind the other? Then join them: `{joined}`."
     if 2 * min(one, other) < max(one, other):
         return "Entry by entry they do not pair up."
     return "Entry by entry they must be of equal length (cut signals so that they cover the same samples)."
@@ -148,7 +190,7 @@ def _reduced(stop: Stop, side: ast.expr, beside: Shape) -> str:
     return ""
 
 
-def _convolved(stop: Stop, side: ast.expr, shape: Shape) -> str:
+def _convolved(stop: Stop, side: ast.expr, shape: Shape, beside: Shape) -> str:
     """A convolution, which is longer than the signal; empty if there is none."""
     line = stop.made.get(side.id, "") if isinstance(side, ast.Name) else ast.unparse(side)
     joined = re.search(r"np\.convolve\((\w+), (\w+)\)", line)
@@ -159,7 +201,7 @@ def _convolved(stop: Stop, side: ast.expr, shape: Shape) -> str:
     if not all(sizes) or shape != (sum(sizes) - 1,):
         return ""
     longer = joined[1 + (sizes[1] >= sizes[0])]
-    return (
-        f"`{joined[0]}` has len({joined[1]}) + len({joined[2]}) - 1 = {shape[0]} entries: those of the samples of "
-        f"`{longer}` are the first, `{joined[0]}[: len({longer})]`."
-    )
+    said = f"`{joined[0]}` has len({joined[1]}) + len({joined[2]}) - 1 = {shape[0]} entries"
+    if beside[-1:] != (max(sizes),):
+        return f"{said}."
+    return f"{said}: those of the samples of `{longer}` are the first, `{joined[0]}[: len({longer})]`."

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from types import CodeType, FrameType, TracebackType
 from typing import Any
 
+import numpy as np
+
 from labsid.checks.line_values import MOST_PARTS, Thing, parsed_line, things_in
 
 _LARGEST_SIZE = 10**7
@@ -173,11 +175,7 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
     arguments = code.co_varnames[: code.co_argcount] if code.co_name != "<module>" else ()
     near = ""
     if isinstance(error, NameError) and error.name:
-        own = [name for name in {**frame.f_globals, **frame.f_locals} if not name.startswith("_")]
-        alike = [name for name in own if name.lower() == error.name.lower()]
-        longer = [name for name in own if name.startswith(f"{error.name}_")]
-        close = difflib.get_close_matches(error.name, own, 1, 0.75) or (longer if len(longer) == 1 else [])
-        near = next(iter(alike or close), "")
+        near = _near(error.name, line, {**frame.f_globals, **frame.f_locals}, _source_of(frame, source))
     made = {**_returns(line, frame, source), **_made(line, frame, trace.tb_lineno, source)}
     is_inner = code.co_name in _INNER
     things = things_in(line, names, is_inner)
@@ -186,6 +184,36 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
     is_function = code.co_name != "<module>"
     outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)
     return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside, made)
+
+
+def _near(unknown: str, line: str, names: Mapping[str, Any], source: str) -> str:
+    """The variable that an unknown name may mean: spelt nearly alike, or with that name as a part; empty if none fits.
+
+    What is called must be callable, and what is indexed must not. Of several that have the name as a part, those of
+    the length of another array in the line are meant, and then those in the same cell or function.
+    """
+    is_called = re.search(rf"\b{unknown}\s*\(", line) is not None
+    is_indexed = re.search(rf"\b{unknown}\s*\[", line) is not None
+    own = [
+        name
+        for name, value in names.items()
+        if not name.startswith("_") and (not is_called or callable(value)) and not (is_indexed and callable(value))
+    ]
+    alike = [name for name in own if name.lower() == unknown.lower()]
+    close = alike or difflib.get_close_matches(unknown, own, 1, 0.75)
+    if close:
+        return close[0]
+    longer = [name for name in own if unknown in name.split("_") or name.startswith(f"{unknown}_")]
+    sizes = {names[name].shape for name in _NAME.findall(line) if isinstance(names.get(name), np.ndarray)}
+    fitting = [name for name in longer if isinstance(names[name], np.ndarray) and names[name].shape in sizes - {()}]
+    longer = fitting or longer
+    here = [name for name in longer if re.search(rf"\b{name}\b", source)]
+    return longer[0] if len(longer) == 1 else here[0] if len(here) == 1 else ""
+
+
+def _source_of(frame: FrameType, source: str) -> str:
+    """The text of the cell in which a frame's code stands."""
+    return "".join(linecache.getlines(frame.f_code.co_filename)) or source
 
 
 def _visible(frame: FrameType) -> Mapping[str, Any]:
@@ -228,6 +256,8 @@ def _made(line: str, frame: FrameType, number: int, source: str) -> dict[str, st
             made_by = [one for one, heads in assigned if name in heads]
             begun = (one for one in made_by if name not in _NAME.findall(one.partition("=")[2]))
             made = next(begun, made_by[0] if made_by else "")
+            if re.search(r"=\s*(\[\]|list\(\))$", made):
+                made = next((one for one, _ in assigned if one.startswith(f"{name}.append(")), made)
             if made and len(found) < _MOST_MADE:
                 found[name] = made
                 asked.append(made)

@@ -140,7 +140,8 @@ def judge(
         the right value, is skipped.
     exactly : callable, optional
         A closer comparison, for answers whose tolerance is wider than the distance between a mistake and the right
-        value: an answer that is exactly what a mistake gives, and not exactly right, is that mistake.
+        value: an answer that is exactly what a mistake gives, and not exactly right, is that mistake. Of several
+        mistakes within the tolerance, too, one that gives the answer exactly comes first.
 
     Returns
     -------
@@ -149,6 +150,7 @@ def judge(
     if same(got, right) and (exactly is None or exactly(got, right)):
         return Verdict(True, praise)
     alike = same if exactly is None or not same(got, right) else exactly
+    found: list[Slip[Answer]] = []
     for slip in slips:
         try:
             # a mistake may divide by zero or overflow; students see no warnings of the checks
@@ -157,7 +159,11 @@ def judge(
         except (ValueError, LookupError, ArithmeticError):
             continue
         if alike(got, wrong) and not alike(wrong, right):
-            return Verdict(False, slip.hint, slip.name, slip.mend)
+            found.append(slip)
+            if exactly is None or exactly(got, wrong):
+                return Verdict(False, slip.hint, slip.name, slip.mend)
+    if found:
+        return Verdict(False, found[0].hint, found[0].name, found[0].mend)
     if same(got, right):
         return Verdict(True, praise)
     return Verdict(False, " ".join(filter(None, (otherwise, relation(got, right, same)))))

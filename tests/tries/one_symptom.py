@@ -220,6 +220,16 @@ TRIES: dict[str, tuple[Try, ...]] = {
     ),
     "model-structures": (
         Try(
+            "ms-7-excitation",
+            "columns of different lengths",
+            "def excitation(u, largest):\n    order = 0\n    for n in range(1, largest + 1):\n"
+            "        windows = np.column_stack([u[: len(u) - i] for i in range(n)])\n"
+            "        if np.linalg.matrix_rank(windows) < n:\n            break\n        order = n\n    return order",
+            "Each column is cut so that this difference is the same\\.",
+            TAUGHT,
+            "zeros",
+        ),
+        Try(
             "ms-3-state-space",
             "a list divided",
             edited("ms-3-state-space", ("np.array(den) / den[0]", "list(den) / den[0]")),

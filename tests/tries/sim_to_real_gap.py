@@ -156,7 +156,18 @@ TRIES = (
     Try(OPER, "y_lin with offset as x", cells(y="y_lin + y_offset, e, edges_y"), "output of the linear model"),
     Try(OPER, "offset-free", cells(u="u, e, edges_u"), "with its offset"),
     Try(OPER, "swapped", cells(u="y_act, e, edges_y", y="u_act, e, edges_u"), "shares of the other signal"),
-    Try(OPER, "counts", cells("h = np.histogram(x, edges)[0]\n    return h / np.sum(h)"), "counts samples"),
+    Try(
+        OPER,
+        "squares as the range",
+        cells("h = np.histogram(x, edges, e**2)[0]\n    return h / np.sum(h)"),
+        "counts samples.*third in `np.histogram` is the range",
+    ),
+    Try(
+        OPER,
+        "counts",
+        cells("h = np.histogram(x, edges)[0]\n    return h / np.sum(h)"),
+        "counts samples.*third in `np.histogram` is the range",
+    ),
     Try(OPER, "order of arguments", cells(u="e, u_act, edges_u"), "handed over first"),
     Try(
         SIM,
@@ -255,7 +266,6 @@ TRIES = (
         "answers later",
         more=(("gap-8-effect-answer", "effect = 'input-delay'"),),
     ),
-    Try(PARS, "a list", "parameters = [1.2, 3.4]", "dictionary", more=(("gap-8-effect-answer", NAMED),)),
     Try(PARS, "names", "parameters = {'min': 1.2, 'max': 3.4}", "keys", more=(("gap-8-effect-answer", NAMED),)),
     Try(CLOSED, "gap_before not squared", closed(before="gap_before"), "`gap_before` itself, a root"),
     Try(CLOSED, "whole record", closed("np.mean((simulate_better(u_act) - y_act)**2)"), "whole record"),

@@ -65,7 +65,7 @@ TRIES = (
         "if on array",
         "def first_order_response(t, K, tau, td, amplitude):\n    if t < td:\n        return 0\n"
         "    return K * amplitude * (1 - np.exp(-(t - td) / tau))",
-        r"True or False.*`np.where\(condition, a, b\)`",
+        r"True or False.*`np.where\(t < .*, a, b\)`",
     ),
     Try(RESP, "e^", response("K * amplitude * (1 - e^(-(t - td) / tau))"), r"np\.exp"),
     Try(

@@ -300,7 +300,10 @@ def test_a_figure_is_read_with_its_number_of_axes() -> None:
     assert as_figure("fig_1", figure, 0) is figure
     with refused("`fig_1` should have 2 subplots; it has 0.", "number of panels"):
         as_figure("fig_1", figure, 2)
-    said = "`fig_1` should be the figure itself, as `plt.figure()` returns it; it is an object of type Axes."
+    said = "`fig_1` should be a figure; it is nothing (None), as the result of a function without `return` is."
+    with refused(said, "not the figure"):
+        as_figure("fig_1", None)
+    said = "`fig_1` should be the figure itself, the first that `plt.subplots()` returns; it is an object of type Axes."
     with refused(said, "not the figure"):
         as_figure("fig_1", Unreadable("Axes"), 2)
 

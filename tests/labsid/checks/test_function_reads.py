@@ -1,12 +1,13 @@
 """What is said of a function that reads the notebook's data."""
 
+import linecache
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from labsid.checks.function_reads import reads_beside
+from labsid.checks.function_reads import made_without_return, reads_beside
 
 VARIABLES: dict[str, Any] = {"t_step": np.arange(50.0), "theta": np.ones(4), "half": 25, "np": np}
 
@@ -38,3 +39,26 @@ def test_data_read_beside_the_arguments_are_named(source: str, said: str) -> Non
     told = reads_beside("f", made(source), VARIABLES)
     assert said in told
     assert bool(said) == bool(told)
+
+
+DRAWS = "def f(y):\n    fig, ax = plt.subplots()\n    ax.plot(y)\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        (DRAWS, "`f`, which makes it, returns nothing: end it with `return fig`."),
+        ("def f(y):\n    theta = y\n", "`f`, which makes it, returns nothing: end it with `return ...`."),
+        ("def f(y):\n    if len(y) > 9:\n        return y\n", ""),  # it returns in some cases
+        ("def f(y):\n    return y[:0] or None\n", ""),
+    ],
+)
+def test_a_function_without_return_is_named_where_it_made_nothing(source: str, said: str) -> None:
+    name = f"<cell {source}>"
+    linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+    variables: dict[str, Any] = {}
+    exec(compile(source, name, "exec"), variables)
+    made_by = ["import numpy as np", f"{source}\n\nfig_1 = f([1])\nother = f([2])"]
+    assert made_without_return("fig_1", made_by, {**variables, "fig_1": None}) == said
+    assert made_without_return("fig_1", made_by, {**variables, "fig_1": 3}) == ""
+    assert made_without_return("fig_2", made_by, {**variables, "fig_2": None}) == ""

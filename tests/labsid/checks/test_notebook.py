@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from labsid.checks import CheckFailed, notebook_checks
+from labsid.checks.compare import as_figure
 from labsid.checks.notebook import NotebookAsk, assignment_names, load_assignment
 from labsid.checks.question import Assignment, Question, given_values
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
@@ -68,6 +69,27 @@ def test_a_wrong_answer_fails_in_one_line(tiny: dict, capsys: pytest.CaptureFixt
     tiny["a"] = -3
     assert failure(check, "q-gain") == "✗ q-gain: look at the sign."
     assert capsys.readouterr().out == ""
+
+
+def test_a_function_of_the_notebook_without_return_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    from IPython.core.interactiveshell import InteractiveShell
+
+    def figure(ask: Any) -> Verdict:
+        as_figure("fig_1", ask.value("fig_1"))
+        return Verdict(True, "a figure.")
+
+    monkeypatch.setattr(
+        "labsid.checks.notebook.load_assignment", lambda name: Assignment("tiny", (Question("q-figure", figure),))
+    )
+    shell = InteractiveShell()
+    check = notebook_checks("tiny", shell.user_ns)
+    shell.run_cell("def draw(y):\n    fig = plt.figure()")
+    shell.run_cell("import matplotlib.pyplot as plt\nfig_1 = draw(1)")
+    nothing = "✗ q-figure: `fig_1` should be a figure; it is nothing (None), as the result of a function without"
+    named = "`draw`, which makes it, returns nothing: end it with `return fig`."
+    assert failure(check, "q-figure") == f"{nothing} `return` is. {named}"
+    shell.run_cell("fig_1 = None")
+    assert named not in failure(check, "q-figure")
 
 
 def test_jupyter_shows_that_line_and_no_traceback(tiny: dict) -> None:

@@ -1,5 +1,6 @@
 """Python's errors, explained: each cause with the mistake, and with a neighbour that must not get it."""
 
+import ast
 from typing import Any
 
 import control
@@ -9,6 +10,7 @@ import pytest
 
 from labsid.checks.asked_texts import OF_VARIABLES
 from labsid.checks.python_errors import details, explain, told
+from labsid.checks.repairs import beside, mends, shape_of_repair
 from labsid.checks.stops import Stop, packed, stop_of, unpacked
 from labsid.rig.switchable.withheld_effects import EFFECT_PATHS
 
@@ -66,7 +68,7 @@ CAUSES = [
     ('data["y"]', "data.time", '`data` has the keys "t"'),
     ("y(1)", "k(1)", "round brackets call, square ones take entries"),
     ("k(1 + 1)", "y(1)", "a product is `k * "),
-    ("np.column_stack([y[1:], u])", "np.concatenate([Phi, W])", "Here these are 19, 20"),
+    ("np.column_stack([y[1:], u])", "np.concatenate([Phi, W])", "Here `y[1:]` has 19, `u` has 20"),
     ("np.column_stack(y, u)", "np.array([y, w])", "in a list: `np.column_stack([y, u])`"),
     ("np.concatenate([Phi, y])", "np.column_stack([y[1:], u])", "one is flat, (N,)"),
     ("if y > 3: pass", "if y.undefined: pass", "need one True or False"),
@@ -195,6 +197,58 @@ CAUSES = [
     ("[w, w].T @ w", "['a'].split(',')", "`np.column_stack(...)` one with a column for each"),
     ("W = np.zeros((3, 2))\nW[0] = R * w[:2] * w[:2, np.newaxis]", "W = np.zeros(3)\nW[0] = w", "Often here: `*`"),
     ("ct.ss([[0, 1], [2, 3]], [[0, 1]], [[1, 2]], [[0]], 1)", "ct.ss(R, w, w, 0)", "`[[0], [1]]`"),
+    # repairs that were tried, by their shapes, in the line
+    ("Y - Phi * w[:2]", "Phi - Y", "has shape (20, 2). The product of the matrix and the vector is `Phi @ w[:2]`"),
+    ("y_hat = Phi * w[:2]\nY - y_hat", "y_hat = Phi * 2\nY - y_hat", "In `y_hat = Phi * w[:2]`, `Phi * w[:2]`"),
+    ("Y - Phi - w", "Phi * Y", "`Phi` has shape (20, 2)"),
+    ("Phi.T @ Y + Phi.T @ w[:2]", "Phi.T @ w[:2]", "Beside `Phi.T @ Y`, of shape (2,), the product must have"),
+    ("Phi.T @ w[:2]", "Phi.T @ Y + Phi.T @ w[:2]", "Is `Phi @ w[:2]` meant?"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Y + w[:2]", "np.linalg.inv(Phi.T @ Phi) @ Y + w", "`Phi.T @` before `Y`"),
+    ("w[:2] - Phi.T * Phi", "w - Phi.T * Phi", "`Phi.T @ Phi`, which fits"),
+    ("np.zeros(3) + u", "np.zeros(3) + u - w", "join them"),
+    ("Phi.T @ Y @ Phi - R", "Phi.T @ Y @ Phi - w", "`np.diag(Y)`"),
+    # a number that is called, lists that are joined, functions that are not called
+    ("theta, n = 2.5, 5\ntheta(n - 1)", "theta, n = 2.5, 5\ntheta(n * 3.5)", "is the value at that index"),
+    ("def g(theta, n):\n return theta(n - 1)\ng(2.5, 5)", "k(1 + 1)", "the argument holds that value already"),
+    ("a, b = [y, u], [y]\nnp.column_stack(a, b)", "np.column_stack(y, u)", "`np.column_stack(a + b)`"),
+    ("a, b = [y, u], [w]\nnp.column_stack(a, b)", "a, b = [y], [y]\nnp.column_stack(a, b)", "with 5 and 20 rows"),
+    ("np.column_stack(y, w)", "np.column_stack(y, u)", "and these have 20 and 5 rows"),
+    (
+        "J = handed\nJ.T @ J",
+        "handed.frob",
+        "a function, by `J = handed`, and not what it returns: it is called, `J(f)`",
+    ),
+    # names that are not known
+    ("traces = y\ntrace(R)", "x = zero", "It is a function of numpy: `np.trace`"),
+    ("x = zero", "zero(3)", "There is `zeros`"),
+    ("bode(1)", "bodes(1)", "It is a function of control: `ct.bode`"),
+    ("comb(5, 2)", "combs(5, 2)", "`math.comb`, after `import math`"),
+    ("step(1)", "steps_1(1)", "`ct.step_response(sys)`"),
+    ("stats.t.ppf(1)", "stats.frob(1)", "It is a part of scipy: `scipy.stats.t`"),
+    ("t_step = y\nt_fine = w\nplt.plot(q, y) if 0 else (t, y)", "plt.plot(q, y)", "There is `t_step`"),
+    ("load_record = handed\nload_record('a.csv', inputs=Q1)", "handed(Q1)", 'as texts, in quotes: `"Q1"`'),
+    ("r = load_record('a', inputs=Q1,Q2, outputs=T1,T2)", "f(inputs=Q1, 3)", '`inputs="Q1,Q2"`'),
+    ("f(inputs=Q1,Q2)", "f(inputs=Q1, 3)", "stand in a list: `inputs=[Q1,Q2]`"),
+    ("def g(a):\n return a = k", "def g(a):\n return f(a=1) b", "`==` compares two values"),
+    ("def g(a):\n return a = k", "def g(a):\n return a == 1 b", "`==` compares two values"),
+    # columns of different lengths, and lists
+    (
+        "c = []\nfor i in range(2):\n c.append(y[:-i])\nnp.column_stack(c)",
+        "c = []\nfor i in range(2):\n c.append(y[: 9 - i])\nnp.column_stack(c)",
+        "`y[:-i]` takes nothing",
+    ),
+    (
+        "d = 2\nc = [y[d - i : d + 9 - i] for i in range(4)]\nnp.column_stack(c)",
+        "np.column_stack([y[1:], u])",
+        "`d - i` is below zero",
+    ),
+    ("np.column_stack([y[1:], y[:-2]])", "np.column_stack([[1], y])", "Here `y[1:]` has 19, `y[:-2]` has 18"),
+    ("[1, 2, 3][k + 1]", "[1, 2][k]", "The list has 3 entries"),
+    (
+        "c = [1, 2]\nc[k]",
+        "[1, 2, 3][k + 1]",
+        "`c` has 2 entries: Python counts from 0, so the last is `[1]`. Here `k` is 2",
+    ),
     # each with another mistake that stops with the same error
     ("y[3] - y[:0].remove(1)", "y.plot(u)", "a method of lists, and `y[:0]` is an array"),
     ("sigma = np.arange(20.0)\nsigma * Phi", "w * Phi", "`sigma[:, np.newaxis]`"),
@@ -285,6 +339,24 @@ CAUSES = [
 def test_a_cause_is_told_and_only_where_it_holds(mistake: str, neighbour: str, said: str) -> None:
     assert said in explain(stopped(mistake))
     assert said not in explain(stopped(neighbour))
+
+
+def test_a_repair_is_tried_by_its_shapes_and_none_of_it_is_run() -> None:
+    stop = stopped("Y - 2 * Phi @ w + handed")
+    part = next(node for node in stop.operations(ast.MatMult))
+    assert not mends(stop, part, "Phi @ w[:3]")
+    assert mends(stop, part, "Y")
+    assert mends(stop, part, "2 * Y[:, np.newaxis].ravel()")
+    assert not mends(stop, part, "w")
+    assert not mends(stop, part, "handed(Y)")
+    assert not mends(stop, part, "Y +")
+    assert shape_of_repair(stop, "Phi.T @ Y") == (2,)
+    assert shape_of_repair(stop, "Phi @ Y") is None
+    assert beside(stop, part) == ("Y", (N,))
+    systems = stopped("np.linalg.solve(Phi.T @ Phi, Y) - w[:2]")
+    right = next(node for node in ast.walk(ast.parse(systems.line)) if ast.unparse(node) == "Y")
+    assert mends(systems, right, "Phi.T @ Y")  # type: ignore[arg-type]
+    assert not mends(systems, right, "Phi @ Y")  # type: ignore[arg-type]
 
 
 def test_names_within_a_lambda_or_a_comprehension_are_not_those_of_the_notebook() -> None:

@@ -56,6 +56,16 @@ def test_a_mistake_within_the_tolerance_is_told_from_the_right_value_by_a_closer
     assert verdict(3.1) == Verdict(False, "wrong")
 
 
+def test_of_two_mistakes_within_the_tolerance_the_exact_one_is_told() -> None:
+    slips = [Slip("near", "near", lambda: 5.0), Slip("exact", "exact", lambda: 5.05), Slip("far", "far", lambda: 7.0)]
+
+    def slip(got: float) -> str | None:
+        near, exactly = (lambda a, b: abs(a - b) < 0.1), (lambda a, b: abs(a - b) < 1e-9)
+        return judge(got, 2.0, near, "right", "wrong", slips, exactly).slip
+
+    assert (slip(5.05), slip(5.0), slip(5.02), slip(7.05)) == ("exact", "near", "near", "far")
+
+
 def test_a_singular_matrix_is_told_what_it_means_in_its_question_and_nothing_else_is() -> None:
     for stopped, told in (("LinAlgError: Singular matrix", "no inverse here"), ("ValueError: shapes", "shapes")):
         with pytest.raises(NoAnswer, match=told), told_if_singular("no inverse here", "inverse"):

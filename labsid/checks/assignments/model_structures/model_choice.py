@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
+from labsid.checks.column_causes import FILLED_WITH_ZEROS
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS, wrapped
@@ -26,7 +27,10 @@ def check_excitation(ask: Ask) -> Verdict:
     first, second = np.arange(len(made)).reshape(2, -1)
     trials = [made[i] for i in ask.rng.permutation([*first, *ask.rng.permutation(second)[:3]])]
     truth = [excitation_order(u, _LARGEST) for _, u in trials]
-    raw = [returned(ask, "excitation", u, _LARGEST) for _, u in trials]
+    try:
+        raw = [returned(ask, "excitation", u, _LARGEST) for _, u in trials]
+    except NoAnswer as stopped:  # a column with zeros in it has not the rank of the input
+        raise NoAnswer(str(stopped).replace(FILLED_WITH_ZEROS, ""), stopped.slip) from None
     answers = [as_number("excitation(u, 8)", answer) for answer in raw]
     if all(isinstance(answer, bool) for answer in raw):
         return Verdict(False, "`excitation` returns True or False: the order is a number.", "no number")

@@ -390,7 +390,8 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
         ),
         Slip(
             "shares of the samples",
-            "`cell_shares` counts samples.",
+            "`cell_shares` counts samples: the errors do not count in it. (What comes third in `np.histogram` is the "
+            "range: weights are handed over by name, `weights=`.)",
             lambda: _normed(counts),
             mend="Each counts with its squared error: `weights=e**2`.",
         ),

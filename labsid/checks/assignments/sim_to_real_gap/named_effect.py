@@ -91,8 +91,12 @@ def check_parameters(ask: Ask) -> Verdict:
             "names of parameters",
         )
     if not isinstance(value, Mapping):
+        what = kind_of(value)
+        if isinstance(value, np.ndarray) and value.ndim == 1:
+            what = f"a list or an array of {value.size} numbers"
         raise NoAnswer(
-            f'`parameters` should be a dictionary, such as {{"low": 1.2, "high": 3.4}}; it is {kind_of(value)}.',
+            '`parameters` should be a dictionary, with a key for each value, such as {"low": 1.2, "high": 3.4}; it is '
+            f"{what}.",
             "not a dictionary",
         )
     rig = _rig(ask)

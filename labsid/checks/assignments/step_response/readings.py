@@ -199,7 +199,7 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     if change < 0:
         downwards = (
             "in a step down, or wherever the output falls, `y >= level` is true from the start, and `np.interp` needs "
-            "values that rise: use the share."
+            "values that rise: compare the share of the change, which rises from 0 to 1 both ways."
         )
         for value in (0.0, -right.td):
             yield _Suspect("only steps up", "tau", value, grid, f"tau: {downwards}")

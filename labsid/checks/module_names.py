@@ -1,0 +1,35 @@
+"""In which module a function is that stands without the name of its module."""
+
+import re
+from importlib import import_module
+
+_MODULES = (
+    ("np", "numpy"), ("np.linalg", "numpy.linalg"), ("ct", "control"),
+    ("scipy.linalg", "scipy.linalg"), ("scipy.signal", "scipy.signal"), ("scipy.optimize", "scipy.optimize"),
+    ("math", "math"),
+)  # fmt: skip
+"""Where a function may be that is called by its name alone: as a notebook writes the module, and the module."""
+_SUBMODULES = {
+    "linalg": ("np.linalg", "scipy.linalg"), "fft": ("np.fft",), "random": ("np.random",), "stats": ("scipy.stats",),
+    "signal": ("scipy.signal",), "optimize": ("scipy.optimize",), "interpolate": ("scipy.interpolate",),
+    "integrate": ("scipy.integrate",), "ticker": ("matplotlib.ticker",), "patches": ("matplotlib.patches",),
+}  # fmt: skip
+"""Parts of modules, by the name that may stand alone."""
+
+
+def module_of(name: str, line: str, is_called: bool) -> str:
+    """In which module a function is that is called, or a part of a module of which something is taken; or nothing.
+
+    That the module has what is taken of it was looked up.
+    """
+    if is_called:
+        for written, module in _MODULES:
+            if callable(getattr(import_module(module), name, None)):
+                imported = ", after `import math`" if module == "math" else ""
+                return f"It is a function of {module.partition('.')[0]}: `{written}.{name}`{imported}."
+    taken = re.search(rf"(?<![\w.]){name}\.(\w+)", line)
+    for path in _SUBMODULES.get(name, ()) if taken is not None else ():
+        module = re.sub(r"^np\b", "numpy", path)
+        if taken is not None and hasattr(import_module(module), taken[1]):
+            return f"It is a part of {module.partition('.')[0]}: `{path}.{taken[1]}`."
+    return ""
