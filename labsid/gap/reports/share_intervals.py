@@ -3,7 +3,7 @@
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.verdict.scores import DRAWS, PERCENTILES, RESAMPLED_BLOCKS, SPREAD_FACTOR
+from labsid.gap.verdict.scores import DRAWS, PERCENTILES, RESAMPLED_BLOCKS, resampled_means
 
 LEAST_SAMPLES = 5 * RESAMPLED_BLOCKS  # from which there are blocks of several samples
 NEVER = -1.0  # a lower share is not told from others: the simulation with the effect is much worse
@@ -34,8 +34,7 @@ def share_interval(before: FloatArray, after: FloatArray, floor: float) -> tuple
     if not np.isfinite(means).all():
         return None
     drawn = np.random.default_rng(0).integers(0, RESAMPLED_BLOCKS, (DRAWS, RESAMPLED_BLOCKS))
-    mean = means.mean(axis=1)[:, None]
-    m0, m1 = mean + SPREAD_FACTOR * (means[:, drawn].mean(axis=2) - mean)
+    m0, m1 = resampled_means(means, drawn)
     if np.any(m0 <= floor):
         return None
     shares = 1.0 - np.sqrt(np.maximum(m1 - floor, 0.0) / (m0 - floor))

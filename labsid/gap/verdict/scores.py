@@ -159,8 +159,8 @@ def _closure_interval(
     inexact = floor * (floor / after.noise.sigma2) * after.n_free / max(fitted.size, 1)  # larger with coloured noise
     low, high = [], []
     for _ in range(DRAWS):
-        m0, m1 = _resampled_means(power, rng)
-        (noise,) = _resampled_means(noise_blocks[None], rng) * correct
+        m0, m1 = resampled_means(power, _drawn(power, rng))
+        (noise,) = resampled_means(noise_blocks[None], _drawn(noise_blocks[None], rng)) * correct
         if m0 > noise:
             wrong = inexact * rng.chisquare(after.n_free) / after.n_free
             high.append(1.0 - np.sqrt(max(m1 - noise, 0.0) / (m0 - noise)))
@@ -174,11 +174,25 @@ def _closure_interval(
     return ends[0], min(ends[1], 1.0)
 
 
-def _resampled_means(blocks: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Mean of each row over the same blocks, drawn with replacement."""
-    mean = blocks.mean(axis=1)
-    drawn = blocks[:, rng.integers(0, blocks.shape[1], blocks.shape[1])].mean(axis=1)
-    return np.asarray(mean + SPREAD_FACTOR * (drawn - mean))
+def resampled_means(blocks: FloatArray, drawn: np.ndarray) -> FloatArray:
+    """Mean of each row over the same drawn blocks, with the spread that few blocks underestimate.
+
+    Parameters
+    ----------
+    blocks : ndarray, shape (r, n)
+    drawn : ndarray of int, shape (n,) or (m, n)
+        Columns, drawn with replacement; once or m times.
+
+    Returns
+    -------
+    ndarray, shape (r,) or (r, m)
+    """
+    mean, again = blocks.mean(axis=1), blocks[:, drawn].mean(axis=-1).T
+    return np.asarray((mean + SPREAD_FACTOR * (again - mean)).T)
+
+
+def _drawn(blocks: FloatArray, rng: np.random.Generator) -> np.ndarray:
+    return np.asarray(rng.integers(0, blocks.shape[1], blocks.shape[1]))
 
 
 def _block_means(values: FloatArray) -> FloatArray:
