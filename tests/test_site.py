@@ -10,10 +10,12 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+import typer
 import yaml
 
 import labsid
 from autograder.course.layout import Course
+from labsid.cli.commands import _make_app
 from labsid.gap.effects.families import DESCRIPTIONS
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -145,6 +147,20 @@ def test_the_page_of_a_notebook_holds_no_solution(pages, name):
     assert secret
     assert secret & shown == set()
     assert re.findall(r"^# .*", re.sub(r"```.*?```", "", page, flags=re.S)[1:], re.M) == [], "a page has one title"
+
+
+def test_the_readme_lists_every_command():
+    """And no other: each row of its tables is a command that exists."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    listed = [*re.findall(r"^\| `(labsid [a-z ]*[a-z])", readme, re.M), "labsid data make", "labsid demo"]
+    assert all(f"`{name}" in readme for name in listed)
+    assert sorted(listed) == sorted(_commands(typer.main.get_command(_make_app(with_contributed=True)), "labsid"))
+
+
+def _commands(command, name):
+    """The full names of a command, or of those of a group."""
+    groups = getattr(command, "commands", None)
+    return [name] if groups is None else [one for key in groups for one in _commands(groups[key], f"{name} {key}")]
 
 
 def test_the_first_python_of_the_readme_runs():
