@@ -102,18 +102,30 @@ def identify_command(
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the model here, for `labsid gap --sim`.")
     ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Also draw free run, Bode, step response, poles and zeros: FILE.png or FILE.svg."
+        ),
+    ] = None,
 ) -> None:
     """Identify a model from the first half of a record and verify it on the second half, as in the lab."""
-    from labsid._files import write_json
+    from labsid._files import check_writable, write_json
     from labsid.cli.console import identification_text
     from labsid.lab.arx import to_gap_model
     from labsid.lab.identification import identify, to_json_dict
     from labsid.records.record import read_record
     from labsid.records.several_signals import one_signal_each
 
+    if plot is not None:
+        from labsid.plots.style import check_figure_file, save_figure
+
+        check_figure_file(plot)
     loaded = read_record(record, how)
-    if model is not None:
-        one_signal_each(loaded, "--model")
+    for option, path in (("--model", model), ("--plot", plot)):
+        if path is not None:
+            check_writable(path)
+            one_signal_each(loaded, option)
     if loaded.several:
         from labsid.cli.system_console import system_text
         from labsid.lab import system_identification
@@ -128,6 +140,10 @@ def identify_command(
         write_json(json_file, to_json_dict(result))
     if model is not None:
         write_json(model, to_gap_model(result.model))
+    if plot is not None:
+        from labsid.plots.identification import figure_identification
+
+        save_figure(figure_identification(result), plot)
     print(identification_text(result))
 
 

@@ -32,6 +32,7 @@ from labsid.gap.reports.page_parts import (
     load_template,
     overview,
 )
+from labsid.gap.reports.pole_rows import drawn_dynamics, poles_sentence
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
 from labsid.gap.reports.response_curves import find_response_curves
@@ -112,6 +113,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "residual": sentences.residual_sentences(report),
         "experiment": _experiment(report),
         "look": sentences.look_sentence(report),
+        "poles": poles_sentence(report),
         "limits": _limits(report),
     }
 
@@ -239,8 +241,13 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     else:
         part = "record" if report["holdout_traces"] is None else "holdout"
         report = report | {"stretch": worst_stretch(report, part)}
-    more = {"limits": titled, "residual": find_residual_curves(report), "responses": find_response_curves(report)}
-    figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
+    more: dict[str, Any] = {
+        "limits": titled,
+        "residual": find_residual_curves(report),
+        "responses": find_response_curves(report),
+    }
+    more |= {"rivals": rival_responses(report), "poles": drawn_dynamics(report)}
+    figures = figures_as_png(report | more)
     return in_base64(figures | effect_pictures(report))
 
 

@@ -483,3 +483,19 @@ def test_a_machine_that_has_no_more_is_said(refused, monkeypatch, tank, error, s
 
     monkeypatch.setattr("labsid.records.formats.read_raw", stop)
     assert said in refused("check", tank)[0]
+
+
+# Figures --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_identify_draws_the_model(labsid, tank, tmp_path, suffix, start):
+    path = tmp_path / f"model{suffix}"
+    status, _, err = labsid("identify", tank, "--plot", path)
+    assert (status, err) == (0, "")
+    assert path.read_bytes().startswith(start)
+
+
+def test_a_figure_has_a_suffix_and_a_folder(refused, tank, tmp_path):
+    assert "--plot must end in .png or .svg; got 'model.pdf'" in refused("identify", tank, "--plot", "model.pdf")[0]
+    assert "no such folder" in refused("identify", tank, "--plot", tmp_path / "none" / "model.png")[0]
