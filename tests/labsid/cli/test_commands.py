@@ -499,3 +499,15 @@ def test_identify_draws_the_model(labsid, tank, tmp_path, suffix, start):
 def test_a_figure_has_a_suffix_and_a_folder(refused, tank, tmp_path):
     assert "--plot must end in .png or .svg; got 'model.pdf'" in refused("identify", tank, "--plot", "model.pdf")[0]
     assert "no such folder" in refused("identify", tank, "--plot", tmp_path / "none" / "model.png")[0]
+
+
+def test_check_draws_a_record_and_also_one_that_it_refuses(labsid, tank, tmp_path):
+    path, bad = tmp_path / "record.svg", tmp_path / "bad.csv"
+    assert labsid("check", tank, "--plot", path)[0] == 0
+    assert path.read_text().startswith("<?xml")
+    t = np.arange(100.0)
+    t[50:] += 7.0
+    bad.write_text(as_csv(t, np.sin(t), np.cos(t)))
+    refused_figure = tmp_path / "bad.png"
+    assert labsid("check", bad, "--plot", refused_figure)[0] == 2
+    assert refused_figure.read_bytes().startswith(b"\x89PNG")
