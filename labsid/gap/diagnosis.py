@@ -374,7 +374,7 @@ def _report(prepared: Prepared, explanation: Explanation, seed: int, progress: P
     of_record += about_correction(report["gap"]["corrected"], MOST_CORRECTED)
     findings = [*prepared.findings, *of_record, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
-    report["record_findings"] = [asdict(finding) for finding in findings]
+    report["record_findings"] = [{"level": f.level, "topic": f.topic, "text": f.text} for f in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*prepared.notes, *about_shift(base, answer), *report["screen"]]
     report["findings"] = listed_findings(findings, report["screen"])

@@ -14,6 +14,8 @@ from labsid.records.formats import RawRecord
 from labsid.records.record import Record
 from labsid.records.signal_quality import moving_mean_length
 
+BY_RELAY = "the input switches on the output"  # how the finding of a controller begins
+BY_LAW = "the input follows from the output of the same sample"  # likewise
 CLOCK_PARTS = 8  # parts of a record for which the delay is estimated; set by hand
 MIN_SLIP = 1.0  # samples; set by hand
 MIN_LINEARITY = 0.95
@@ -224,12 +226,9 @@ def about_controller(u: FloatArray, y: FloatArray) -> list[Finding]:
     """That a direct term cannot be judged, if the input follows from the output of the same sample."""
     law = None
     if is_relay(u, y):
-        how = "the input switches on the output, as from a relay controller"
+        how = f"{BY_RELAY}, as from a relay controller"
     elif (law := find_control_law(u, y)) is not None:
-        how = (
-            "the input follows from the output of the same sample, as from a controller with a gain of "
-            f"{abs(law.gain):.3g}"
-        )
+        how = f"{BY_LAW}, as from a controller with a gain of {abs(law.gain):.3g}"
     else:
         return []
     if law is not None and law.has_constant_reference and is_one_line(u, y):
