@@ -145,16 +145,15 @@ def diagnose(
             jobs=jobs or available_cores(),
             progress=progress,
         )
-    report = diagnosed.report | {"command": _command_line(context)}
-    if stated is not None:
-        report = with_units(report, *stated)
+    summary = diagnosed.summary | {"command": _command_line(context)}
+    diagnosed = diagnosed.with_summary(summary if stated is None else with_units(summary, *stated))
     if json_file is not None:
-        write_json(json_file, report)
+        write_json(json_file, diagnosed.report)
     if html is not None:
         from labsid.gap.reports.html_report import write_html_report
 
-        write_html_report(html, report)
-    print_report(str(diagnosed.with_report(report)))
+        write_html_report(html, diagnosed.report)
+    print_report(str(diagnosed))
     if isinstance(diagnosed, diagnosis.Diagnosis) and diagnosed.why is not None:
         from labsid.cli.gap_why import format_why
 

@@ -25,8 +25,8 @@ from labsid.gap.dynamics.responses import (
     sprung_share,
 )
 
-MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
-MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
+MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift; set by hand
+MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized; set by hand
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,9 +35,9 @@ from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, one_of_each
 from labsid.simulators.stepper import callable_simulator
 
-FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero
-SLOWEST_RATES = 1e-6, 1e-9  # of c and k
-UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
+FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero; numerics
+SLOWEST_RATES = 1e-6, 1e-9  # of c and k; numerics
+UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output; numerics
 
 
 Simulation = dict[str, Any] | ExportedModel | SimulatedOutput | Simulator
