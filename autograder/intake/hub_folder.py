@@ -34,6 +34,7 @@ MOST_FILES = 100
 SECRET_FILE = "submission_secret.txt"
 """What nbgrader derives the name of a feedback page from, in a hand-in of its exchange."""
 
+_OWN_FILES = (f"/{SECRET_FILE}", "/timestamp.txt", "/feedback.html")  # what nbgrader and labsid put beside a notebook
 _PLUS = "+"  # between user, assignment and time in the names of nbgrader's folders
 
 
@@ -274,7 +275,7 @@ def _read_one(
     with zipfile.ZipFile(scratch) as archive:
         entries = [(info, info.filename) for info in archive.infolist()]
         found = read_hand_in(archive, Participant(hand_in.user, "0", entries), templates, budget)
-    found.skipped = [said for said in found.skipped if not said.endswith((SECRET_FILE, "timestamp.txt"))]
+    found.skipped = [said for said in found.skipped if not said.endswith(_OWN_FILES)]
     found.unread += [(None, said) for said in refused]
     found.skipped += refused
     return found

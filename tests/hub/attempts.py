@@ -51,7 +51,7 @@ tried("give a file away", lambda: os.chown(os.path.join(shared, "ada", "{assignm
 tried("link a hand-in", lambda: os.link(file, os.path.join(shared, "mallory", "copy.zip")))
 tried("join the group", lambda: os.setgid(os.stat(shared).st_gid))
 tried("read the feedback of another", lambda: open(page, "rb").read())
-tried("read a home folder", lambda: os.listdir("/home/ben"))
+tried("read a home folder", lambda: os.listdir({home!r}))
 for path in {private!r}:
     tried("read " + path, lambda: open(path, "rb").read())
 print("end")

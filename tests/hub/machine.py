@@ -73,7 +73,7 @@ class Machine:
 
     def command(self, user: str, arguments: list[str], environment: Mapping[str, str]) -> list[str]:
         """The command line that runs `arguments` in the namespace, as a user."""
-        home = "/root" if user == "root" else f"/home/{user}"
+        home = home_of(user)
         kept = {
             "HOME": home,
             "USER": user,
@@ -97,7 +97,7 @@ class Machine:
 
     def add_user(self, name: str) -> None:
         """A user with a home folder that nobody else can enter."""
-        self.root(f"useradd --create-home --user-group --shell /bin/sh {name} && chmod 700 /home/{name}")
+        self.root(f"useradd --create-home --user-group --shell /bin/sh {name} && chmod 700 {home_of(name)}")
 
     def write(self, path: str, text: str, owner: str = "root", mode: str = "644") -> None:
         """Write a file on the machine."""
@@ -116,6 +116,11 @@ class Machine:
     def copy(self, source: Path, target: str, owner: str = "root") -> None:
         """Copy a folder of the real machine."""
         self.root(f"mkdir -p {target} && cp -r {shlex.quote(str(source))}/. {target} && chown -R {owner}: {target}")
+
+
+def home_of(user: str) -> str:
+    """The home folder of a user."""
+    return "/root" if user == "root" else f"/home/{user}"
 
 
 def python_program(statement: str, interpreter: str = sys.executable) -> str:

@@ -49,7 +49,7 @@ class RunningHub:
     ----------
     machine : Machine
     config : str
-        Lines of jupyterhub_config.py; those of the test, which choose ports and who may log in, are added.
+        Lines of its configuration; those of the test, which choose ports and who may log in, are added.
     log : binary file
         Takes what the hub writes.
     """
@@ -145,6 +145,8 @@ class RunningHub:
                     said.append(f"{reply['content']['ename']}: {reply['content']['evalue']}")
                 case "execute_reply":
                     channel.close()
+                    while await channel.read_message() is not None:
+                        pass
                     return "".join(said)
 
     def _asked(self, method: str, path: str, body: Any = None) -> Any:
@@ -164,7 +166,9 @@ class RunningHub:
             try:
                 ask()
                 return
-            except OSError:
+            except OSError as error:
+                if isinstance(error, urllib.error.HTTPError):
+                    error.close()
                 assert time.monotonic() < deadline, f"{otherwise}\n{self.log()}"
                 assert self._process.poll() is None, f"{otherwise}\n{self.log()}"
                 time.sleep(0.3)

@@ -18,7 +18,7 @@ from importlib.util import find_spec
 import pytest
 
 from hub.attempts import AFTER, BEFORE, PRIVATE
-from hub.machine import missing
+from hub.machine import home_of, missing
 from hub.servers import RunningHub, open_hub
 from hub.term import PRELAB, SHARED, Term, blocks, open_term
 
@@ -48,8 +48,8 @@ class HandedIn:
         """Run Python as a student: in a kernel of the student's server, or in a terminal."""
         if self.hub is not None and user == "mallory":
             return self.hub.run_cell(user, source)
-        self.term.machine.write(f"/home/{user}/cell.py", source, owner=user)
-        return self.term.run(user, f"cd sysid && /opt/labsid/bin/python -P /home/{user}/cell.py")
+        self.term.machine.write(f"{home_of(user)}/cell.py", source, owner=user)
+        return self.term.run(user, f"cd sysid && /opt/labsid/bin/python -P {home_of(user)}/cell.py")
 
 
 @pytest.fixture(scope="module")
@@ -70,11 +70,13 @@ def handed_in(term: Term) -> Iterator[HandedIn]:
             term.run(user, "/opt/labsid/bin/labsid lab --no-open --folder sysid")
         if hub is not None:
             hub.start_server("mallory")
-        term.machine.write(f"/home/mallory/sysid/{NOTEBOOK}", json.dumps(term.answered(**MISTAKE)), owner="mallory")
-        before = BEFORE.format(shared=SHARED, notebook=f"/home/mallory/sysid/{NOTEBOOK}", assignment=PRELAB)
+        term.machine.write(
+            f"{home_of('mallory')}/sysid/{NOTEBOOK}", json.dumps(term.answered(**MISTAKE)), owner="mallory"
+        )
+        before = BEFORE.format(shared=SHARED, notebook=f"{home_of('mallory')}/sysid/{NOTEBOOK}", assignment=PRELAB)
         assert done.as_student("mallory", before).strip() == "prepared"
         for number, answers in enumerate((MISTAKE, {"prelab_6_clock": CLOCK}), 1):
-            term.machine.write(f"/home/ben/sysid/{NOTEBOOK}", json.dumps(term.answered(**answers)), owner="ben")
+            term.machine.write(f"{home_of('ben')}/sysid/{NOTEBOOK}", json.dumps(term.answered(**answers)), owner="ben")
             done.said[f"ben {number}"] = term.run("ben", "/opt/labsid/bin/labsid submit --yes --folder sysid")
         if hub is not None:
             hub.start_server("ada")
@@ -85,7 +87,7 @@ def handed_in(term: Term) -> Iterator[HandedIn]:
             hub.save("ada", NOTEBOOK, term.answered(prelab_6_clock=CLOCK))
             done.said["ada"] = hub.run_cell("ada", _cell(done.said["start page"], "submit"))
         else:
-            term.machine.write(f"/home/ada/sysid/{NOTEBOOK}", json.dumps(term.answered()), owner="ada")
+            term.machine.write(f"{home_of('ada')}/sysid/{NOTEBOOK}", json.dumps(term.answered()), owner="ada")
             done.said["ada"] = done.as_student("ada", "from labsid.hand_in import submit\nsubmit()")
         yield done
 
@@ -165,7 +167,7 @@ def test_a_student_reaches_nothing_of_others_and_nothing_of_the_course(returned:
     machine = returned.term.machine
     file = machine.root(f"ls {SHARED}/ben/*.zip").split()[0]
     owner = machine.root("id -u ada").strip()
-    source = AFTER.format(shared=SHARED, file=file, assignment=PRELAB, uid=owner, private=PRIVATE)
+    source = AFTER.format(shared=SHARED, file=file, assignment=PRELAB, uid=owner, private=PRIVATE, home=home_of("ben"))
     lines = returned.as_student("mallory", source).splitlines()
     assert lines.pop() == "end"
     assert len(lines) == 14 + len(PRIVATE)
@@ -253,7 +255,7 @@ def test_individual_data_reach_their_student_alone(term: Term) -> None:
     machine.root(blocks("What students run", "sh")[1])
     for user, other in (("ada", "ben"), ("ben", "ada")):
         assert term.run(user, "cat sysid/data.txt") == "own\n"
-        assert machine.run(other, f"cat /home/{user}/sysid/data.txt").returncode
+        assert machine.run(other, f"cat {home_of(user)}/sysid/data.txt").returncode
 
 
 _ZIP = "python3 -m zipfile -c"
