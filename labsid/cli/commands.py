@@ -54,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         return _report_error(f"this command needs more packages ({error}). Install them: {_INSTALL}")
     except OSError as error:
-        where = f"{error.filename}: " if error.filename is not None else ""
+        file = error.filename if error.filename2 is None else error.filename2  # of a copy, the new one
+        where = f"{file}: " if file is not None else ""
         return _report_error(f"{where}{error.strerror or error}")
     except ValueError as error:
         return _report_error(str(error))

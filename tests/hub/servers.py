@@ -143,7 +143,7 @@ class RunningHub:
                     said.append(reply["content"]["text"])
                 case "error":
                     said.append(f"{reply['content']['ename']}: {reply['content']['evalue']}")
-                case "execute_reply":
+                case "status" if reply["content"]["execution_state"] == "idle":  # after all that it printed
                     channel.close()
                     while await channel.read_message() is not None:
                         pass

@@ -207,12 +207,12 @@ def test_containers_in_which_everybody_is_one_user_are_told_apart_by_the_names_o
 def exchanged(returned: HandedIn) -> HandedIn:
     """The same with nbgrader's exchange, with the lines of the page."""
     term, heading = returned.term, "With nbgrader's exchange"
-    page = blocks(heading, "python")[0]
-    term.machine.root("install -d -o root -g root -m 0777 /srv/nbgrader/exchange")
-    term.machine.write("/etc/jupyter/nbgrader_config.py", page)
+    folders, release = blocks(heading, "sh")
+    term.machine.root(folders)
+    term.machine.write("/etc/jupyter/nbgrader_config.py", blocks(heading, "python")[0])
     term.settings(heading)
     run = partial(term.run, "ines")
-    run(blocks(heading, "sh")[0])
+    run(release)
     returned.said["exchange ben"] = term.run("ben", "/opt/labsid/bin/labsid submit --yes --folder sysid")
     script = blocks("Collect, grade, return", "sh")[0].replace(SHARED, "/srv/nbgrader/exchange/sysid/inbound")
     script = script.replace("/srv/sysid/submitted", "/srv/sysid/exchanged").replace(
