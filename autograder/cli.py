@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from autograder.console import open_course, open_course_if_any, progress, warn
-from autograder.export_command import course_export, course_package
+from autograder.export_command import course_export, course_package, course_return
 from autograder.feedback_texts import make_feedback_texts
 from autograder.rig_command import course_rig
 from autograder.solutions_command import course_solutions
@@ -124,7 +124,11 @@ def course_release(
 @course.command("collect")
 def course_collect(
     hand_ins: Annotated[
-        Path, typer.Argument(metavar="DOWNLOAD.zip", help="All submissions, as Moodle, Canvas or Gradescope pack them.")
+        Path,
+        typer.Argument(
+            metavar="DOWNLOAD",
+            help="All submissions: the zip file of Moodle, Canvas or Gradescope, or the folder of a hub.",
+        ),
     ],
     out: Annotated[Path, typer.Option(metavar="DIR", help="Receives <student>/<assignment>/<assignment>.ipynb.")],
     worksheet: Annotated[
@@ -140,7 +144,7 @@ def course_collect(
         typer.Option("--from", help="moodle, canvas or gradescope; default the one whose names most files have."),
     ] = None,
 ) -> None:
-    """Extract submissions from the zip file of Moodle, Canvas or Gradescope."""
+    """Extract submissions from the zip file of Moodle, Canvas or Gradescope, or copy them from the folder of a hub."""
     from autograder.batch.selection import handed_in_by, suggested_assignments
     from autograder.course.settings import read_settings, time_zone
     from autograder.intake.canvas_gradebook import is_gradebook, read_gradebook
@@ -158,7 +162,15 @@ def course_collect(
     sheet: Worksheet | CanvasGradebook | None = None
     if worksheet is not None:
         sheet = read_gradebook(worksheet) if is_gradebook(worksheet) else read_worksheet(worksheet)
-    for line in collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known, system):
+    if hand_ins.is_dir():
+        if sheet is not None or system is not None:
+            raise ValueError(f"{hand_ins} is a folder, of a hub: it goes without --worksheet and --from.")
+        from autograder.intake.collect_hub import collect_hub_folder  # not on Windows
+
+        lines = collect_hub_folder(here, hand_ins, out, assignment or (), known)
+    else:
+        lines = collect_submissions(here, hand_ins, out, sheet, zone, assignment or (), known, system)
+    for line in lines:
         print(line)
     owners = handed_in_by(here, out)
     counts = ", ".join(f"{name} {len(students)}" for name, students in owners.items() if students)
@@ -272,6 +284,7 @@ def course_feedback(out: Out, solutions: Solutions = None) -> None:
     print(f"Wrote {len(pages)} pages below {out / 'feedback'}.")
 
 
+course.command("return")(course_return)
 course.command("export")(course_export)
 course.command("package")(course_package)
 

@@ -1,11 +1,11 @@
-"""The commands ``labsid course export`` and ``package``: marks for other systems, and checks that run on them."""
+"""The commands ``labsid course export``, ``return`` and ``package``: marks and pages for other systems, and checks."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from autograder.console import open_course_if_any
+from autograder.console import open_course_if_any, warn
 from autograder.feedback_texts import make_feedback_texts
 
 FORMATS = ("csv", "moodle", "canvas", "gradescope")
@@ -93,6 +93,21 @@ def course_export(
 def _print_all(remarks: tuple[str, ...]) -> None:
     for remark in remarks:
         print(remark)
+
+
+def course_return(out: Annotated[Path, typer.Option("--out", help="Folder of the graded class.")]) -> None:
+    """Return the feedback pages on the hub of [hub] in course.toml: each to its student alone."""
+    from autograder.export.hub_feedback import return_feedback
+
+    _, settings = open_course_if_any()
+    if settings.hub is None:
+        raise ValueError("course.toml has no table [hub], which says where students of a hub hand in.")
+    pages, students = 0, 0
+    for remark, done in return_feedback(out, settings.hub):
+        pages, students = pages + done, students + (done > 0)
+        if remark:
+            warn(remark)
+    print(f"Returned {pages} pages to {students} students, who fetch them with: labsid feedback")
 
 
 def course_package(

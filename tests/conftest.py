@@ -29,6 +29,7 @@ SLOW_FILES = {
     "autograder/judge": "test_[ej]*.py test_own_tests.py",
     "autograder/sandbox": "*",
     "browser": "*",
+    "hub": "*",
     "labsid/blind": "*",
     "labsid/cli": "test_commands.py",
     "labsid/checks": "test_*_checks.py test_s*.py test_lab_identification.py",

@@ -16,6 +16,7 @@ from autograder.course.settings import read_settings
 from labsid._files import write_file, zip_bytes
 from labsid.checks.notebook import find_assignment
 from labsid.checks.notebook_file import START_PAGE
+from labsid.hand_in.hub import HUB_FILE
 from labsid.hand_in.start_page import DATA_BESIDE, start_notebook, start_text
 from labsid.rig import student_plan
 
@@ -207,8 +208,9 @@ def shared_files(
     said = _SEPARATE.format(files=", ".join(wanted)) if data_come_apart else DATA_BESIDE
     said = said if wanted else _NO_DATA
     files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}
-    files |= {**(data or {}), START_PAGE: start_notebook(templates, due, said)}
-    wheel, content = labsid_wheel(files)
+    hub = read_settings(course).hub
+    files |= {**(data or {}), START_PAGE: start_notebook(templates, due, said, on_hub=hub is not None)}
+    wheel, content = labsid_wheel(files if hub is None else {**files, HUB_FILE: hub.to_json()})
     page = start_text(templates, due, said)
     files[wheel] = content
     files["environment.yml"] = _environment(course, wheel).encode()

@@ -29,6 +29,11 @@
     picture = "motor.png"                # PNG, JPEG or SVG; may be left out
     reading = { from = 7.2 }             # options of labsid check, where the log needs them
     simulated = true                     # a record made with a model of the log; default false
+
+    [hub]                                # students work on a JupyterHub, and hand in there: hand-in or exchange
+    hand-in = "/srv/labsid/hand-in"      # a shared folder, of mode 3773
+    exchange = "/srv/nbgrader/exchange"  # the root of nbgrader's exchange, with the name of the course in it
+    course = "sysid"
 """
 
 import tomllib
@@ -43,11 +48,13 @@ from zoneinfo import ZoneInfo
 from autograder.course.layout import SETTINGS_FILE, Course
 from autograder.course.own_rig import OwnRig
 from autograder.course.rig_settings import to_own_rig
-from autograder.course.toml_values import moment, refuse_unknown, switch, text, value_of
+from autograder.course.toml_values import absolute_path, moment, refuse_unknown, switch, text, value_of
+from labsid.hand_in.hub import Hub
 
 LATE_KEYS = ("grace", "per-day", "most")
 LEARNING_PLATFORMS = ("moodle", "canvas")
-_KEYS = ("title", "timezone", "secret", "students", "extensions", "lms", "late", "assignments", "rig")
+_KEYS = ("title", "timezone", "secret", "students", "extensions", "lms", "late", "assignments", "rig", "hub")
+_HUB_KEYS = ("hand-in", "exchange", "course")
 _ASSIGNMENT_KEYS = ("due", "weight", "late", "second-record")
 
 
@@ -92,6 +99,8 @@ class CourseSettings:
         File with own due dates of single students.
     rig : OwnRig or None
         The rig of the lab, if it is not the tanks.
+    hub : Hub or None
+        Where students hand in on a JupyterHub.
     """
 
     title: str = ""
@@ -102,6 +111,7 @@ class CourseSettings:
     assignments: Mapping[str, AssignmentSettings] = field(default_factory=dict)
     extensions: Path | None = None
     rig: OwnRig | None = None
+    hub: Hub | None = None
 
     @property
     def weights(self) -> dict[str, Decimal]:
@@ -182,7 +192,21 @@ def _to_settings(found: dict[str, Any], course: Course) -> CourseSettings:
         {name: _assignment(tables[name], name, zone, late) for name in known if name in tables},
         None if extensions is None else course.root / extensions,
         to_own_rig(found["rig"], course.root) if "rig" in found else None,
+        _hub(found["hub"]) if "hub" in found else None,
     )
+
+
+def _hub(table: Any) -> Hub:
+    if not isinstance(table, dict):
+        raise ValueError(f"hub must be a table [hub] with {', '.join(_HUB_KEYS)}, got {table!r}.")
+    refuse_unknown(table, _HUB_KEYS, "[hub]")
+    paths = {key: value_of(table, key, absolute_path, "[hub]") for key in ("hand-in", "exchange")}
+    name = value_of(table, "course", text, "[hub]") or ""
+    if sum(path is not None for path in paths.values()) != 1:
+        raise ValueError("[hub] must have one of hand-in, a shared folder, and exchange, that of nbgrader.")
+    if bool(name) != (paths["exchange"] is not None) or "/" in name or name.startswith("."):
+        raise ValueError('course in [hub] is the name of the course in nbgrader\'s exchange, such as course = "sysid".')
+    return Hub(paths["hand-in"], paths["exchange"], name)
 
 
 def _assignment(table: Any, name: str, zone: tzinfo, late: Mapping[str, str]) -> AssignmentSettings:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 
@@ -41,3 +42,10 @@ def switch(value: Any) -> bool:
     if not isinstance(value, bool):
         raise TypeError("true or false")
     return value
+
+
+def absolute_path(value: Any) -> Path:
+    """A path from the root, which is the same for everybody on a machine."""
+    if not isinstance(value, str) or not value.startswith("/"):
+        raise TypeError("a path in quotation marks that begins with /")
+    return Path(value)

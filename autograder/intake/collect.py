@@ -7,7 +7,7 @@ File names in the zip are never used as output paths: these consist of a validat
 """
 
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import tzinfo
 from pathlib import Path
@@ -118,7 +118,8 @@ def collect_submissions(
         for owner in sorted(participants.values(), key=lambda participant: (participant.name, int(participant.number))):
             hand_in = read_hand_in(archive, owner, templates, Budget(SHARE, MOST, pool))
             student = who.students[owner.number].id
-            remarks = _write_hand_in(out / student, hand_in, wanted, download.times.get(owner.number))
+            time = download.times.get(owner.number)
+            remarks = write_hand_in(out / student, hand_in, wanted, {} if time is None else dict.fromkeys(wanted, time))
             remarks += download.remarks.get(owner.number, [])
             if of_whom is not None and owner.number not in in_sheet:
                 in_what = "gradebook" if found_system == "canvas" else "worksheet"
@@ -182,13 +183,29 @@ def _times(sheet: Worksheet, zone: tzinfo | None) -> dict[str, str]:
     return {number: utc_timestamp(time.replace(tzinfo=zone)) for number, time in found if number and time is not None}
 
 
-def _write_hand_in(folder: Path, hand_in: HandIn, wanted: Sequence[str], timestamp: str | None) -> list[str]:
-    """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too."""
+def write_hand_in(folder: Path, hand_in: HandIn, wanted: Sequence[str], times: Mapping[str, str]) -> list[str]:
+    """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the student.
+    hand_in : HandIn
+    wanted : sequence of str
+        The assignments to write.
+    times : mapping
+        When each was handed in, as in ``timestamp.txt``, where it is known.
+
+    Returns
+    -------
+    list of str
+        Remarks for the instructor.
+    """
     written: list[str] = []
     folder.mkdir(parents=True, exist_ok=True)
     for name, versions in sorted(hand_in.versions.items()):
         if name in wanted:
-            notes = _write_assignment(folder, name, versions, hand_in, timestamp)
+            notes = _write_assignment(folder, name, versions, hand_in, times.get(name))
             written.append(f"{name} ({', '.join(notes)})" if notes else name)
     _note_unread(folder, hand_in, wanted)
     others = [name for name in sorted(hand_in.versions) if name not in wanted]

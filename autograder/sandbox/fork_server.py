@@ -45,7 +45,12 @@ def main() -> None:
     """Fork children until the judge closes the connection."""
     control = socket.socket(fileno=os.dup(0))
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    shell = open_shell()
+    try:
+        shell = open_shell()
+    except OSError as error:  # no folder for settings and caches, or no space in it
+        place = error.filename if error.filename2 is None else error.filename2
+        send(control, {"problem": str(error) if place is None else f"{place}: {error.strerror}"})
+        return
     block_reference()  # once for all children
     prepare_fork_server()
     children: dict[int, _Child] = {}

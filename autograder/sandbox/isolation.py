@@ -101,7 +101,9 @@ def open_launcher(isolation: str = "best", limits: Limits | None = None) -> Iter
         raise ValueError(f"isolation: got {isolation!r}, expected strict, best or one of {', '.join(LEVELS)}")
     launcher, unavailable = _open_strongest(permitted, limits or Limits())
     if launcher is None:
-        reasons = "; ".join(f"{level.name}: {level.problem.rstrip('.')}" for level in unavailable)
+        problems = {level.problem.rstrip(".") for level in unavailable}
+        named = (f"{level.name}: {level.problem.rstrip('.')}" for level in unavailable)
+        reasons = "; ".join(problems if len(problems) == 1 < len(unavailable) else named)
         raise IsolationError(
             f"isolation {isolation!r} is unavailable: {reasons}. 'labsid course doctor' tests this machine."
         )

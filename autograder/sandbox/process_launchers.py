@@ -212,11 +212,18 @@ class _ForkServer:
                 self._control.close()
                 raise MachineError(f"the fork server did not start: {error.strerror or error}") from None
         try:
-            self.allowed = [Path(path) for path in receive(self._control)["allowed"]]
+            reply = receive(self._control)
         except (ChannelError, TimeoutError) as error:
             self._process.kill()
             self.close()
             raise MachineError(f"the fork server did not start: {error}") from None
+        if "problem" in reply:
+            self.close()
+            raise MachineError(
+                f"the fork server did not start ({reply['problem']}). Set HOME and TMPDIR to folders that can be "
+                "written and have space"
+            )
+        self.allowed = [Path(path) for path in reply["allowed"]]
 
     @property
     def pid(self) -> int:

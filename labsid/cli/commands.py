@@ -12,13 +12,14 @@ import typer
 from labsid import __version__
 from labsid.cli import gap_blind  # noqa: F401  adds its commands to `gap`
 from labsid.cli.gap_commands import gap
+from labsid.cli.home_folder import provide_home
 from labsid.cli.options import JsonFile, RecordPath, RecordPaths, reads_signals
-from labsid.cli.student_commands import lab_command, submit_command
+from labsid.cli.student_commands import feedback_command, lab_command, submit_command
 
 if TYPE_CHECKING:  # a slow import
     from labsid.records.reading import Reading
 
-_BUILT_IN = ("check", "identify", "record", "data", "gap", "lab", "submit")
+_BUILT_IN = ("check", "identify", "record", "data", "gap", "lab", "submit", "feedback")
 _STATUS_OF_INTERRUPT = 130
 _MAX_LINE = 1000  # characters
 _INSTALL = 'pip install "labsid[autograder]"'
@@ -41,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # numpy's: a result says itself what is wrong with it
+            provide_home()
             status = _run(arguments or ["--help"])
         sys.stdout.flush()
     except BrokenPipeError:
@@ -52,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         return _report_error(f"this command needs more packages ({error}). Install them: {_INSTALL}")
     except OSError as error:
-        where = f"{error.filename}: " if error.filename is not None else ""
+        file = error.filename if error.filename2 is None else error.filename2  # of a copy, the new one
+        where = f"{file}: " if file is not None else ""
         return _report_error(f"{where}{error.strerror or error}")
     except ValueError as error:
         return _report_error(str(error))
@@ -245,6 +248,7 @@ def _make_app(with_contributed: bool) -> typer.Typer:
     app.add_typer(gap, name="gap")
     app.command("lab")(lab_command(lambda: _run(["course", "build"])))
     app.command("submit")(submit_command)
+    app.command("feedback")(feedback_command)
     if with_contributed:
         _add_contributed(app)
     return app

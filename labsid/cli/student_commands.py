@@ -1,15 +1,21 @@
-"""The commands of students: ``labsid lab`` and ``labsid submit``."""
+"""The commands of students: ``labsid lab``, ``labsid submit`` and ``labsid feedback``."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from labsid.hand_in.hub import Hub
+    from labsid.hand_in.saved_work import SavedNotebook
 
 Folder = Annotated[
     Path | None,
     typer.Option(help="Your work folder; by default this one if it has a start page, otherwise labsid-work."),
 ]
+
+_OUT = Path("hand-in.zip")
 
 
 def lab_command(build: Callable[[], object]) -> Callable[..., None]:
@@ -43,15 +49,18 @@ def lab_command(build: Callable[[], object]) -> Callable[..., None]:
 
 def submit_command(
     folder: Folder = None,
-    out: Annotated[Path, typer.Option(help="The zip file to hand in.")] = Path("hand-in.zip"),
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The zip file to hand in; default hand-in.zip or, on a hub, the folder of the course."),
+    ] = None,
     assignment: Annotated[str | None, typer.Option(metavar="NAME", help="Only this assignment.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Write the file even if some questions are not right.")] = False,
 ) -> None:
-    """Run your notebooks from a clean start, show what is right, and zip them for hand-in."""
+    """Run your notebooks from a clean start, show what is right, and hand them in: a zip file, or at once on a hub."""
+    from labsid.hand_in.hub import read_hub
     from labsid.hand_in.submission_file import (
         find_work,
         open_questions,
-        pack,
         run_notebook,
         run_text,
         tries_to_send,
@@ -72,16 +81,64 @@ def submit_command(
     for name, reason in work.unreadable.items():
         print(f"{name} cannot be handed in: {reason}")
     missing = open_questions(runs)
+    hub = read_hub() if out is None else None
     if missing and not yes:
-        _ask_to_go_on(missing, out)
+        _ask_to_go_on(missing, None if hub is not None else out or _OUT)
     tries = tries_to_send(work.to_hand_in)
-    for remark in pack(work.to_hand_in, out, tries if tries and _may_send(list(tries)) else None):
-        print(remark)
-    print(f"Hand in this file: {out} ({', '.join(notebook.name for notebook in work.to_hand_in)})")
+    chosen = tries if tries and _may_send(list(tries)) else None
+    if hub is not None:
+        _hand_in_on_hub(hub, folder or default_folder(), work.to_hand_in, chosen)
+    else:
+        _write_zip(work.to_hand_in, out or _OUT, chosen)
     if work.unreadable:
         print(
             f"Not in it, because it cannot be read: {', '.join(work.unreadable)}. Mend it and run this command again."
         )
+
+
+def _write_zip(notebooks: "Sequence[SavedNotebook]", out: Path, tries: Mapping[str, bytes] | None) -> None:
+    from labsid.hand_in.submission_file import pack
+
+    for remark in pack(notebooks, out, tries):
+        print(remark)
+    print(f"Hand in this file: {out} ({', '.join(notebook.name for notebook in notebooks)})")
+
+
+def _hand_in_on_hub(
+    hub: "Hub", work: Path, notebooks: "Sequence[SavedNotebook]", tries: Mapping[str, bytes] | None
+) -> None:
+    """Hand in notebooks where the course collects them, and say so."""
+    from datetime import UTC, datetime
+
+    from labsid.hand_in.hub import hand_in_with_nbgrader, put_into_folder
+    from labsid.hand_in.submission_file import zipped
+
+    names = [notebook.name for notebook in notebooks]
+    if hub.hand_in is None:
+        print(f"Handed in with nbgrader: {', '.join(hand_in_with_nbgrader(hub, work, names))}. You may do so again.")
+        return
+    content, remarks = zipped(notebooks, tries)
+    for remark in remarks:
+        print(remark)
+    written = put_into_folder(hub.hand_in, content, datetime.now(UTC))
+    print(f"Handed in: {', '.join(names)}, as {written}. You may do so again; of each assignment the last one counts.")
+
+
+def feedback_command(folder: Folder = None) -> None:
+    """Copy your feedback from the hub beside your notebooks."""
+    from labsid.hand_in.hub import fetch_from_folder, fetch_with_nbgrader, read_hub
+    from labsid.hand_in.saved_work import notebook_paths
+    from labsid.hand_in.work_folder import default_folder
+
+    hub, work = read_hub(), folder or default_folder()
+    if hub is None:
+        raise ValueError("this release says of no hub from which feedback comes. Ask your instructor where it is.")
+    names = list(dict.fromkeys(path.parent.name for path in notebook_paths(work) if path.stem == path.parent.name))
+    pages = fetch_with_nbgrader(hub, work, names) if hub.hand_in is None else fetch_from_folder(hub.hand_in, work)
+    for page in pages:
+        print(f"Feedback: {page}")
+    if not pages:
+        print("There is no new feedback.")
 
 
 def _may_send(files: list[str]) -> bool:
@@ -94,11 +151,14 @@ def _may_send(files: list[str]) -> bool:
     )
 
 
-def _ask_to_go_on(missing: int, out: Path) -> None:
+def _ask_to_go_on(missing: int, out: Path | None) -> None:
+    """Ask whether to write a file, or to hand in on a hub, although some questions are not right."""
     import sys
 
     said = f"{missing} questions are" if missing > 1 else "1 question is"
+    nothing = "Nothing was handed in" if out is None else f"{out} was not written"
+    act, question = ("hand in", "Hand in") if out is None else ("write it", f"Write {out}")
     if not sys.stdin.isatty():
-        raise ValueError(f"{said} not right or not done. {out} was not written; to write it all the same, add --yes.")
-    if not typer.confirm(f"{said} not right or not done. Write {out} all the same?"):
-        raise ValueError(f"{out} was not written.")
+        raise ValueError(f"{said} not right or not done. {nothing}; to {act} all the same, add --yes.")
+    if not typer.confirm(f"{said} not right or not done. {question} all the same?"):
+        raise ValueError(f"{nothing}.")

@@ -72,6 +72,21 @@ It runs each notebook that you have changed from a clean start, as grading does,
 and writes `hand-in.zip`, the file to hand in. `labsid submit --assignment NAME` does so for one assignment. Notebooks
 that you have not touched are left out."""
 
+_HAND_IN_ON_HUB = """\
+## Hand in
+
+Save your notebooks, then run the cell below (Shift+Enter). It runs each notebook that you have changed from a
+clean start, as grading does, shows what is right and what is not, and hands it in. You may hand in again: of each
+assignment the last time counts. `submit("NAME")` does so for one assignment. In a terminal (*File > New > Terminal*),
+in this folder, `labsid submit` does the same, and asks first where something is not right. Notebooks that you have not
+touched are left out."""
+
+_FEEDBACK = """\
+## Feedback
+
+Once your instructor has returned it, the cell below copies it into the folder of each assignment, as does
+`labsid feedback` in a terminal. Open the page with a double click in the file browser."""
+
 
 def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str) -> str:
     """The start page as Markdown, without the part that only works in Jupyter.
@@ -94,22 +109,19 @@ def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str)
     )
 
 
-def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: str) -> bytes:
-    """The start page as a notebook; see `start_text`."""
+def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: str, on_hub: bool = False) -> bytes:
+    """The start page as a notebook, see `start_text`; with cells that hand in and fetch feedback if it is on a hub."""
     introduction = _INTRODUCTION.format(table=_table(templates, due), data=data)
     texts = {"introduction": introduction, "work": _work(), "tries": _TRIES, "progress": _PROGRESS}
     cells: list[dict[str, object]] = [_markdown(name, text) for name, text in texts.items()]
-    cells.append(
-        {
-            "cell_type": "code",
-            "execution_count": None,
-            "id": "how-far",
-            "metadata": {},
-            "outputs": [],
-            "source": ["from labsid.hand_in import show_progress\n", "\n", "show_progress()"],
-        }
-    )
-    cells.append(_markdown("hand-in", _HAND_IN))
+    cells.append(_code("how-far", "from labsid.hand_in import show_progress\n\nshow_progress()"))
+    if on_hub:
+        cells.append(_markdown("hand-in", _HAND_IN_ON_HUB))
+        cells.append(_code("submit", "from labsid.hand_in import submit\n\nsubmit()"))
+        cells.append(_markdown("feedback", _FEEDBACK))
+        cells.append(_code("fetch", "from labsid.hand_in import fetch_feedback\n\nfetch_feedback()"))
+    else:
+        cells.append(_markdown("hand-in", _HAND_IN))
     notebook = {
         "cells": cells,
         "metadata": {
@@ -124,6 +136,11 @@ def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: 
 
 def _markdown(name: str, text: str) -> dict[str, object]:
     return {"cell_type": "markdown", "id": name, "metadata": {}, "source": text.splitlines(keepends=True)}
+
+
+def _code(name: str, source: str) -> dict[str, object]:
+    lines = source.splitlines(keepends=True)
+    return {"cell_type": "code", "execution_count": None, "id": name, "metadata": {}, "outputs": [], "source": lines}
 
 
 def _work() -> str:

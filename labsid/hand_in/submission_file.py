@@ -131,20 +131,30 @@ def tries_to_send(notebooks: Sequence[SavedNotebook]) -> dict[str, bytes]:
 
 
 def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, bytes] | None = None) -> list[str]:
-    """Zip notebooks with the data files on which they were made; returns what is not in the file as it is saved.
+    """Write the zip file of `zipped` atomically; returns what is not in it as it is saved."""
+    content, remarks = zipped(notebooks, tries)
+    write_file(out, content)
+    return remarks
+
+
+def zipped(notebooks: Sequence[SavedNotebook], tries: Mapping[str, bytes] | None = None) -> tuple[bytes, list[str]]:
+    """Zip notebooks with the data files on which they were made.
 
     Parameters
     ----------
     notebooks : sequence of SavedNotebook
-    out : Path
-        The zip file, written atomically; the same work gives the same bytes.
     tries : mapping, optional
         The tries that the student sends, as `tries_to_send` finds them; default none.
+
+    Returns
+    -------
+    tuple
+        The zip file, the same bytes for the same work, and what is not in it as it is saved.
 
     Raises
     ------
     ValueError
-        If a notebook is too large to be collected; nothing is written.
+        If a notebook is too large to be collected.
     """
     remarks: list[str] = []
     files: dict[str, bytes] = dict(tries or {})
@@ -155,8 +165,7 @@ def pack(notebooks: Sequence[SavedNotebook], out: Path, tries: Mapping[str, byte
         record = _record_beside(notebook.path)
         if record is not None:
             files[f"{notebook.name}/{record.name}"] = record.read_bytes()
-    write_file(out, zip_bytes(files))
-    return remarks
+    return zip_bytes(files), remarks
 
 
 def _record_beside(notebook: Path) -> Path | None:

@@ -14,14 +14,18 @@ from typing import Any
 
 import pytest
 from course_work import ROOT, copy_course, read_solved
+from own_rigs import OF_THE_MOTOR, motor_log, rig_course, write_csv
 
 import autograder
 from autograder.course.build import build_course
-from autograder.course.layout import Course
-from autograder.course.own_secret import make_own_secret
+from autograder.course.layout import RECORD_FILE, Course
+from autograder.course.own_secret import make_own_secret, shared_file
 from autograder.export.autograder_package import write_package
 from autograder.sandbox.bubblewrap import find_bubblewrap
 from autograder.sandbox.isolation import probe_levels
+from labsid.lab.identification import identify
+from labsid.records.reading import Reading
+from labsid.records.record import read_record
 
 NAME = "prelab-sinusoids"
 
@@ -42,8 +46,12 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
 @pytest.fixture(scope="module")
 def package(course: Course, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The package for Gradescope, unpacked, with the wheel unpacked in ``site``."""
-    folder = tmp_path_factory.mktemp("package")
-    write_package(course, folder / "p.zip", "gradescope", NAME)
+    return unpacked(course, NAME, tmp_path_factory.mktemp("package"))
+
+
+def unpacked(course: Course, name: str, folder: Path) -> Path:
+    """The package of an assignment in a folder, with its wheel unpacked."""
+    write_package(course, folder / "p.zip", "gradescope", name)
     with zipfile.ZipFile(folder / "p.zip") as archive:
         archive.extractall(folder / "source")
         modes = {info.filename: info.external_attr >> 16 for info in archive.infolist()}
@@ -54,10 +62,10 @@ def package(course: Course, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def solved(course: Course, replaced: Mapping[str, str] = {}, added: Mapping[str, str] = {}) -> bytes:
+def solved(course: Course, replaced: Mapping[str, str] = {}, added: Mapping[str, str] = {}, name: str = NAME) -> bytes:
     """The model solution with some cells replaced, and others added after cells."""
-    _, texts = read_solved(course, NAME)
-    notebook = json.loads((course.release / NAME / f"{NAME}.ipynb").read_bytes())
+    _, texts = read_solved(course, name)
+    notebook = json.loads((course.release / name / f"{name}.ipynb").read_bytes())
     cells = []
     for cell in notebook["cells"]:
         cell["source"] = replaced.get(cell["id"], texts.get(cell["id"], "".join(cell["source"])))
@@ -203,6 +211,26 @@ def everything_in(content: bytes) -> dict[str, bytes]:
             if name.endswith((".whl", ".zip")):
                 found |= {f"{name}/{inner}": inside for inner, inside in everything_in(data).items()}
     return found
+
+
+def test_a_package_about_your_own_rig_has_its_record_and_knows_typed_values(
+    tmp_path_factory: pytest.TempPathFactory, tmp_path: Path
+) -> None:
+    """The second record of the package is one of that rig, so that a value of the first is wrong on it."""
+    lab, folder = "lab-identification", tmp_path_factory.mktemp("motor")
+    shutil.copyfile(ROOT / "pyproject.toml", folder / "pyproject.toml")
+    own = rig_course(folder, write_csv(folder / "motor.csv", motor_log()), OF_THE_MOTOR, lab)
+    package = unpacked(own, lab, tmp_path_factory.mktemp("package"))
+    data = package / "source" / "data" / RECORD_FILE
+    assert data.read_bytes() == shared_file(own, RECORD_FILE).read_bytes() != (own.data / RECORD_FILE).read_bytes()
+    theta = identify(read_record(data, Reading())).fit.theta.tolist()
+    typed = {"lab-2b-theta-answer": f"theta_hat = np.array({theta})"}
+    results = {}
+    for case, replaced in {"solved": {}, "typed": typed}.items():
+        (tmp_path / case).mkdir()
+        found = scores(run(package, tmp_path / case, {f"{lab}.ipynb": solved(own, replaced, name=lab)}))
+        results[case] = {name for name, score in found.items() if score == 0}
+    assert results == {"solved": set(), "typed": {"lab-2b-theta"}}
 
 
 @pytest.mark.parametrize("system", ["gradescope", "github"])

@@ -108,6 +108,20 @@ def test_nothing_is_needed(settings: Callable[[str], CourseSettings], tmp_path: 
         ("[assignments.one]\nweight = true", "must be a positive number, got True."),
         ("[assignments.one]\nweight = nan", "must be a positive number, got Decimal('NaN')."),
         ("late = 3", "[late] must be a table with grace, per-day, most, got 3."),
+        ("hub = 3", "hub must be a table [hub] with hand-in, exchange, course, got 3."),
+        ("[hub]\nfolder = '/srv'", "[hub] has the unknown key 'folder'; expected one of hand-in, exchange, course."),
+        (
+            "[hub]\nhand-in = 'there'",
+            "hand-in in [hub] must be a path in quotation marks that begins with /, got 'there'.",
+        ),
+        ("[hub]", "[hub] must have one of hand-in, a shared folder, and exchange, that of nbgrader."),
+        ("[hub]\nhand-in = '/srv'\nexchange = '/x'", "[hub] must have one of hand-in"),
+        ("[hub]\nhand-in = '/srv'\ncourse = 'x'", "course in [hub] is the name of the course in nbgrader's exchange"),
+        ("[hub]\nexchange = '/srv'", "course in [hub] is the name of the course in nbgrader's exchange"),
+        (
+            "[hub]\nexchange = '/srv'\ncourse = '../x'",
+            "course in [hub] is the name of the course in nbgrader's exchange",
+        ),
         ("[late]\nper_day = '1%'", "[late] has the unknown key 'per_day'; expected one of grace, per-day, most."),
         ("[late]\nper-day = 10", "per-day in [late] must be text in quotation marks, got 10."),
         (
