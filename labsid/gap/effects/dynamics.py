@@ -362,7 +362,8 @@ def peaks(context: Context, slowest: float) -> list[float]:
     return frequencies
 
 
-LAWS = "smooth", "peak", "load", "give", "load-give"  # of friction, richer than a constant
+LAWS = "smooth", "peak", "load", "give", "load-give", "drive"  # of friction, richer than a constant
+DRIVEN = "position", "unsprung"  # places of friction at which gravity or a spring may act beside the drive
 
 
 def _friction(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
@@ -376,8 +377,8 @@ class CoulombFriction(PlantEffect):
 
     `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
     "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), "-load" grows
-    with the force that the gear transmits, and with "-give" the bodies give way before they slide (Dahl's law), with
-    "-peak-give" more of it at rest.
+    with the force that the gear transmits, "-drive" with that of the drive alone, and with "-give" the bodies give way
+    before they slide (Dahl's law), with "-peak-give" more of it at rest.
     """
 
     name = "coulomb-friction"
@@ -414,7 +415,7 @@ class CoulombFriction(PlantEffect):
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
-        place: tuple(f"{place}-{law}" for law in LAWS) for place in variants
+        place: tuple(f"{place}-{law}" for law in LAWS if law != "drive" or place in DRIVEN) for place in variants
     } | {f"{place}-give": (f"{place}-peak-give",) for place in variants}
     places = ("speed", "speed-lag")
     planted_variants = ("position", "speed")
@@ -469,7 +470,7 @@ class CoulombFriction(PlantEffect):
         found = {"friction": Value(friction * unit, "u")}
         if "peak" in self.law:
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
-        if "load" in self.law:
+        if self.law in ("load", "drive", "load-give"):
             found["load"] = Value(fit.value("load_share"), "1")
         if "give" in self.law:
             found["give"] = Value(abs(float(np.exp(fit.value("log_give"))) / fit.state_per_output), "y")
