@@ -363,6 +363,7 @@ def peaks(context: Context, slowest: float) -> list[float]:
 
 
 LAWS = "smooth", "peak", "load", "give", "load-give", "drive"  # of friction, richer than a constant
+FAINT = 0.01  # scaled: friction that starts beside other effects of a mass
 DRIVEN = "position", "unsprung"  # places of friction at which gravity or a spring may act beside the drive
 
 
@@ -442,10 +443,15 @@ class CoulombFriction(PlantEffect):
         return plant.modified(kind="speed", friction=self.law, lag_first=self.place == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Weak to strong friction, and initial positions or neutral inputs."""
+        """Weak to strong friction, and initial positions or neutral inputs.
+
+        Beside other effects of a mass, friction starts also so weak that the motion remains that of the parent.
+        """
         if self.place == "position":
             offset = initial_offset(context)
-            return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
+            faint = [{"friction": FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
+            starts = [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
+            return [*faint, *starts]
         if self.place == "unsprung":
             return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
         u = context.data.u
