@@ -5,14 +5,17 @@ import runpy
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
 import pytest
+import typer
 import yaml
 
 import labsid
 from autograder.course.layout import Course
+from labsid.cli.commands import _make_app
 from labsid.gap.effects.families import DESCRIPTIONS
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -100,16 +103,37 @@ def test_the_words_of_the_glossary_name_what_exists():
         assert not place[1] or hasattr(module, place[1]), place
 
 
-def test_a_constant_says_on_what_it_was_fitted_if_the_code_says_it(pages):
-    """A reader of the table tells a fitted constant from one that was set by hand."""
-    rows = re.findall(r"^\| `(\w+)` \| (.*?) \| (.*) \| (.*) \|$", pages["constants_page"](), re.M)
-    origins = {name: origin for name, _, _, origin in rows if origin != "–"}
-    assert origins["PRIOR"] == "fitted with `WEIGHTS`"
-    assert origins["PARTIAL_PRIOR"] == "lowered by hand from the fitted -2.6"
+def test_every_constant_of_the_diagnosis_says_where_it_comes_from(pages):
+    """By a word that the head of the page explains; what was measured or fitted says how, and what was not does not."""
+    page = pages["constants_page"]()
+    rows = re.findall(r"^\| `(\w+)` \| (.*?) \| (.*) \| (.*) \|$", page, re.M)
+    kinds = {name: int(count) for name, count in re.findall(r"^\| ([a-z ]+) \| .* \| (\d+) \|$", page, re.M)}
+    assert list(kinds) == ["fitted", "measured", "statistics", "definition", "numerics", "set by hand"]
+    said = [origin.split(": ", 1) for *_, origin in rows]
+    assert [row for row, (kind, *_) in zip(rows, said, strict=True) if kind not in kinds] == []
+    assert dict(Counter(kind for kind, *_ in said)) == kinds
+    assert f"All {len(rows)} constants" in page
+    assert all(len(parts) == 2 for parts in said if parts[0] in ("fitted", "measured", "statistics"))
+    origins = {name: origin for name, *_, origin in rows}
+    assert origins["PRIOR"] == "fitted: with `WEIGHTS`"
+    assert "nine with the fitted -2.6" in origins["PARTIAL_PRIOR"]
     for name in ("WEIGHTS", "PARTIAL_WEIGHTS", "RANGES"):
         assert "`dev` records" in origins[name]
         assert "labsid.blind.calibration" in origins[name]
-    assert not {"_GRID", "FITTED_EFFECTS", "SWITCH_PROBABILITY", "MAX_FIT_REDUCTION"} & set(origins)
+    by_hand = {"FITTED_EFFECTS", "SWITCH_PROBABILITY", "MAX_FIT_REDUCTION", "OUTSIDE"}
+    assert {origins[name] for name in by_hand} == {"set by hand"}
+
+
+def test_the_origin_of_a_constant_is_the_end_of_its_comment(pages):
+    """A comment that speaks of a measurement in its middle has no origin yet."""
+    split = pages["split_origin"]
+    assert split("samples; measured: 3 of 5; then 4.") == ("samples", "measured: 3 of 5; then 4")
+    assert split("of a mode; a filter has 0.38; set by hand") == ("of a mode; a filter has 0.38", "set by hand")
+    assert split("share of the measured output, set by hand at first") == (
+        "share of the measured output, set by hand at first",
+        "–",
+    )
+    assert split("of the numerics; checked")[1] == "–"
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
@@ -123,6 +147,20 @@ def test_the_page_of_a_notebook_holds_no_solution(pages, name):
     assert secret
     assert secret & shown == set()
     assert re.findall(r"^# .*", re.sub(r"```.*?```", "", page, flags=re.S)[1:], re.M) == [], "a page has one title"
+
+
+def test_the_readme_lists_every_command():
+    """And no other: each row of its tables is a command that exists."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    listed = [*re.findall(r"^\| `(labsid [a-z ]*[a-z])", readme, re.M), "labsid data make", "labsid demo"]
+    assert all(f"`{name}" in readme for name in listed)
+    assert sorted(listed) == sorted(_commands(typer.main.get_command(_make_app(with_contributed=True)), "labsid"))
+
+
+def _commands(command, name):
+    """The full names of a command, or of those of a group."""
+    groups = getattr(command, "commands", None)
+    return [name] if groups is None else [one for key in groups for one in _commands(groups[key], f"{name} {key}")]
 
 
 def test_the_first_python_of_the_readme_runs():

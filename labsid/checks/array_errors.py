@@ -14,17 +14,17 @@ from labsid.checks.causes import (
     unequal_spectra,
 )
 from labsid.checks.key_causes import unknown_part_of_a_result
+from labsid.checks.loops import beyond_by_a_loop
 from labsid.checks.matrix_causes import (
     flat_matrix,
     flat_state_space,
-    not_square,
     number_in_a_product,
-    product_without_inverse,
     unfit_product,
     unfit_right_side,
     unfit_rows,
 )
 from labsid.checks.operands import entry_by_entry, rows_by_a_vector, unequal_shapes, vector_by_columns
+from labsid.checks.singular_matrices import not_square, product_without_inverse
 from labsid.checks.stops import Stop
 from labsid.checks.tables import row_or_column, unfit_target
 from labsid.checks.tuple_causes import (
@@ -99,6 +99,7 @@ ARRAY_ERRORS: tuple[Translation, ...] = (
     ),
     Translation("ControlDimension", r"state-space matrix|dimensions of [ABCD] matrix", flat_state_space),
     Translation("LinAlgError", "Incompatible dimensions", unfit_rows),
+    Translation("IndexError", r"index (-?\d+) is out of bounds for axis (\d+) with size (\d+)", beyond_by_a_loop),
     Translation("IndexError", r"index (-?\d+) is out of bounds for axis (\d+) with size (\d+)", beyond_the_end),
     Translation("IndexError", "too many indices", too_many_indices),
     Translation("IndexError", "list index out of range", beyond_a_list),

@@ -62,6 +62,8 @@ def unknown_in_a_module(stop: Stop, found: re.Match[str]) -> str | None:
     ):
         if isinstance(part, ModuleType) and other in _public(part):
             return f"It is `{path}.{other}`."
+    if found[1] == "matplotlib.pyplot" and name in _public(_drawn("Axes")):
+        return f"It is a method of axes: `ax.{name}(...)`."
     near = difflib.get_close_matches(name, _public(module), 1, _LEAST_ALIKE)
     return f"There is `{written}.{near[0]}`: is that meant?" if near else f"`{written}` has nothing of that name."
 
@@ -82,17 +84,26 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
     if other == "len":
         return f"The length of an array is `len({written})`, its shape `{written}.shape`."
     if name == "t":
-        return f"The transpose is `{written}.T`, with a capital letter."
+        return (
+            f"Arrays have no `.t`. The transpose is `{written}.T`, with a capital letter; a column is taken by its "
+            f"number, `{written}[:, 0]`."
+        )
     if name in _public(np.linalg):
         return f"It is no part of an array, but a function: `np.linalg.{name}({written})`."
     if other in _public(np):
-        return f"It is no part of an array, but a function: `np.{other}({written})`."
+        has_more = re.search(rf"\.{name}\(\s*[^)\s]", stop.line) is not None
+        return f"It is no part of an array, but a function: `np.{other}({written}{', ...' if has_more else ''})`."
     near = difflib.get_close_matches(name, _public(np.ndarray), 1, _LEAST_ALIKE)
     return f"Arrays have `.{near[0]}`: is that meant?" if near else "Arrays have nothing of that name."
 
 
-def unknown_in_a_figure(_: Stop, found: re.Match[str]) -> str | None:
+def unknown_in_a_figure(stop: Stop, found: re.Match[str]) -> str | None:
     """A name that axes or figures do not have."""
+    if found[1] == "Figure" and found[2] in _public(_drawn("Axes")):
+        owner = _owner_of(stop, found[2])
+        made = stop.made.get(owner, "")
+        by = f", which `{made}` makes with it" if "subplots" in made and "=" in made else ""
+        return f"`{owner}` is the figure. Curves, labels and grids belong to its axes{by}: `ax.{found[2]}(...)`."
     near = difflib.get_close_matches(found[2][:_LONGEST_NAME], _public(_drawn(found[1])), 1, _LEAST_ALIKE)
     return f"There is `.{near[0]}`: is that meant?" if near else None
 
@@ -142,10 +153,12 @@ def unknown_elsewhere(stop: Stop, found: re.Match[str]) -> str | None:
 
 def missing_axis(stop: Stop, found: re.Match[str]) -> str | None:
     """An axis that an array does not have."""
-    axes = int(found[2])
+    axes = int(found[2]) if found.re.groups > 1 else None
     for node in _calls(stop):
         if ast.unparse(node.func).rpartition(".")[2] in _REDUCTIONS and len(node.args) > 1:
             called, given = ast.unparse(node.func), ast.unparse(node.args[1])
+            if axes is None:
+                return f"What comes second in `{called}` is the axis, and here it is `{given}`: it takes one array."
             return (
                 f"What comes second in `{called}` is the axis, here `{given}`, and the array has {axes}, counted from "
                 f"0. Part of an array is taken by a slice of it, `{ast.unparse(node.args[0])}[...]`."
@@ -153,6 +166,8 @@ def missing_axis(stop: Stop, found: re.Match[str]) -> str | None:
         if ast.unparse(node.func) == "np.size" and len(node.args) > 1:
             name = ast.unparse(node.args[0])
             return f"MATLAB's `size({name}, 1)` is `{name}.shape[0]`, `size({name}, 2)` is `{name}.shape[1]`."
+    if axes is None:
+        return None
     has = (
         "one axis, 0" if axes == 1 else "the axes 0, down the rows, and 1, along them" if axes == 2 else f"{axes} axes"
     )
@@ -230,6 +245,11 @@ def array_for_an_axis(stop: Stop, _: re.Match[str]) -> str | None:
     """A second array where a function of numpy takes the axis."""
     for node in _calls(stop):
         name = ast.unparse(node.func).rpartition(".")[2]
+        if name == "append" and len(node.args) == 3:
+            return "`np.append(a, b)` joins two arrays, and what comes third is the axis. More are joined in one list."
+        if re.fullmatch("concatenate|[hvc]?(?:olumn_)?stack", name) and len(node.args) > 1 and stop.shape(node.args[1]):
+            handed = ", ".join(map(ast.unparse, node.args))
+            return f"Arrays that are joined are handed over together, in a list: `np.{name}([{handed}])`."
         if name in _REDUCTIONS and len(node.args) > 1 and stop.shape(node.args[1]):
             return (
                 f"What comes second in `np.{name}` is a number, and here it is the array "
@@ -302,6 +322,18 @@ def without_entries(stop: Stop, _: re.Match[str]) -> str | None:
                 return f"`{owner}` is one number: it has no entries, and takes no `[...]`."
             if "method' object" in stop.text or (thing is not None and thing.kind == "function"):
                 return f"`{owner}` is a function: it is called by round brackets, `{owner}(...)`."
+    return None
+
+
+def uncalled_function(stop: Stop, _: re.Match[str]) -> str | None:
+    """A function, or a name that was given one, in a computation."""
+    for node in stop.expressions():
+        thing = stop.things.get(node.id) if isinstance(node, ast.Name) else None
+        if isinstance(node, ast.Name) and thing is not None and thing.kind == "function" and node.id in stop.made:
+            made = stop.made[node.id]
+            if re.match(rf"{node.id}\s*=", made) and not made.endswith(")"):
+                called = made.partition("=")[2].strip()
+                return f"`{node.id}` is a function, by `{made}`: there it is not called, `{called}(...)`."
     return None
 
 

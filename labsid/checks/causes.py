@@ -4,9 +4,11 @@ import ast
 import re
 
 from labsid.checks.line_values import parsed_line
+from labsid.checks.points import points_made
 from labsid.checks.stops import Stop
 from labsid.checks.tables import zeros_of_one_size
 
+_FINDS = ("where", "nonzero", "flatnonzero", "argwhere")
 _PARTS = {"svd": 3, "eig": 2, "eigh": 2, "qr": 2, "slogdet": 2}
 """How many things functions of `np.linalg` return."""
 
@@ -24,6 +26,9 @@ def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
             f"`np.digitize` counts its cells from 1, in `{counted}`, and Python its entries from 0: take 1 off.{beyond}"
         )
     if size == 0:
+        condition = _never_met(stop)
+        if condition:
+            return condition
         return f"It is empty along that axis{_made_by(stop, taken)}: print its shape."
     if taken is None or isinstance(taken[1], ast.Constant):
         if index == size:
@@ -36,6 +41,20 @@ def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
         f"`{ast.unparse(taken[0])}` has {size} {what if size > 1 else what[:-1].replace('ie', 'y')}{other}"
         f"{_made_by(stop, taken)}, with the indices 0 to {size - 1}. Here `{at}` is {index}."
     )
+
+
+def _never_met(stop: Stop) -> str:
+    """The condition in the line, or behind it, that no entry meets; empty if nothing is looked for."""
+    for line in (stop.part or stop.line, *stop.made.values()):
+        tree = parsed_line(line)
+        for node in [] if tree is None else ast.walk(tree):
+            finds = isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in _FINDS
+            if isinstance(node, ast.Call) and finds and node.args and isinstance(node.args[0], ast.Compare):
+                condition = node.args[0]
+                equal = " (Numbers of many digits are hardly ever equal, `==`.)"
+                is_equal = isinstance(condition.ops[0], ast.Eq)
+                return f"No entry meets the condition `{ast.unparse(condition)}`.{equal if is_equal else ''}"
+    return ""
 
 
 def beyond_a_list(stop: Stop, _: re.Match[str]) -> str | None:
@@ -104,6 +123,12 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
     for node in stop.expressions():
         if isinstance(node, ast.Call):
             thing = stop.things.get(ast.unparse(node.func))
+            if isinstance(node.func, ast.BinOp) and (thing is None or thing.kind in ("number", "array")):
+                name = ast.unparse(node.func)
+                return f"A bracket right behind `({name})` calls it: a product needs its `*`."
+            if thing is not None and thing.kind == "object":
+                name = ast.unparse(node.func)
+                return f"`{name}` is no function. What it can do are its methods, such as `{name}.name(...)`."
             if thing is not None and thing.kind in ("array", "list", "tuple", "number", "text", "dictionary"):
                 name = ast.unparse(node.func)
                 if thing.kind == "dictionary":
@@ -113,6 +138,12 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                     return f"`{name}` is a number and no function: it takes no round brackets."
                 if thing.kind == "number":
                     return _called_number(stop, node)
+                if len(node.args) == 1 and _is_condition(stop, node.args[0]):
+                    mask = ast.unparse(node.args[0])
+                    return (
+                        f"`{name}` is no function: round brackets call. The entries of `{name}` where a condition "
+                        f"holds are taken with square brackets, `{name}[{mask}]`."
+                    )
                 if not all(_can_be_an_index(stop, one) for one in node.args):
                     return (
                         f"`{name}` {thing.said}, and is no function. Where it was handed over or assigned, hand over "
@@ -121,7 +152,10 @@ def called_array(stop: Stop, _: re.Match[str]) -> str | None:
                 said = f"`{name}` is no function: round brackets call, square ones take entries, "
                 entry = _entry_from_one(node)
                 if entry:
-                    return f"{said}counted from 0. MATLAB's `{ast.unparse(node)}` is `{name}[{entry}]`."
+                    as_written = f"{name}[{', '.join(map(ast.unparse, node.args))}]"
+                    return (
+                        f"{said}`{as_written}`, counted from 0. (MATLAB's `{ast.unparse(node)}` is `{name}[{entry}]`.)"
+                    )
                 return f"{said}`{name}[...]`, counted from 0."
     for node in stop.expressions():
         handed = node.args[:1] if isinstance(node, ast.Call) else []
@@ -156,23 +190,20 @@ def _can_be_an_index(stop: Stop, part: ast.expr) -> bool:
     return is_number and not (isinstance(part, ast.Constant) and isinstance(part.value, float | str))
 
 
+def _is_condition(stop: Stop, part: ast.expr) -> bool:
+    """Whether an expression is a comparison, several of them joined, or has the name of such a one."""
+    tree = parsed_line(stop.made.get(part.id, "")) if isinstance(part, ast.Name) else None
+    made = next((one.value for one in ast.walk(tree) if isinstance(one, ast.Assign)), part) if tree else part
+    while isinstance(made, ast.BinOp) and isinstance(made.op, ast.BitAnd | ast.BitOr):
+        made = made.left
+    return isinstance(made, ast.Compare)
+
+
 def _entry_from_one(call: ast.Call) -> str:
     """The indices in the brackets of a call, counted from 0 in place of 1; empty if they are no whole numbers."""
     indices = [one.value for one in call.args if isinstance(one, ast.Constant)]
     whole = [index for index in indices if type(index) is int and index > 0]
     return ", ".join(str(index - 1) for index in whole) if whole and len(whole) == len(call.args) else ""
-
-
-def reshaped(stop: Stop, found: re.Match[str]) -> str | None:
-    """A shape that the entries do not fill, or a number in place of an argument."""
-    fixed = [number for number in re.findall(r"\b\d+\b", found[2]) if re.search(rf"\b{number}\b", stop.line)]
-    unused = [name for name in stop.arguments if not re.search(rf"\b{name}\b", stop.line)]
-    if fixed and unused:
-        names = " or ".join(f"`{name}`" for name in unused)
-        return (
-            f"The line has the number {fixed[0]} in it, whatever is handed over, and does not use the argument {names}."
-        )
-    return f"{found[1]} entries do not fill that shape: the product of its sides must be {found[1]}."
 
 
 def time_and_input(stop: Stop, _: re.Match[str]) -> str | None:
@@ -190,11 +221,11 @@ def time_and_input(stop: Stop, _: re.Match[str]) -> str | None:
             )
         shapes = [None if one is None else stop.shape(one) for one in (time, given)]
         if time is not None and given is not None and shapes[0] and shapes[1] and shapes[0][-1] != shapes[1][-1]:
-            name = ast.unparse(given)
+            name, steps = ast.unparse(given), points_made(stop, time)
             return (
                 f"The time `{ast.unparse(time)}` has {shapes[0][-1]} instants and the input `{name}` has "
-                f"{shapes[1][-1]} samples: both must cover the same samples. (The time from zero is "
-                f"`np.arange(len({name})) * Ts`.)"
+                f"{shapes[1][-1]} samples: both must cover the same samples. {steps}{' ' * bool(steps)}(The time from "
+                f"zero is `np.arange(len({name})) * Ts`.)"
             )
     return "The second argument is the time, evenly spaced, and the third the input: print the first values of each."
 
@@ -277,6 +308,10 @@ def unpacked(stop: Stop, found: re.Match[str]) -> str | None:
                     said = _unpacked_call(stop, node.value, count)
                     if said:
                         return said
+                thing = stop.things.get(right)
+                if thing is not None and thing.kind in ("tuple", "list") and thing.shape and thing.shape[0] != count:
+                    made = f", by `{stop.made[right]}`" if right in stop.made else ""
+                    return f"`{right}` has {thing.shape[0]} parts{made}, and on the left of `=` stand {count} names."
     if not _takes_apart(stop):
         return "It arises within the function that is called: look at what is handed over to it."
     return "On the left of `=` there must be as many names as the right side has parts: print the right side first."

@@ -3,20 +3,27 @@
 import ast
 import re
 
+from labsid.checks.empty_slices import empty_slice
 from labsid.checks.matrix_causes import unfit_blocks
 from labsid.checks.stops import Stop
 
-_TO_MINUS = re.compile(r"(\w*)\[([^\[\]:]*):\s*-\s*([A-Za-z_]\w*)\]")
-"""A slice to the k-th entry from the end, which takes nothing for k = 0."""
 _FROM_DIFFERENCE = re.compile(r"\w+\[([^\[\]:]*-[^\[\]:]*):[^\[\]:]*\]")
 _MOST_SLICES = 6
-FILLED_WITH_ZEROS = ", or begins with as many zeros as its slice drops samples"
-"""A way to equal lengths; no remedy where zeros would change what is asked for."""
 
 
 def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     """Columns of different lengths side by side."""
+    below = re.search(r"along dimension 1, .*index (\d+) has size (\d+) and .*index (\d+) has size (\d+)", stop.text)
+    if below is not None and "block(" not in stop.line:
+        flat = "(A flat array counts as one row. Flat arrays are joined by `np.concatenate`.)" if _stacks(stop) else ""
+        return (
+            "One below the other, all need the same number of columns: part "
+            f"{below[1]} (counted from 0) has {below[2]}, part {below[3]} has {below[4]}. {flat}"
+        ).rstrip()
     said = "Side by side, all need the same number of rows."
+    alone = _number_in(stop)
+    if alone:
+        return f"{said} `{alone}` is one number, a column of one row."
     if "block(" in stop.line:
         return unfit_blocks(stop) or (
             f"{said} In `np.block` a number is a block of 1 by 1, which fits only beside blocks of one row: an empty "
@@ -28,13 +35,12 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
     if len(set(lengths)) > 1 and (0 in lengths or not pairs):
         said += f" Here these are {', '.join(map(str, lengths))}."
     lines = [stop.line, *(stop.made[name] for name in listed & set(stop.made))]
-    to_minus = next((one for line in lines for one in _TO_MINUS.finditer(line)), None)
-    if to_minus is not None and ("has size 0" in stop.text or 0 in lengths):
-        k, first, x = to_minus[3], to_minus[2].strip(), to_minus[1] or "x"
-        right = f"{x}[{first} : len({x}) - {k}]" if first else f"{x}[: len({x}) - {k}]"
-        return f"{said} One is empty: with {k} = 0, `{to_minus[0]}` takes nothing. `{right}` is right there, too."
-    if 0 in lengths:
-        begin = next((one for line in lines for one in _FROM_DIFFERENCE.finditer(line)), None)
+    empty = empty_slice(stop, lines) if "has size 0" in stop.text or 0 in lengths else ""
+    if empty:
+        return f"{said} One is empty. {empty}"
+    if 0 in lengths or "has size 0" in stop.text:
+        begins = {one[1].strip(): one for line in lines for one in _FROM_DIFFERENCE.finditer(line)}
+        begin = next(iter(begins.values())) if len(begins) == 1 else None
         cut, a = ("x[a:b]", "a") if begin is None else (begin[0], begin[1].strip())
         return (
             f"{said} One is empty, as a slice `{cut}` is where `{a}` is below zero: that counts from the end. Print "
@@ -44,8 +50,30 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
         return said
     return (
         f"{said}{pairs} `y[a:b]` has b - a of them. Each column is cut so that this difference is the "
-        f"same{FILLED_WITH_ZEROS}. Row 0 holds the sample a: lags of 1 and 2 beside `y[2:]` are `[1:-1]` "
+        f"same. Row 0 holds the sample a: lags of 1 and 2 beside `y[2:]` are `[1:-1]` "
         "and `[:-2]`."
+    )
+
+
+def _number_in(stop: Stop) -> str:
+    """A number in the list of the columns; empty without one."""
+    for node in stop.expressions():
+        is_stack = isinstance(node, ast.Call) and ast.unparse(node.func).endswith("column_stack") and node.args
+        listed = node.args[0] if isinstance(node, ast.Call) and is_stack else None
+        for part in listed.elts if isinstance(listed, ast.List | ast.Tuple) else []:
+            thing = stop.things.get(ast.unparse(part))
+            if isinstance(part, ast.Constant) or (thing is not None and thing.kind == "number"):
+                return ast.unparse(part)
+    return ""
+
+
+def _stacks(stop: Stop) -> bool:
+    """Whether flat arrays are handed over to `np.vstack`."""
+    return "vstack(" in stop.line and any(
+        len(stop.shape(part) or ()) == 1
+        for node in stop.expressions()
+        if isinstance(node, ast.List | ast.Tuple)
+        for part in node.elts
     )
 
 

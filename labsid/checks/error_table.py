@@ -1,5 +1,12 @@
 """Python's errors that are explained: which they are, and what explains each."""
 
+from labsid.checks.argument_orders import (
+    points_of_interpolation,
+    system_first,
+    turned_histogram,
+    unsorted_edges,
+    values_for_a_condition,
+)
 from labsid.checks.array_errors import ARRAY_ERRORS, Translation
 from labsid.checks.call_causes import (
     array_for_an_axis,
@@ -14,6 +21,7 @@ from labsid.checks.call_causes import (
     own_function_of_python,
     text_for_an_index,
     text_in_a_computation,
+    uncalled_function,
     unknown_elsewhere,
     unknown_in_a_figure,
     unknown_in_a_module,
@@ -24,7 +32,6 @@ from labsid.checks.call_causes import (
 )
 from labsid.checks.causes import (
     called_array,
-    reshaped,
     time_and_input,
     truth_of_an_array,
     unpacked,
@@ -38,6 +45,7 @@ from labsid.checks.library_errors import (
     index_of_a_dictionary,
     list_for_a_number,
     number_among_arrays,
+    number_beside_a_table,
     shape_of_zeros,
     start_of_a_search,
     unequal_curves,
@@ -46,6 +54,8 @@ from labsid.checks.library_errors import (
     uneven_parts,
     unknown_keyword,
 )
+from labsid.checks.loops import endless
+from labsid.checks.points import reshaped
 from labsid.checks.tables import entry_of_a_flat_array
 from labsid.checks.tuple_causes import (
     no_whole_number,
@@ -106,9 +116,10 @@ TABLE: tuple[Translation, ...] = (
     Translation("AttributeError", "module 'numpy' has no attribute 'ln'", "The natural logarithm is `np.log`."),
     Translation("AttributeError", r"module '([\w.]+)' has no attribute '(\w+)'", unknown_in_a_module),
     Translation("AxisError", r"axis (-?\d+) is out of bounds for array of dimension (\d+)", missing_axis),
+    Translation("TypeError", "integer argument expected, got", missing_axis),
     Translation("TypeError", r"invalid keyword argument for (\w+)\(\)", own_function_of_python),
     Translation("TypeError", "only integer scalar arrays can be", array_for_an_axis),
-    Translation("TypeError", "'(?:int|float|numpy.float64)' object is not iterable", not_iterable),
+    Translation("TypeError", "'(?:int|float|numpy.float64|numpy.bool|bool)' object is not iterable", not_iterable),
     Translation(
         "TypeError",
         r"object of type '(?:int|float|numpy\.\w+)' has no len\(\)|len\(\) of unsized object",
@@ -125,14 +136,30 @@ TABLE: tuple[Translation, ...] = (
         text_in_a_computation,
     ),
     Translation(
+        "TypeError", "unsupported operand .*'(?:function|builtin_function_or_method|method)'", uncalled_function
+    ),
+    Translation(
         "TypeError",
         "unsupported operand .*'(?:function|builtin_function_or_method|method)'",
         "A function itself is no number: call it, with its arguments in brackets.",
     ),
     Translation("ValueError", r"cannot reshape array of size (\d+) into shape (.*)", reshaped),
     Translation("ValueError", "must have same first dimension|x and y must be the same size", unequal_curves),
+    Translation("ValueError", "weights should have the same shape", turned_histogram),
+    Translation("ValueError", "bins must (?:be monotonically|increase)", unsorted_edges),
+    Translation("ValueError", "object of too small depth", points_of_interpolation),
+    Translation("ValueError", "either both or neither of x and y", values_for_a_condition),
+    Translation("TypeError", "Parameter `?sys`?", system_first),
+    Translation(
+        "ValueError",
+        r"Parameter `?X0`?: Wrong shape .*: (\(.*?\))\. Expected: (\(\d+,\))",
+        lambda stop, found: (
+            f"The initial state has one number for each state of the model, shape {found[2]}: here it has {found[1]}."
+        ),
+    ),
     Translation("ValueError", "weights should have the same shape", unequal_weights),
     Translation("ValueError", "Parameter `?[TU]`?", time_and_input),
+    Translation("ValueError", "same number of dimensions", number_beside_a_table),
     Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
     Translation("ValueError", "must match exactly", unequal_columns),
     Translation("ValueError", "inhomogeneous", uneven_parts),
@@ -233,6 +260,11 @@ TABLE: tuple[Translation, ...] = (
     Translation("AttributeError", r"'(?:[\w.]*\.)?(\w+)' object has no attribute '(\w+)'", unknown_elsewhere),
     Translation("TypeError", "object is not callable", called_attribute),
     Translation("TypeError", r"object is not callable", called_array),
+    Translation(
+        "TypeError|UFuncTypeError|UFuncNoLoopError",
+        "bitwise_(and|or)",
+        "`&` and `|` come before a comparison: each comparison needs brackets of its own, `(x >= 0) & (x < 1)`.",
+    ),
     Translation("TypeError", r"bitwise_xor|for \^", "`^` is no power in Python: write `**`, as in `e**2`."),
     Translation(
         "TypeError",
@@ -333,6 +365,37 @@ TABLE: tuple[Translation, ...] = (
             f"`{found[1]}` is assigned in this function, so it is the function's own, and it has no "
             f"value yet in this line: give it one first, or hand it over."
         ),
+    ),
+    Translation("OutOfTime|KeyboardInterrupt", "", endless),
+    Translation(
+        "ValueError",
+        "cannot delete array elements",
+        "Entries of an array cannot be deleted: those that stay are a slice, such as `data[n:]`.",
+    ),
+    Translation(
+        "StopIteration",
+        "",
+        "`next` finds nothing: the condition holds for none of what it goes through. Print both sides.",
+    ),
+    Translation(
+        "AttributeError",
+        "'(SVDResult|EigResult)' object has no attribute",
+        lambda stop, found: (
+            "Its parts are `.U`, `.S` and `.Vh`, or by their number `[0]`, `[1]` and `[2]`: the last is V transposed."
+            if found[1] == "SVDResult"
+            else "Its parts are `.eigenvalues` and `.eigenvectors`, or by their number `[0]` and `[1]`."
+        ),
+    ),
+    Translation(
+        "TypeError",
+        "expected 1D vector for x",
+        "`np.polyfit(x, y, degree)` fits a polynomial of one flat x, and takes no table.",
+    ),
+    Translation(
+        "ValueError",
+        "objective function must return a scalar",
+        "`minimize` takes a function that returns one number, such as the sum of the squares. One that returns the "
+        "errors themselves belongs to `scipy.optimize.least_squares`.",
     ),
     Translation("ZeroDivisionError", "", "Something is divided by zero: print the denominator."),
     Translation("ModuleNotFoundError", "", "Use the packages that the first cell imports; grading has no others."),

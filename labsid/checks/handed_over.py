@@ -43,7 +43,8 @@ def wrong_arguments(stop: Stop, found: re.Match[str]) -> str | None:
     thing = stop.things.get(written)
     if isinstance(call.func, ast.Attribute) or thing is None or not thing.keys:
         return _told_by_help(stop, call)
-    return _missing(stop, name) or _listed(stop, call)
+    takes = f" It takes {_and(f'`{key}`' for key in thing.keys)}." if len(thing.keys) > 1 else ""
+    return f"{missing}{takes}" if (missing := _missing(stop, name)) else _listed(stop, call)
 
 
 def starred_argument(stop: Stop, _: re.Match[str]) -> str | None:

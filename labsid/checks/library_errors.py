@@ -4,6 +4,7 @@ import ast
 import re
 from collections.abc import Iterator
 
+from labsid.checks.argument_orders import turned_polynomial
 from labsid.checks.line_values import parsed_line
 from labsid.checks.operands import shapes_in
 from labsid.checks.stops import Stop
@@ -62,7 +63,8 @@ def unequal_curves(stop: Stop, _: re.Match[str]) -> str | None:
             "its own, or hand over its transpose."
         )
     if len(shapes) == 2:
-        return (
+        turned = "" if call is None else turned_polynomial(stop, call.args[1], shapes[0])
+        return turned or (
             f"The two vectors of a curve need the same length: `{names[0]}` has {shapes[0][0]} entries and "
             f"`{names[1]}` has {shapes[1][0]}."
         )
@@ -101,6 +103,20 @@ def unequal_mask(stop: Stop, found: re.Match[str]) -> str | None:
                 f"`{ast.unparse(node.value)}` has {size}, and `{mask}` has {given}{made}."
             )
     return f"A mask holds one True or False for each entry along its axis: here {size} entries and {given} in the mask."
+
+
+def number_beside_a_table(stop: Stop, _: re.Match[str]) -> str | None:
+    """A number in a list with tables that are to be joined."""
+    for node in stop.expressions():
+        parts = node.elts if isinstance(node, ast.List | ast.Tuple) else []
+        number = next((part for part in parts if _shape(stop, part) == () or isinstance(part, ast.Constant)), None)
+        if number is not None and any(len(_shape(stop, part) or ()) == 2 for part in parts):
+            name = ast.unparse(number)
+            return (
+                f"`{name}` is one number, and stands beside a table: as a table of one row and one column it is "
+                f"`[[{name}]]`."
+            )
+    return None
 
 
 def number_among_arrays(stop: Stop, _: re.Match[str]) -> str | None:
@@ -212,7 +228,7 @@ def shape_of_zeros(stop: Stop, _: re.Match[str]) -> str | None:
     for node in [] if tree is None else ast.walk(tree):
         if isinstance(node, ast.Call) and len(node.args) > 1:
             name = ast.unparse(node.func)
-            if name.rpartition(".")[2] in ("zeros", "ones", "empty"):
+            if name.rpartition(".")[2] in ("zeros", "ones", "empty", "random", "standard_normal"):
                 handed = ", ".join(map(ast.unparse, node.args))
                 return f"The shape is one argument, in brackets of its own: `{name}(({handed}))`."
     return None

@@ -10,7 +10,7 @@ from labsid.checks.asked_texts import (
     key_without_quotes,
     text_without_quotes,
 )
-from labsid.checks.module_names import module_of
+from labsid.checks.module_names import in_place_of_math, module_of
 from labsid.checks.stops import Stop
 
 
@@ -25,6 +25,11 @@ class Spelling:
 _MOST_SPELLINGS = 2
 _TEXTS = re.compile(r"(?<![\w\])])[frbFRB]{0,2}(\"[^\"]*\"|'[^']*')|#.*")
 _HEADS = "if|elif|else|while|for|def|with|try|except|finally|class"
+_WORDS = (
+    "and|as|assert|class|def|del|elif|else|end|except|for|from|function|global|if|import|in|is|lambda|nonlocal|not|or|"
+    "print|raise|return|try|while|with|yield"
+)
+"""Words beside which a name may stand without an operator; `print` has a message of its own."""
 _RANGE = (
     "`{0}` is MATLAB's range. In numpy it is `np.arange(start, stop, step)`, which leaves out the stop, or "
     "`np.linspace(first, last, number)`, which has both ends. Both are flat arrays"
@@ -41,6 +46,11 @@ _BRACKETS = (
 SPELLINGS: tuple[Spelling, ...] = (
     Spelling(r"\blambda\b(?=\s*(?:[-+*/,)=\]]|$))", "`lambda` is a word of Python's own: call the variable `lam`."),
     Spelling(r"\w+\s*(?:\+\+|--)\s*;?\s*$", "`{0}` is no Python: a variable is counted up by `n += 1`."),
+    Spelling(
+        r"\b(?:arange|linspace|range)\(\s*[^(),]*:[^(),]*\)",
+        "`{0}`: between the arguments of a function stand commas, `np.arange(start, stop, step)`. A range `a:b` stands "
+        "in square brackets only.",
+    ),
     Spelling(
         r"\w+\([^():\[\]{}]*,\s*(?P<shown>[\w.]*:[\w.]*)\s*[,)]",
         "`{0}`: a range `a:b` stands in square brackets only, after an array. Handed over to a function, it is "
@@ -102,6 +112,11 @@ SPELLINGS: tuple[Spelling, ...] = (
     Spelling(
         r"^(?!.*\"\"\w).*?(?P<shown>[\w\])]+'(?!\w*'))",
         "`{0}`: an apostrophe begins a text. The transpose is `.T`, as in `Phi.T`.",
+    ),
+    Spelling(
+        rf"^(?=.*(?:=|\breturn\b)).*?(?<![\w.])(?P<shown>(?!(?:{_WORDS})\b)[A-Za-z_]\w* (?!(?:{_WORDS})\b)[A-Za-z_]\w*)"
+        r"(?=\s*(?:[-+*/(,)]|$))",
+        "`{0}`: two names stand side by side. A product needs its `*`.",
     ),
     Spelling(r"~=", '`{0}` is MATLAB\'s "not equal": write `!=`.'),
     Spelling(r"&&|\|\|", "`{0}` is MATLAB's: write `and`, `or`."),
@@ -175,6 +190,7 @@ MATLAB = {
     "disp": "`print(x)`",
     "rand": "`rng.random((rows, columns))`, from 0 to 1; between other bounds `rng.uniform(low, high, shape)`",
     "randn": "`rng.standard_normal((rows, columns))`",
+    "ln": "`np.log(x)`, the natural logarithm (`np.log10` is the one of base 10)",
     "tf": "`ct.tf`",
     "ss": "`ct.ss`",
     "lsim": "`ct.forced_response(sys, inputs=u).outputs`",
@@ -194,7 +210,7 @@ MATLAB = {
     "control": "`ct`, the name under which the first cell imports it",
     "numpy": "`np`, the name under which the first cell imports it",
     "pyplot": "`plt`, the name under which the first cell imports it",
-    "null": "`None`",
+    "null": "`None`, and of a matrix `scipy.linalg.null_space(A)`",
     "nan": "`np.nan`",
     "inf": "`np.inf`",
 }
@@ -216,6 +232,8 @@ def cause_of_syntax(stop: Stop) -> str:
         for one, found in matches
         if found is not None
     ]
+    if said and "between the arguments" in said[0]:
+        return said[0]
     if said and _is_range(said[0]):
         return said[0] + (_TURNED if _TURNED_RANGE.search(code) else _COLUMN)
     said = [one for one in said if not _is_range(one)]
@@ -257,6 +275,8 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
     if _LINEAR.fullmatch(name) and is_called:
         return f"It is in numpy's part for linear algebra: `np.linalg.{name}`."
     is_power = name == "e" and re.search(r"\be\s*(?:\*\*|\^)", stop.line) is not None
+    if name == "math":
+        return in_place_of_math(stop.line)
     if name in MATLAB and (is_called or is_power or name in _NO_FUNCTIONS):
         return f"In Python: {MATLAB[name]}."
     module = module_of(name, stop.line, is_called)

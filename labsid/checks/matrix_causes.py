@@ -1,11 +1,12 @@
-"""Causes of Python's errors in products, inverses and systems of equations, by the shapes of the matrices."""
+"""Causes of Python's errors in products and systems of equations, by the shapes of the matrices."""
 
 import ast
 import re
-from collections.abc import Iterator
 
+from labsid.checks.empty_slices import begins_below_zero, empty_slice
 from labsid.checks.line_values import parsed_line, shape_of
 from labsid.checks.repairs import beside, mends
+from labsid.checks.singular_matrices import called, never_inverted, products_in
 from labsid.checks.stops import Stop
 
 
@@ -21,19 +22,6 @@ def products_of_matrices(stop: Stop) -> int:
     names = {name: thing.shape for name, thing in stop.things.items() if thing.kind == "array" and thing.shape}
     fits = len(times) > 1 and all(shape_of(node, names) is not None for node in times)
     return len(times) if fits else 0
-
-
-def _products(stop: Stop) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """The factors of the products of matrices in a line, by `@`, `np.dot` or `np.matmul`, outermost first."""
-    for node in stop.expressions():
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
-            yield node.left, node.right
-        elif (
-            isinstance(node, ast.Call)
-            and len(node.args) == 2
-            and ast.unparse(node.func).rpartition(".")[2] in ("dot", "matmul")
-        ):
-            yield node.args[0], node.args[1]
 
 
 def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
@@ -52,31 +40,41 @@ def number_in_a_product(stop: Stop, _: re.Match[str]) -> str | None:
                     f"`np.outer({left}, {right})`.)"
                 )
             if alone or isinstance(side, ast.Constant):
-                return (
-                    f"`@` is the product of arrays, and `{ast.unparse(side)}` is one number: a multiple is made by `*`."
-                )
+                name = ast.unparse(side)
+                said = f"`@` is the product of arrays, and `{name}` is one number"
+                if name in stop.made and not stop.made[name].startswith("for "):
+                    return f"{said}, by `{stop.made[name]}`."
+                return f"{said}: a multiple is made by `*`."
     return "`@` is the product of arrays; one of the two is a number. A multiple is made by `*`."
 
 
 def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
     """`@` between shapes that do not fit."""
-    for first, second in _products(stop):
+    tree = parsed_line(stop.part or stop.line)
+    for first, second in [] if tree is None else products_in(tree):
         one, other = stop.shape(first), stop.shape(second)
         if not one or not other or one[-1] == other[0]:
             continue
         left, right = ast.unparse(first), ast.unparse(second)
-        empty = next((text for text, shape in ((left, one), (right, other)) if 0 in shape), "")
-        if ":-" in empty.replace(" ", ""):
-            return f"`{empty}` is empty: `[:-0]` takes nothing. `[: len(x) - k]` is right for k = 0, too."
+        text = next((text for text, shape in ((left, one), (right, other)) if 0 in shape), "")
+        empty = empty_slice(stop, [text]) or begins_below_zero(stop, text) if text else ""
+        if empty:
+            return empty
         said = (
             f"In `{left} @ {right}` the first has {one[-1]} columns and the second {other[0]} rows: "
             f"these must be equal."
         )
+        fault = never_inverted(stop)
+        if fault:
+            return f"{said} {fault}"
         parts = (*ast.walk(first), *ast.walk(second))
         flat = [part for part in parts if isinstance(part, ast.Name) and len(stop.shape(part) or ()) == 1]
         product = ast.BinOp(first, ast.MatMult(), second)
         if len(other) == 2 and other[0] == 1 and other[1] == one[-1] and mends(stop, second, f"{right}.ravel()"):
             return f"{said} `{right}` has shape {other}, a table of one row; `{right}.ravel()` is flat."
+        fault = _other_size(stop, first, second)
+        if fault:
+            return f"{said} {fault}"
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
         if weight and mends(stop, ast.Name(weight), f"np.diag({weight})"):
             return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
@@ -92,7 +90,7 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             before = f"`{name}.T` in place of `{name}`" if right == name else f"`{name}.T @` before `{right}`"
             return f"{said} Is {before} meant?"
         if "inv(" in left:
-            return " ".join(filter(None, (said, _without_inverse(stop))))
+            return said
         if one[0] == other[0] and re.fullmatch(r"(-?[\w.]+ \* )?\w+(\.T)?", left):
             turned = left[:-2] if left.endswith(".T") else f"{left}.T"
             repairs = [f"{turned} @ {right}"]
@@ -105,9 +103,69 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
         if is_swapped and mends(stop, product, f"{right} @ {left}"):
             return f"{said} Is `{right} @ {left}` meant?"
-        made = [name for name in (left, right) if name in stop.made and not stop.made[name].startswith("for ")]
+        turned = f"{left} @ {right}.T"
+        if (
+            len(other) == 2
+            and other[0] != other[1] == one[-1]
+            and right.isidentifier()
+            and mends(stop, product, turned)
+        ):
+            return f"{said} `{turned}` would fit."
+        names = (left.removesuffix(".T"), right.removesuffix(".T"))
+        made = [name for name in names if name in stop.made and not stop.made[name].startswith("for ")]
         return " ".join((said, *(f"`{name}` is made by `{stop.made[name]}`." for name in made)))
+    kept = next((name for name, made in stop.made.items() if re.search(r"=\s*np\.(as)?mat(rix)?\(", made)), "")
+    if kept and "@" not in stop.line:
+        return (
+            f"`{kept}` is an `np.matrix`, by `{stop.made[kept]}`: its `*` is the product of matrices, and a flat array "
+            "beside it stands for one row. With arrays the product is `@`, and takes flat arrays, too."
+        )
     return "In `A @ B` the columns of A must be as many as the rows of B."
+
+
+def _other_size(stop: Stop, first: ast.expr, second: ast.expr) -> str:
+    """What made a square matrix that is a factor, and which size it must have; empty if no factor is one.
+
+    What was made with another number of rows and columns is not mended by another order of the factors.
+    """
+    for part, other, axis in ((second, first, -1), (first, second, 0)):
+        shape, beside_it = stop.shape(part), stop.shape(other)
+        made = stop.made.get(part.id, "") if isinstance(part, ast.Name) else ""
+        if not shape or not beside_it or len(shape) != 2 or shape[0] != shape[1] or not _is_sized(part, made):
+            continue
+        name = ast.unparse(part)
+        square = f"{shape[0]} by {shape[0]}"
+        said = f"`{name}` is made by `{made}`: it is {square}" if made else f"`{name}` is {square}"
+        third = _factor_behind(stop, first, second) if axis else None
+        size = beside_it[axis]
+        if third is not None and (stop.shape(third) or (0,))[0] == size:
+            left = ast.unparse(first.right if isinstance(first, ast.BinOp) else first)
+            right = ast.unparse(third)
+            said += f". Between `{left}` and `{right}` a square matrix is {size} by {size}"
+            turned = [one[:-2] if one.endswith(".T") else f"{one}.T" for one in (left, right)]
+            if turned == [right, left]:
+                said += f", and between `{right}` and `{left}` {square}"
+        product, swapped = ast.BinOp(first, ast.MatMult(), second), f"{ast.unparse(second)} @ {ast.unparse(first)}"
+        if third is None and mends(stop, product, swapped):
+            return f"{said}. `{swapped}` would fit, and in this order a matrix of {size} by {size}."
+        return f"{said}."
+    return ""
+
+
+_SIZED = re.compile(r"\b(eye|identity|diag|zeros|ones)\(")
+"""What makes a matrix of a size that its argument gives."""
+
+
+def _is_sized(part: ast.expr, made: str) -> bool:
+    """Whether a matrix was made with a size of its own, and is no product of what the function is handed."""
+    return _SIZED.search(made.partition("=")[2] or ast.unparse(part)) is not None
+
+
+def _factor_behind(stop: Stop, first: ast.expr, second: ast.expr) -> ast.expr | None:
+    """The factor by which a product is multiplied from the right; None without one."""
+    tree, product = parsed_line(stop.line), ast.unparse(ast.BinOp(first, ast.MatMult(), second))
+    found = [] if tree is None else [right for left, right in products_in(tree) if ast.unparse(left) == product]
+    return found[0] if found else None
 
 
 def _owed(stop: Stop, product: ast.expr) -> str:
@@ -207,10 +265,13 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
             left, right = (stop.shape(part) for part in node.args)
             if left and right and left[0] != right[0]:
                 A, b = map(ast.unparse, node.args)
+                fault = never_inverted(stop)
                 said = (
                     f"`solve(A, b)` solves A x = b: A, here `{A}`, has {left[0]} rows, and b, here `{b}`, has "
                     f"{right[0]}."
                 )
+                if fault:
+                    return f"{said} {fault}"
                 inner = node.args[0]
                 if isinstance(inner, ast.BinOp) and isinstance(inner.op, ast.MatMult):
                     first = stop.shape(inner.left)
@@ -220,7 +281,10 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                             f" The right-hand side of the normal equations is multiplied, too: "
                             f"`{ast.unparse(inner.left)} @ {b}`."
                         )
-                return said
+                names = [
+                    one.id for one in ast.walk(inner) if isinstance(one, ast.Name) and "@" in stop.made.get(one.id, "")
+                ]
+                return " ".join((said, *(f"`{name}` is made by `{stop.made[name]}`." for name in dict.fromkeys(names))))
     sizes = re.search(r"size (\d+) is different from (\d+)", stop.text)
     here = f" Here these are {sizes[1]} and {sizes[2]}." if sizes else ""
     return f"`solve(A, b)` needs as many entries in b as A has rows.{here}"
@@ -248,6 +312,9 @@ def unfit_rows(stop: Stop, _: re.Match[str]) -> str | None:
     return "`lstsq(A, b)`: A and b must have the same number of rows."
 
 
+_TAKE_MATRICES = ("solve", "lstsq", "inv", "pinv", "det", "eig", "eigvals", "eigh", "eigvalsh", "svd", "qr", "cholesky")
+
+
 def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
     """A flat array or a number in the place of a matrix; of `solve` and `lstsq`, the two may be swapped."""
     for node in stop.expressions():
@@ -257,7 +324,11 @@ def flat_matrix(stop: Stop, _: re.Match[str]) -> str | None:
                 written = ast.unparse(node.args[0])
                 return f"`{written}` is a function, and a matrix is asked for: it is called, `{written}(...)`."
             shapes = [stop.shape(part) for part in node.args[:2]]
-            if shapes[0] is None or len(shapes[0]) != 1:
+            if called(node) == "append" and len(node.args) == 2:
+                return (
+                    f"`{ast.unparse(node)}` is flat: without a third argument, the axis, `np.append` takes all apart."
+                )
+            if shapes[0] is None or len(shapes[0]) != 1 or called(node) not in _TAKE_MATRICES:
                 continue
             A = ast.unparse(node.args[0])
             said = f"`{A}` is flat, shape {shapes[0]}, and stands where `{ast.unparse(node.func)}` takes a matrix."
@@ -303,57 +374,3 @@ def flat_state_space(stop: Stop, found: re.Match[str]) -> str | None:
             if turned:
                 return turned
     return "In `ct.ss(A, B, C, D, Ts)`, A is n by n, B n by 1, C 1 by n and D 1 by 1, each as a list of its rows."
-
-
-def _without_inverse(stop: Stop) -> str:
-    """A product in the line that cannot have an inverse, by its shapes; empty if there is none."""
-    for first, second in _products(stop):
-        one, other = stop.shape(first), stop.shape(second)
-        if one and other and len(one) == len(other) == 2 and one[0] == other[1] > one[1]:
-            left, right = ast.unparse(first), ast.unparse(second)
-            return (
-                f"The product of `{left}` and `{right}` is {one[0]} by {one[0]}, but of rank {one[1]} at most: "
-                "it never has an inverse. "
-                f"`{right} @ {left}` is {one[1]} by {one[1]}."
-            )
-    return ""
-
-
-def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
-    """A product that is singular by its shapes, a single zero, or dependent columns."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve")):
-            shapes = {stop.shape(part) for part in ast.walk(node.args[0]) if isinstance(part, ast.expr)} - {None}
-            if (1, 1) in shapes and shapes <= {(1, 1), (1,)}:
-                return f"`{ast.unparse(node.args[0])}` is a single number, and it is zero: print what it is made of."
-    if not _without_inverse(stop) and ".jac" in stop.line:
-        return (
-            "Where the search ended, the output does not depend on each of the parameters. That is so when the model "
-            "does not use one of them, when it lacks one, so that no value of the others fits, and when the "
-            "search begins far from the data: print where it ended."
-        )
-    return _without_inverse(stop) or (
-        "The matrix has no inverse: its columns are dependent, as they are when a column of Phi is zero or a multiple "
-        "of others, or when Phi has fewer rows than columns. Print `np.linalg.matrix_rank(...)` of each factor."
-    )
-
-
-def not_square(stop: Stop, _: re.Match[str]) -> str | None:
-    """The inverse, or the determinant, of a tall matrix."""
-    for node in stop.expressions():
-        if isinstance(node, ast.Call) and node.args and ast.unparse(node.func).endswith(("inv", "solve", "det")):
-            shape, name = stop.shape(node.args[0]), ast.unparse(node.args[0])
-            if shape and len(shape) == 2 and shape[0] != shape[1]:
-                said = f"`{name}` is {shape[0]} by {shape[1]}; only a square matrix has "
-                if ast.unparse(node.func).endswith("det"):
-                    return (
-                        f"{said}a determinant. How many columns of any matrix are independent, its rank says: "
-                        f"`np.linalg.matrix_rank({name})`."
-                    )
-                tall = (
-                    f" (Least squares inverts `{name}.T @ {name}`, or takes `np.linalg.lstsq({name}, ...)[0]`.)"
-                    if shape[0] > shape[1]
-                    else ""
-                )
-                return f"{said}an inverse.{tall}"
-    return "Only a square matrix has an inverse: in least squares Phi'Phi is square, and Phi is not."

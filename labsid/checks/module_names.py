@@ -17,6 +17,22 @@ _SUBMODULES = {
 """Parts of modules, by the name that may stand alone."""
 
 
+_IN_NUMPY = {"pow": "power", "ln": "log", "asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"}
+"""What functions of Python's `math`, or what is taken for one, are called in numpy."""
+
+
+def in_place_of_math(line: str) -> str:
+    """What stands for a part of Python's `math`, which is not imported."""
+    taken = re.search(r"(?<![\w.])math\.(\w+)", line)
+    name = "" if taken is None else _IN_NUMPY.get(taken[1], taken[1])
+    thing = getattr(import_module("numpy"), name, None) if name else None
+    if taken is None or thing is None:
+        return "Python's `math` is not imported here: its functions are there after `import math`."
+    natural = ", the natural logarithm" if name == "log" else ""
+    of_arrays = ", which takes one number or an array" if callable(thing) else ""
+    return f"Python's `math` is not imported here, and not needed: numpy has `np.{name}`{natural}{of_arrays}."
+
+
 def module_of(name: str, line: str, is_called: bool) -> str:
     """In which module a function is that is called, or a part of a module of which something is taken; or nothing.
 
@@ -24,7 +40,8 @@ def module_of(name: str, line: str, is_called: bool) -> str:
     """
     if is_called:
         for written, module in _MODULES:
-            if callable(getattr(import_module(module), name, None)):
+            found = getattr(import_module(module), name, None)
+            if callable(found) and not isinstance(found, type):
                 imported = ", after `import math`" if module == "math" else ""
                 return f"It is a function of {module.partition('.')[0]}: `{written}.{name}`{imported}."
     taken = re.search(rf"(?<![\w.]){name}\.(\w+)", line)

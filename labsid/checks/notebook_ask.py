@@ -9,11 +9,12 @@ import numpy as np
 
 from labsid.checks.compare import kind_of
 from labsid.checks.function_reads import length_beside, reads_beside
-from labsid.checks.python_errors import told
+from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
 from labsid.checks.values import Value, plain, unchanged
 from labsid.checks.verdict import PYTHON_ERROR, NoAnswer
+from labsid.checks.written_calls import numbers_handed
 from labsid.records.record import Record
 
 PUBLIC_SEED = 2018
@@ -74,16 +75,21 @@ class NotebookAsk:
             if begins_with_calls:
                 self.tried = f"Tried: `{name}({_listed(arguments)})` returned {_short(result)}."
             return result
-        except (OutOfTime, KeyboardInterrupt):
+        except (OutOfTime, KeyboardInterrupt) as endless:
+            stop = stop_of(endless, self._variables)
             raise NoAnswer(
-                f"`{name}` did not come to an end within {CALL_SECONDS:g} s: look for a loop whose condition never "
-                "becomes false."
+                f"`{name}` did not come to an end within {CALL_SECONDS:g} s"
+                f"{f', and was stopped in `{stop.line}`' if stop.line else ''}. {explain(stop)}"
             ) from None
         except Exception as error:
             stop = stop_of(error, self._variables)
             counts = {thing.value for thing in stop.things.values()}
             cause = "" if self.beside else length_beside(name, function, self._variables, arguments, counts)
             raise NoAnswer(told(stop, f"`{name}`", cause=cause), PYTHON_ERROR) from error
+
+    def numbers_handed(self, function: str, name: str) -> tuple[float | None, ...]:
+        """The numbers that the notebook hands over to its function of that name, in the call that makes a variable."""
+        return numbers_handed(self._variables.get(function), name, self._variables)
 
     def changes(self, name: str, *arguments: Value) -> bool:
         """Whether the function of that name changes an array that it is given."""

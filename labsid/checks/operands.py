@@ -4,9 +4,12 @@ import ast
 import re
 from dataclasses import dataclass
 
+from labsid.checks.argument_orders import turned_polynomial
+from labsid.checks.empty_slices import empty_slice
 from labsid.checks.line_values import parsed_line
 from labsid.checks.matrix_causes import products_of_matrices
 from labsid.checks.repairs import mends, shape_of_repair
+from labsid.checks.singular_matrices import never_inverted
 from labsid.checks.stops import Stop
 
 _OPERATIONS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.FloorDiv, ast.Mod)
@@ -148,9 +151,16 @@ def unequal_shapes(stop: Stop, _: re.Match[str]) -> str | None:
     one, other = found.shapes
     left, right = ast.unparse(found.left), ast.unparse(found.right)
     for side, shape, beside in ((found.left, one, other), (found.right, other, one)):
-        said = _reduced(stop, side, beside) or _convolved(stop, side, shape, beside)
+        said = (
+            _reduced(stop, side, beside)
+            or _convolved(stop, side, shape, beside)
+            or turned_polynomial(stop, side, beside)
+        )
         if said:
             return said
+    fault = empty_slice(stop, [left, right] if 0 in (*one, *other) else ()) or never_inverted(stop)
+    if fault:
+        return f"`{left}` has shape {one} and `{right}` {other}. {fault}"
     if len(one) == len(other) == 1:
         return f"`{left}` has {one[0]} entries and `{right}` has {other[0]}. {_paired(stop, found, left, right)}"
     return (
@@ -162,7 +172,7 @@ def unequal_shapes(stop: Stop, _: re.Match[str]) -> str | None:
 def _paired(stop: Stop, found: Operands, left: str, right: str) -> str:
     """How two flat arrays of different lengths can stand beside each other."""
     one, other = found.shapes[0][0], found.shapes[1][0]
-    filling = re.compile(r"(?:np\.)?(zeros|ones)\(.*\)")
+    filling = re.compile(r"(?:np\.)?(zeros|ones)\(.*\)|\[0(?:\.0)?\] \* .+")
     if isinstance(found.operation, ast.Add) and (filling.fullmatch(left) or filling.fullmatch(right)):
         joined = f"np.concatenate([{left}, {right}])"
         if mends(stop, ast.BinOp(found.left, found.operation, found.right), joined):

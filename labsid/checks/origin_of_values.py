@@ -15,7 +15,8 @@ from labsid.checks.cells import Template, answer_id, is_stub
 from labsid.checks.given_lines import put_back
 from labsid.checks.notebook_file import NotebookFile
 from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
-from labsid.checks.python_errors import told
+from labsid.checks.python_errors import explain, told
+from labsid.checks.stops import Stop
 from labsid.checks.time_limit import CELL_SECONDS
 from labsid.checks.verdict import PYTHON_ERROR
 
@@ -71,8 +72,8 @@ class QuestionCells:
             return "its answer cell has not been run since the kernel was started. Run it, then this check."
         if run.error.startswith("KeyboardInterrupt"):
             return (
-                f"its answer cell was interrupted after {run.seconds:.0f} s. Grading stops a cell after "
-                f"{CELL_SECONDS:g} s: look for a loop whose condition never becomes false."
+                f"its answer cell was interrupted after {run.seconds:.0f} s{_line_of(run)}. Grading stops a cell after "
+                f"{CELL_SECONDS:g} s. {explain(Stop('KeyboardInterrupt', '') if run.stop is None else run.stop)}"
             )
         if run.stop is not None:
             why = told(run.stop, "its answer cell", self.making_cells)
@@ -223,3 +224,8 @@ class QuestionCells:
 
     def _name_of(self, run: CellRun) -> str:
         return "a cell of your own" if self._is_own(run) else f"the cell {run.cell_id}"
+
+
+def _line_of(run: CellRun) -> str:
+    """Where a run was interrupted, as the end of a sentence; empty if that is not known."""
+    return "" if run.stop is None or not run.stop.line else f", in `{run.stop.line}`"

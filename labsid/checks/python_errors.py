@@ -36,7 +36,31 @@ def told(stop: Stop, where: str, made_by: Callable[[str], str] | None = None, ca
 def details(stop: Stop, made_by: Callable[[str], str] | None = None, cause: str = "") -> str:
     """What stands in the line, and the cause; empty if nothing is known."""
     present = ", ".join(f"`{name}` {thing}" for name, thing in _present(stop))
-    return " ".join(filter(None, (f"There {present}." if present else "", cause or explain(stop, made_by))))
+    said = (f"There {present}." if present else "", cause or explain(stop, made_by), _handed_over(stop))
+    return " ".join(filter(None, said))
+
+
+_OF_NUMBERS = re.compile(
+    "'(?:int|float|numpy.float64)' object|invalid index to scalar|enough dimensions|unsized object"
+)
+"""Messages of errors that a number in the place of an array makes."""
+
+
+def _handed_over(stop: Stop) -> str:
+    """Which call in the cell hands over a list, a number or a text, where it may be the fault; empty if none does."""
+    for name in dict.fromkeys(re.findall(r"[A-Za-z_]\w*", stop.part or stop.line)) if stop.call else ():
+        thing = stop.things.get(name)
+        if thing is None or name not in stop.arguments or name in stop.made:
+            continue
+        is_number = thing.kind == "number" and _OF_NUMBERS.search(stop.text) is not None
+        is_array = thing.kind == "array" and stop.kind == "IndexError" and re.search(r"\[[^\]]*:", stop.call)
+        kind = {"text": "str", "nothing": "NoneType"}.get(thing.kind, thing.kind)
+        is_named = kind in ("list", "tuple", "str", "NoneType") and re.search(
+            rf"'{kind}'|\b{kind}\b|sequence", stop.text
+        )
+        if is_named or is_number or is_array:
+            return f"`{name}` is handed over by the call `{stop.call}`."
+    return ""
 
 
 def explain(stop: Stop, made_by: Callable[[str], str] | None = None) -> str:

@@ -51,6 +51,8 @@ class Stop:
     made : mapping
         By the name of a variable in the line, or in one of these lines, the line that gave it its value; by that of a
         function of the notebook that the line calls, its only `return`.
+    call : str
+        The student's line that called the function in which it stopped; empty if another called it, and in a cell.
     """
 
     kind: str
@@ -63,6 +65,7 @@ class Stop:
     near: str = ""
     outside: tuple[str, ...] = ()
     made: Mapping[str, str] = field(default_factory=dict)
+    call: str = ""
 
     def shape(self, node: ast.expr) -> tuple[int, ...] | None:
         """Shape of an array that stands in the line."""
@@ -98,6 +101,7 @@ def packed(stop: Stop) -> dict[str, Any]:
         "near": stop.near,
         "outside": list(stop.outside),
         "made": dict(stop.made),
+        "call": stop.call,
     }
 
 
@@ -122,7 +126,7 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
             sizes = one[2] if isinstance(one[2], list) else []
             shape = tuple(int(size) for size in sizes if type(size) is int and 0 <= size < _LARGEST_SIZE)
             things[one[0]] = Thing(str(one[1]), shape if one[3] is True else None, is_whole=one[4:] == [True])
-    line, part, near = (str(message.get(key, "")) for key in ("line", "part", "near"))
+    line, part, near, call = (str(message.get(key, "")) for key in ("line", "part", "near", "call"))
     line = line if is_known(line) else ""
     arguments, outside = (
         tuple(str(name) for name in names) if isinstance(names := message.get(key), list) else ()
@@ -141,6 +145,7 @@ def unpacked(message: Any, kind: str, text: str, is_known: Callable[[str], bool]
         near if is_known(near) else "",
         outside if all(map(is_known, outside)) else (),
         {name: made_by for name, made_by in made.items() if is_known(name) and is_known(made_by)},
+        call if is_known(call) else "",
     )
 
 
@@ -183,7 +188,8 @@ def stop_of(error: BaseException, variables: Mapping[str, Any], source: str = ""
         things = {**things_in(other, names, is_inner), **things}
     is_function = code.co_name != "<module>"
     outside = tuple(name for name in things if is_function and name in frame.f_globals and name not in frame.f_locals)
-    return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside, made)
+    call = _caller(error.__traceback__, frame, variables, source) if is_function and code.co_name not in _INNER else ""
+    return Stop(kind, text, trace.tb_lineno, line, part, things, arguments, near, outside, made, call)
 
 
 def _near(unknown: str, line: str, names: Mapping[str, Any], source: str) -> str:
@@ -292,6 +298,16 @@ def _last_frame(trace: TracebackType | None, variables: Mapping[str, Any]) -> tu
             found = trace.tb_frame, trace
         trace = trace.tb_next
     return found
+
+
+def _caller(trace: TracebackType | None, called: FrameType, variables: Mapping[str, Any], source: str) -> str:
+    """The student's line that called the function of a frame; empty if a library or a check called it."""
+    while trace is not None and trace.tb_next is not None:
+        if trace.tb_next.tb_frame is called:
+            is_own = trace.tb_frame.f_globals is variables and trace.tb_frame is not called
+            return _line_and_part(trace.tb_frame, trace, source)[0] if is_own else ""
+        trace = trace.tb_next
+    return ""
 
 
 def _line_and_part(frame: FrameType, trace: TracebackType, source: str) -> tuple[str, str]:

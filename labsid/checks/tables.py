@@ -4,6 +4,7 @@ import ast
 import re
 from collections.abc import Iterator
 
+from labsid.checks.empty_slices import empty_slice
 from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
 
@@ -134,6 +135,9 @@ def unfit_target(stop: Stop, found: re.Match[str]) -> str | None:
     target, value = _assignment(stop)
     if target is None or value is None:
         return None
+    empty = empty_slice(stop, [ast.unparse(value)]) if re.match(r"\(0,", found[1]) else ""
+    if empty:
+        return empty
     left, right, got = ast.unparse(target), ast.unparse(value), found[1].replace(" ", "")
     wanted = found[2].replace(" ", "")
     if got.endswith(",1)") and wanted == got.replace(",1)", ",)"):
@@ -155,16 +159,38 @@ def unfit_target(stop: Stop, found: re.Match[str]) -> str | None:
         made = f" (made by `{stop.made[right]}`)" if right in stop.made else ""
         return (
             f"`{left}` takes {wanted[1:-2]} numbers, and `{right}`{made} has {got[1:-2]}: on both sides of `=` there "
-            "must be as many."
+            f"must be as many.{_counted_size(stop, target, int(wanted[1:-2]) - int(got[1:-2]))}"
         )
     made = f", by `{stop.made[right]}`" if right in stop.made else ""
     return f"`{left}` takes {wanted}, and `{right}` has the shape {got}{made}."
 
 
+def _counted_size(stop: Stop, target: ast.Subscript, excess: int) -> str:
+    """By which count the array that is set got its size; empty if that is not known."""
+    made = stop.made.get(ast.unparse(target.value), "")
+    for name in _NAME.findall(made.partition("=")[2]):
+        count = stop.made.get(name, "")
+        counted = re.search(r"=\s*len\((\w+)\)( - \d+)?$", count)
+        if counted is None or stop.things.get(name) is None or stop.things[name].kind != "number":
+            continue
+        order = f" (A polynomial of len({counted[1]}) coefficients has the order len({counted[1]}) - 1.)"
+        return f" `{made}` made it, with `{count}`.{order if excess == 1 and counted[2] is None else ''}"
+    return ""
+
+
 def entry_of_a_flat_array(stop: Stop, _: re.Match[str]) -> str | None:
-    """One entry of a flat array that is set to a whole array."""
+    """One entry of a flat array that is set to a whole array, or a row of a table that is set to a list of arrays."""
     for target, value in _pairs(stop):
         shape, put = stop.shape(target.value), stop.shape(value)
+        parts = value.elts if isinstance(value, ast.List | ast.Tuple) else []
+        whole = [part for part in parts if stop.shape(part)]
+        if shape is not None and len(shape) == 2 and whole and not isinstance(target.slice, ast.Tuple):
+            left, right = ast.unparse(target), ast.unparse(value)
+            return (
+                f"`{left}` is one row of {shape[1]} numbers, and `{right}` a list with arrays in it: "
+                f"`{ast.unparse(whole[0])}` has shape {stop.shape(whole[0])}. Joined to one flat array they are "
+                "`np.concatenate([...])`."
+            )
         if shape is None or len(shape) != 1 or put == ():
             continue
         name, right = ast.unparse(target.value), ast.unparse(value)

@@ -169,6 +169,10 @@ def _no_index(stop: Stop, part: ast.expr) -> str:
         return f"`{name}` is no whole number. {_COUNTS}"
     if thing is None:
         return ""
+    if thing.kind == "function" and isinstance(part, ast.Name):
+        return (
+            f"`{name}` is a function, and an index is one number: what it returns is `{name}({', '.join(thing.keys)})`."
+        )
     if thing.kind in ("list", "tuple") or (thing.kind == "array" and thing.shape):
         entry = f"{name}[0][0]" if thing.lengths else f"{name}[0]"
         if thing.kind == "array":
@@ -180,6 +184,12 @@ def _no_index(stop: Stop, part: ast.expr) -> str:
         if "/" in re.sub("//", "", made):
             return ""
         by = f", by `{made}`" if made else ""
+        each = re.match(r"for (\w+) in ([\w.]+):", made)
+        if each is not None and each[1] == name:
+            return (
+                f"`{name}` is no whole number: `{made}` goes through the entries of `{each[2]}` themselves, and "
+                f"`for {name} in range(len({each[2]})):` through their indices."
+            )
         return f"`{name}` is no whole number{by}. {_COUNTS}"
     return ""
 

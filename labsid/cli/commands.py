@@ -66,15 +66,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 @reads_signals
-def check_command(record: RecordPath, *, how: "Reading", json_file: JsonFile = None) -> None:
+def check_command(
+    record: RecordPath,
+    *,
+    how: "Reading",
+    json_file: JsonFile = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also draw the record with its findings: FILE.png or FILE.svg.")
+    ] = None,
+) -> None:
     """Describe a record and report its faults; of a log whose header does not say it, the columns."""
-    from labsid._files import write_json
+    from labsid._files import check_writable, write_json
     from labsid.cli.console import print_check, print_contents
     from labsid.lab.record_check import check_record, to_json_dict
     from labsid.records.choice import UnknownColumns
     from labsid.records.formats import describe_columns, read_raw
     from labsid.records.record import refusal
 
+    if plot is not None:
+        from labsid.plots.style import check_figure_file, save_figure
+
+        check_figure_file(plot)
+        check_writable(plot)
     try:
         raw = read_raw(record, how)
     except UnknownColumns:
@@ -83,6 +96,10 @@ def check_command(record: RecordPath, *, how: "Reading", json_file: JsonFile = N
     checked = check_record(raw)
     if json_file is not None:
         write_json(json_file, to_json_dict(checked))
+    if plot is not None:
+        from labsid.plots.record_check import figure_check
+
+        save_figure(figure_check(raw, checked), plot)
     print_check(checked)
     if checked.faults:
         raise ValueError(refusal(record, checked.faults))
@@ -102,18 +119,30 @@ def identify_command(
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the model here, for `labsid gap --sim`.")
     ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Also draw free run, Bode, step response, poles and zeros: FILE.png or FILE.svg."
+        ),
+    ] = None,
 ) -> None:
     """Identify a model from the first half of a record and verify it on the second half, as in the lab."""
-    from labsid._files import write_json
+    from labsid._files import check_writable, write_json
     from labsid.cli.console import identification_text
     from labsid.lab.arx import to_gap_model
     from labsid.lab.identification import identify, to_json_dict
     from labsid.records.record import read_record
     from labsid.records.several_signals import one_signal_each
 
+    if plot is not None:
+        from labsid.plots.style import check_figure_file, save_figure
+
+        check_figure_file(plot)
+        check_writable(plot)
     loaded = read_record(record, how)
-    if model is not None:
-        one_signal_each(loaded, "--model")
+    for option, path in (("--model", model), ("--plot", plot)):
+        if path is not None:
+            one_signal_each(loaded, option)
     if loaded.several:
         from labsid.cli.system_console import system_text
         from labsid.lab import system_identification
@@ -128,6 +157,10 @@ def identify_command(
         write_json(json_file, to_json_dict(result))
     if model is not None:
         write_json(model, to_gap_model(result.model))
+    if plot is not None:
+        from labsid.plots.identification import figure_identification
+
+        save_figure(figure_identification(result), plot)
     print(identification_text(result))
 
 

@@ -1,5 +1,6 @@
 """Text output of the command `labsid`."""
 
+import os
 import shlex
 import sys
 import textwrap
@@ -15,7 +16,15 @@ if TYPE_CHECKING:  # slow imports, and a command needs only one of them
     from labsid.lab.record_check import RecordCheck
     from labsid.records.contents import ColumnSummary
 
+_BOLD, _NORMAL = "\033[1m", "\033[0m"
 _COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"}
+
+
+def print_report(text: str) -> None:
+    """Print a report; on a terminal its headline, the lines before the first empty one, is bold."""
+    headline, empty, rest = text.partition("\n\n")
+    plain = not sys.stdout.isatty() or "NO_COLOR" in os.environ or os.environ.get("TERM") == "dumb"
+    print(text if plain else f"{_BOLD}{headline}{_NORMAL}{empty}{rest}")
 
 
 def print_check(check: "RecordCheck") -> None:

@@ -102,6 +102,7 @@ def diagnose(
     """
     from labsid._cores import available_cores
     from labsid._files import check_writable, write_json
+    from labsid.cli.console import print_report
     from labsid.gap import diagnosis
     from labsid.gap.reports.quantities import with_units
     from labsid.gap.simulations.simulation_files import load_simulation
@@ -130,7 +131,7 @@ def diagnose(
     if units is not None and several:
         loaded = [_with_signal_units(record, units) for record in loaded]
     simulation = None if sim is None else load_simulation(sim, loaded[0], len(loaded) > 1, ports)
-    with shown_progress() as progress:
+    with shown_progress(stages=True) as progress:
         diagnosed = diagnosis.diagnose(
             loaded,
             simulation,
@@ -144,16 +145,15 @@ def diagnose(
             jobs=jobs or available_cores(),
             progress=progress,
         )
-    report = diagnosed.report | {"command": _command_line(context)}
-    if stated is not None:
-        report = with_units(report, *stated)
+    summary = diagnosed.summary | {"command": _command_line(context)}
+    diagnosed = diagnosed.with_summary(summary if stated is None else with_units(summary, *stated))
     if json_file is not None:
-        write_json(json_file, report)
+        write_json(json_file, diagnosed.report)
     if html is not None:
         from labsid.gap.reports.html_report import write_html_report
 
-        write_html_report(html, report)
-    print(diagnosed.with_report(report))
+        write_html_report(html, diagnosed.report)
+    print_report(str(diagnosed))
     if isinstance(diagnosed, diagnosis.Diagnosis) and diagnosed.why is not None:
         from labsid.cli.gap_why import format_why
 
@@ -241,7 +241,7 @@ def show_limits(
     stated = None if units is None else _units(units)
     loaded = read_record(record, how)
     following = None if planned is None else load_planned_input(planned)
-    with shown_progress() as progress:
+    with shown_progress(stages=True) as progress:
         limits = diagnosis.find_limits(
             loaded,
             None if sim is None else load_simulation(sim, loaded, False),

@@ -1,6 +1,7 @@
 """Tables of the command group ``labsid gap``."""
 
 from collections.abc import Sequence
+from textwrap import fill
 
 from rich.console import Console
 from rich.table import Table
@@ -10,6 +11,7 @@ from labsid.gap.reports.quantities import number
 from labsid.gap.reports.sentences import noun_without_article
 from labsid.gap.rigs import RigResult
 
+MESSAGE = 40  # characters of a line of a message
 WIDTH = 130  # characters of a table that is written to a file
 
 
@@ -28,31 +30,51 @@ def print_effects() -> None:
 
 
 def print_rigs(results: Sequence[RigResult]) -> None:
-    """Print a row for each rig: errors on the second record, verdict, named effects and what is left."""
+    """Print a row for each rig: errors on the second record, verdict, named effects and what is left.
+
+    A terminal too narrow for the table gets a paragraph for each rig instead, so that no name is cut.
+    """
     table = Table(title="Errors (rms, free run) on the second record, in units of y", caption_justify="left")
-    for title in ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s"):
-        table.add_column(title, justify="right" if title in ("linear", "simple", "exported", "ratio", "s") else "left")
-    for rig in results:
-        if rig.message:
-            table.add_row(rig.name, "–", "–", "–", "–", rig.verdict, rig.message, "–", f"{rig.seconds:.1f}")
-            continue
-        ratio = rig.after / rig.before if rig.before > 0.0 else 1.0
-        table.add_row(
-            rig.name,
-            number(rig.before) + (" !" if rig.is_poor_baseline else ""),
-            number(rig.simple),
-            number(rig.after),
-            f"{ratio:.2f}" + (" !" if rig.is_worse else ""),
-            rig.verdict,
-            ", ".join(f"{name} ({p:.2f})" for name, p in rig.effects) or "–",
-            rig.remaining or "–",
-            f"{rig.seconds:.1f}",
-        )
-    table.caption = (
+    titles = ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s")
+    for title in titles:
+        numeric = title in ("linear", "simple", "exported", "ratio", "s")
+        table.add_column(title, justify="right" if numeric else "left", no_wrap=True)
+    rows = [_cells(rig) for rig in results]
+    for row in rows:
+        table.add_row(*row[:6], "\n".join(fill(line, MESSAGE) for line in row[6].split("\n")), *row[7:])
+    caption = (
         "linear: the model that the diagnosis starts from; simple: the better of least squares and first-order output "
         "error; exported: the simulation with the effects; left: path of the remaining error. ! misses its limit."
     )
-    _print(table)
+    console = Console()
+    needed = console.measure(table, options=console.options.update(width=10 * WIDTH)).maximum
+    if not console.is_terminal or needed <= console.width:
+        table.caption = caption
+        (console if console.is_terminal else Console(width=max(WIDTH, needed))).print(table)
+        return
+    for row in rows:
+        said = [f"{title} {cell}" for title, cell in zip(titles[1:], row[1:], strict=True) if cell not in ("", "–")]
+        text = "; ".join(said).replace("\n", ", ")
+        print(fill(text, console.width, initial_indent=f"{row[0]}: ", subsequent_indent="  ", break_on_hyphens=False))
+    print(fill(caption, console.width))
+
+
+def _cells(rig: RigResult) -> list[str]:
+    """The row of a rig, each effect on a line of its own."""
+    if rig.message:
+        return [rig.name, "–", "–", "–", "–", rig.verdict, rig.message, "–", f"{rig.seconds:.1f}"]
+    ratio = rig.after / rig.before if rig.before > 0.0 else 1.0
+    return [
+        rig.name,
+        number(rig.before) + (" !" if rig.is_poor_baseline else ""),
+        number(rig.simple),
+        number(rig.after),
+        f"{ratio:.2f}" + (" !" if rig.is_worse else ""),
+        rig.verdict,
+        "\n".join(f"{name} ({p:.2f})" for name, p in rig.effects) or "–",
+        rig.remaining or "–",
+        f"{rig.seconds:.1f}",
+    ]
 
 
 def _print(table: Table) -> None:

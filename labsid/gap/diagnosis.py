@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from labsid.gap.reports.layout import listed_findings
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
 from labsid.gap.reports.quantities import with_units
-from labsid.gap.reports.replay_data import replay_content
+from labsid.gap.reports.replay_data import ReplayData, replay_content
 from labsid.gap.reports.report import about_shift, build_report, fit_of_limits, record_limits
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.sentences import is_probable, number_sentences
@@ -184,7 +185,7 @@ def _check_several_signals(
 
 def _in_units(diagnosed: Diagnosis, units: tuple[str, ...]) -> Diagnosis:
     """The result in the units of the record, if it states both."""
-    return replace(diagnosed, report=with_units(diagnosed.report, *units)) if all(units) else diagnosed
+    return diagnosed.with_summary(with_units(diagnosed.summary, *units)) if all(units) else diagnosed
 
 
 def find_limits(
@@ -270,7 +271,7 @@ def find_limits(
 
 def _probable(diagnosed: Diagnosis | SignalsDiagnosis) -> set[str]:
     """Names of the effects that are more probable than not."""
-    return {str(effect["name"]) for effect in diagnosed.report["effects"] if is_probable(effect)}
+    return {str(effect["name"]) for effect in diagnosed.summary["effects"] if is_probable(effect)}
 
 
 def _check_planned(u: FloatArray, Ts: float, record: Record) -> None:
@@ -373,7 +374,7 @@ def _report(prepared: Prepared, explanation: Explanation, seed: int, progress: P
     of_record += about_correction(report["gap"]["corrected"], MOST_CORRECTED)
     findings = [*prepared.findings, *of_record, *findings_from_errors(record.u, record.y, *answer.outputs, data.rows)]
     report["record"]["samples"] = len(prepared.whole) if joined is None else int(inside.sum())
-    report["record_findings"] = [asdict(finding) for finding in findings]
+    report["record_findings"] = [{"level": f.level, "topic": f.topic, "text": f.text} for f in findings]
     report["plateaus"] = None if plateau is None else asdict(plateau)
     report["screen"] = [*prepared.notes, *about_shift(base, answer), *report["screen"]]
     report["findings"] = listed_findings(findings, report["screen"])
@@ -384,6 +385,10 @@ def _report(prepared: Prepared, explanation: Explanation, seed: int, progress: P
         holdout = replace(holdout, y=np.where(prepared.holdout_measured, holdout.y, np.nan))
         there = up_to_next(prepared.holdout_measured)
         report["holdout_traces"] = figure_traces(holdout.t, holdout.u, along(after, holdout.y), before, after, there)
-    report["replay"] = None if stabilised else replay_content(record, inside, (shown, there), answer, holdout)
+    report["replay"] = None
+    make = None if stabilised else partial(replay_content, record, inside, (shown, there), answer, holdout)
+    replay = ReplayData(make)
+    if base.is_run:
+        replay()  # now, as its runs count
     report["simulation"]["evaluations"] = base.meter.counts() if base.is_run else None
-    return Diagnosis(report, model, explain_verdict(answer) if why else None)
+    return Diagnosis(report, model, replay, explain_verdict(answer) if why else None)

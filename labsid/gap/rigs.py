@@ -110,7 +110,7 @@ def _checked(path: Path, second: Path, order: int, seed: int) -> RigResult:
     diagnosed = diagnose(record, holdout=holdout, order=order, seed=seed)
     seconds = process_time() - start
     assert isinstance(diagnosed, Diagnosis)
-    report = diagnosed.report
+    report = diagnosed.summary
     errors = report["simulation"]["model"]["errors"]
     e = holdout.y - diagnosed.model.simulate(filtered_input(holdout), holdout.y)
     return RigResult(

@@ -1,11 +1,12 @@
 """Findings about the signals of a record: rest, levels, noise, converter, clipping, feedback, excitation."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
-from labsid._arrays import FloatArray
+from labsid._arrays import FloatArray, stretches_of
 from labsid.lab.command_faults import log_step, unanswered_command
 from labsid.lab.excitation import excitation_order, persistent_excitation
 from labsid.lab.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
@@ -17,6 +18,7 @@ from labsid.records.record import is_sound
 from labsid.records.signal_quality import (
     digits_of,
     find_held,
+    isolated_samples,
     lattice_step,
     moving_mean_length,
     runs,
@@ -34,6 +36,29 @@ _TESTED_ORDER = 10
 
 
 @dataclass(frozen=True, slots=True)
+class Marks:
+    """Where a record shows a finding.
+
+    Attributes
+    ----------
+    text : str
+        One to five words.
+    signal : str
+        "input" or "output", of several signals the name of one; empty of all.
+    stretches : tuple of (int, int)
+        First sample of each, and the one after its last.
+    """
+
+    text: str
+    signal: str
+    stretches: tuple[tuple[int, int], ...]
+
+    def later(self, samples: int) -> "Marks":
+        """The same marks in a record with so many samples before."""
+        return replace(self, stretches=tuple((start + samples, stop + samples) for start, stop in self.stretches))
+
+
+@dataclass(frozen=True, slots=True)
 class Finding:
     """A property or fault of a record.
 
@@ -46,11 +71,14 @@ class Finding:
         One or two words.
     text : str
         One or more sentences; the first can be quoted alone.
+    marks : Marks or None
+        Where the record shows it, for a figure.
     """
 
     level: Level
     topic: str
     text: str
+    marks: Marks | None = field(default=None, compare=False)
 
 
 UNJUDGED = Finding("note", "feedback", "not judged: the output is missing while the input changes.")
@@ -114,7 +142,9 @@ def about_input(u: FloatArray) -> Finding:
         f"{shown(extreme)} ({samples} samples, {longest} in a row)" for extreme, samples, longest in stops if samples
     ]
     if named:
-        return Finding("note", "input", f"{text} It rests on a limit: {' and '.join(named)}.")
+        at_limit = stretches_of(np.isin(u, [extreme for extreme, samples, _ in stops if samples]))
+        marks = Marks("input at a limit", "input", _pairs(at_limit))
+        return Finding("note", "input", f"{text} It rests on a limit: {' and '.join(named)}.", marks)
     return Finding("ok", "input", text)
 
 
@@ -136,7 +166,7 @@ def about_command(raw: RawRecord, Ts: float | None) -> list[Finding]:
             f"the output stands still from {where} while the input goes on. The command may not have reached the rig: "
             "look for a drive that has tripped, or an emergency stop."
         )
-        findings.append(Finding("warning", "input", text))
+        findings.append(Finding("warning", "input", text, Marks("flat while u moves", "output", (stretch,))))
     return findings
 
 
@@ -178,19 +208,20 @@ def about_rest(u: FloatArray, y: FloatArray, offsets: Offsets, Ts: float | None)
             f"the output does not settle in the {length} before the input first changes. The mean of their last "
             f"quarter, {offsets.y_offset:.5g}, is the best available offset, but biased."
         )
-        return Finding("warning", "rest", text)
+        return Finding("warning", "rest", text, Marks("not at rest", "output", ((0, n),)))
+    rest = Marks("at rest", "output", ((k0, n),))
     noise = float(np.std(y[k0:n]))
     if k0 == 0:
         u_rest, y_rest = digits_of(offsets.u_offset, np.ptp(u), 6), digits_of(offsets.y_offset, np.ptp(y), 5)
         text = f"settled from the start: {length} before the first change, u = {u_rest}, y = {y_rest}, sd {noise:.2g}."
-        return Finding("ok", "rest", text)
+        return Finding("ok", "rest", text, rest)
     first = digits_of(y[0], np.ptp(y), 3)
     text = (
         f"not settled at the start: y comes from {first} and is at rest only in samples {k0} to {n - 1} of the "
         f"{length} before the input first changes. Average these: y offset {offsets.y_offset:.5g}, sd {noise:.2g}. "
         f"The mean of all of them would be {mean_of_first_period(u, y):.5g}."
     )
-    return Finding("warning", "rest", text)
+    return Finding("warning", "rest", text, rest)
 
 
 def about_plateaus(plateaus: Plateaus) -> Finding:
@@ -245,8 +276,8 @@ def about_output(raw: RawRecord, offsets: Offsets | None) -> list[Finding]:
             f"y repeats one value for longer than its noise allows at samples {name_places(held)} ({total} in "
             "all). The logger may have kept its last value."
         )
-        findings.append(Finding("warning", "held values", text))
-    return findings
+        findings.append(Finding("warning", "held values", text, Marks("held values", "output", _pairs(held))))
+    return [*findings, *about_spikes(raw.u, sensor)]
 
 
 def about_clipping(y: FloatArray) -> list[Finding]:
@@ -260,8 +291,26 @@ def about_clipping(y: FloatArray) -> list[Finding]:
                 f"y is stuck at its {word} value {where} for {samples} samples ({longest} in a row), so it looks "
                 "clipped. A linear model cannot reproduce this."
             )
-            findings.append(Finding("warning", "clipping", text))
+            marks = Marks(f"clipped at its {word}", "output", _pairs(stretches_of(y == extreme)))
+            findings.append(Finding("warning", "clipping", text, marks))
     return findings
+
+
+def about_spikes(u: FloatArray, y: FloatArray) -> list[Finding]:
+    """Single samples of y far from those beside them, which the input does not explain."""
+    at = isolated_samples(u, y)
+    if not at.size:
+        return []
+    places = [(int(k), int(k) + 1) for k in at]
+    text = (
+        f"y leaves its course for a single sample at sample {name_places(places)} ({at.size} in all), and comes back: "
+        "a spike of the sensor or of its line. Exclude these samples from a fit."
+    )
+    return [Finding("note", "spikes", text, Marks("spikes", "output", _pairs(places)))]
+
+
+def _pairs(stretches: Iterable[Sequence[int]]) -> tuple[tuple[int, int], ...]:
+    return tuple((int(start), int(stop)) for start, stop in stretches)
 
 
 def _converter(step: float) -> str:

@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.lab.findings import Finding, about_signals
+from labsid.lab.findings import Finding, Marks, about_signals
 from labsid.lab.several_findings import about_several_signals
 from labsid.records.formats import RawRecord, cut_signals
 from labsid.records.record import LARGEST, OUTPUTS, Fault, bridge_gaps, find_faults, is_sound
-from labsid.records.signal_quality import runs
-from labsid.records.signals import jitter_note, missing_note, name_places, span_of_outputs
+from labsid.records.signals import jitter_note, missing_note, name_places, span_of_outputs, stretches
 from labsid.records.steps import REGULAR_WITHIN
 
 
@@ -74,7 +73,9 @@ def check_record(raw: RawRecord) -> RecordCheck:
     Ts = _usual_interval(raw)
     findings = [*_about_sampling(raw, Ts), *_about_missing(raw)]
     outputs = list(zip(raw.outputs, raw.output_columns.T, strict=True))
-    findings += [Finding("note", "values", f"{note}.") for name, y in outputs for note in missing_note(y, raw.t, name)]
+    for name, y in outputs:
+        marks = _as_marks("missing", name if raw.several else "output", np.isnan(y))
+        findings += [Finding("note", "values", f"{note}.", marks) for note in missing_note(y, raw.t, name)]
     # These findings list several places, a fault only the first.
     covered = {finding.topic for finding in findings if finding.level == "refused"}
     findings += [Finding("refused", fault.topic, fault.text) for fault in faults if fault.topic not in covered]
@@ -83,7 +84,14 @@ def check_record(raw: RawRecord) -> RecordCheck:
     if is_described and is_sound(raw.u) and all(map(is_sound, measured)):
         whole = cut_signals(raw, span_of_outputs(raw.y))
         bridged = replace(whole, y=bridge_gaps(whole.y))
-        findings += about_several_signals(bridged, Ts) if raw.several else about_signals(bridged, Ts, _readings(whole))
+        span, readings = span_of_outputs(raw.y), _readings(whole)
+        about = about_several_signals(bridged, Ts) if raw.several else about_signals(bridged, Ts, readings)
+        findings += [
+            replace(one, marks=one.marks and one.marks.later(span.start))
+            if readings is None
+            else replace(one, marks=None)
+            for one in about
+        ]
     notes = [Finding("note", "file", f"{note}.") for note in (*raw.notes, *jitter_note(raw.jitter, Ts))]
     return RecordCheck(raw.name, len(raw.u), Ts, faults, (*notes, *findings))
 
@@ -143,15 +151,24 @@ def _about_sampling(raw: RawRecord, Ts: float | None) -> list[Finding]:
     findings = []
     if back.size:
         text = f"time goes backwards or stands still {_times(back.size)}: {_jumps(raw.t, back)}."
-        findings.append(Finding("refused", "sampling", text))
+        findings.append(Finding("refused", "sampling", text, _steps_as_marks("time goes back", back)))
     if odd.size:
         longest = float(steps[odd].max())
         text = f"sampling is irregular {_times(odd.size)}: {Ts:g} s as a rule, but {_jumps(raw.t, odd)}."
         if longest > 1.5 * Ts:
             missing = round(longest / Ts) - 1
             text += f" The longest gap is {longest:g} s, about {missing} {'sample' if missing == 1 else 'samples'}."
-        findings.append(Finding("refused", "sampling", text))
+        findings.append(Finding("refused", "sampling", text, _steps_as_marks("gaps of the log", odd)))
     return findings
+
+
+def _steps_as_marks(text: str, places: np.ndarray) -> Marks:
+    """Marks from a sample to the one after it."""
+    return Marks(text, "", tuple((int(k), int(k) + 2) for k in places))
+
+
+def _as_marks(text: str, signal: str, mask: np.ndarray) -> Marks:
+    return Marks(text, signal, tuple((start, stop) for start, stop in stretches(mask)))
 
 
 def _about_missing(raw: RawRecord) -> list[Finding]:
@@ -162,10 +179,9 @@ def _about_missing(raw: RawRecord) -> list[Finding]:
         bad = np.isinf(column) if is_output and not np.isnan(column).all() else ~np.isfinite(column)
         if not bad.any():
             continue
-        starts, lengths = runs(bad.astype(float))
-        stretches = [(k, k + n) for k, n in zip(starts, lengths, strict=True) if bad[k]]
-        text = f"{name} is missing or not finite at samples {name_places(stretches)} ({bad.sum()} in all)."
-        findings.append(Finding("refused", "values", text))
+        places = stretches(bad)
+        text = f"{name} is missing or not finite at samples {name_places(places)} ({bad.sum()} in all)."
+        findings.append(Finding("refused", "values", text, _as_marks("not finite", name, bad)))
     return findings
 
 

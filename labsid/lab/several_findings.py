@@ -178,5 +178,9 @@ def _inputs(raw: SeveralSignals) -> str:
 
 
 def _of(name: str, finding: Finding) -> Finding:
-    """A finding with the name of its signal before it."""
-    return replace(finding, text=f"{name}: {finding.text}")
+    """A finding with the name of its signal, or of an input and an output, before it."""
+    first, _, last = name.partition(", ")
+    marks = finding.marks
+    if marks is not None:
+        marks = replace(marks, signal=first if marks.signal == "input" else last or first)
+    return replace(finding, text=f"{name}: {finding.text}", marks=marks)

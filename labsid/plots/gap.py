@@ -17,7 +17,7 @@ from labsid.plots.gap_curves import (
     trace_of,
     unit_of,
 )
-from labsid.plots.gap_details import figure_residual, figure_responses
+from labsid.plots.gap_details import figure_poles, figure_residual, figure_responses
 from labsid.plots.gap_records import figure_records
 from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, palette_png
 from labsid.plots.signal_names import as_text_lines, one_line, units_of
@@ -331,6 +331,8 @@ def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
         figures["experiment"] = figure_experiment
     if report.get("responses") is not None:
         figures["responses"] = figure_responses
+    if report.get("poles"):
+        figures["poles"] = figure_poles
     if report.get("residual") is not None:
         figures["residual"] = figure_residual
     if any(row["detect"] is not None for row in report["limits"]):

@@ -8,8 +8,9 @@ import numpy as np
 
 from labsid.plots.gap_curves import noise_band, simulation_curves, unit_of
 from labsid.plots.page_figures import page_figure
+from labsid.plots.root_plane import DrawnRoots, draw_roots, draw_zoom, has_zoom
 from labsid.plots.signal_names import as_text_lines
-from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, finish, new_figure
+from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, axis_of_gain, finish, new_figure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -128,9 +129,7 @@ def figure_responses(report: dict[str, Any], narrow: bool = False) -> Figure:
     unit = as_text_lines([f"{unit_of(report)} / {unit_of(report, 'u')}"])
     if frequency is not None:
         _draw_response(panels[0], report, frequency, np.abs, frequency.error * np.abs(frequency.measured))
-        panels[0].set(xscale="log", yscale="log")
-        for formatted in (panels[0].yaxis.set_major_formatter, panels[0].yaxis.set_minor_formatter):
-            formatted(_few_decades(*panels[0].get_ylim()))
+        axis_of_gain(panels[0])
         finish(panels[0], "Gain", "Frequency (Hz)", unit, legend_columns=0)
         _draw_response(panels[1], report, frequency, _degrees, np.rad2deg(np.minimum(frequency.error, np.pi)))
         panels[1].set(xscale="log")
@@ -143,14 +142,6 @@ def figure_responses(report: dict[str, Any], narrow: bool = False) -> Figure:
         finish(panels[-1], "Step response", "Time after the step (s)", unit, legend_columns=0)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=SMALL_TEXT_SIZE)
     return figure
-
-
-def _few_decades(low: float, high: float) -> Any:
-    """A formatter of an axis of logarithms, which writes 1, 2 and 5 within a decade if there are few decades."""
-    from matplotlib.ticker import FuncFormatter
-
-    leading = ("1", "2", "5") if high < 100.0 * low else ("1",)
-    return FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in leading else "")
 
 
 def _degrees(response: np.ndarray) -> np.ndarray:
@@ -166,3 +157,30 @@ def _draw_response(
     ax.plot(response.x, middle, color=BLACK, alpha=0.6, linewidth=2.8, label="Measured")
     for name, label, colour, style in simulation_curves(report):
         ax.plot(response.x, height(getattr(response, name)), color=colour, linestyle=style, linewidth=1.5, label=label)
+
+
+def figure_poles(report: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the poles and zeros of the linear dynamics before and after, with their 95 % regions.
+
+    Parameters
+    ----------
+    report : dict
+        Its `poles` are what `pole_rows.drawn_dynamics` returns.
+    narrow : bool
+        Whether to fit the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The plane of z with the unit circle, and the surroundings of the poles if they lie close together.
+    """
+    labels = {name: (label, name) for name, label, *_ in simulation_curves(report)}
+    models = [DrawnRoots(*labels[name], *roots) for name, roots in report["poles"].items() if name in labels]
+    panels = 1 + has_zoom(models)
+    figure = page_figure(narrow, 4.0, 4.2 * panels)
+    axes = np.ravel(figure.subplots(panels, 1) if narrow else figure.subplots(1, panels))
+    draw_roots(axes[0], models)
+    if panels > 1:
+        draw_zoom(axes[1], models)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=SMALL_TEXT_SIZE)
+    return figure

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop and for a telephone
 DPI = 144  # one and a half times the width of the page
 DPI_ON_PAPER = 108  # of a figure that a screen shows without a script only: half of the size
-COLOURS = 96  # of a picture
+COLOURS = 40  # of a picture
 
 
 def page_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:
@@ -39,7 +39,9 @@ def palette_png(figure: Figure, dpi: int = DPI) -> bytes:
         canvas.draw()  # once; `savefig` draws twice, and most of the time is the layout
     image = Image.frombuffer("RGBA", canvas.get_width_height(), canvas.buffer_rgba())
     reduced = BytesIO()
-    image.convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(reduced, "png")
+    image.convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+        reduced, "png", optimize=True
+    )
     return reduced.getvalue()
 
 

@@ -74,6 +74,17 @@ def make_headroom(ax: Axes, share: float) -> None:
     ax.set_ylim(lower, lower + (upper - lower) / (1.0 - share))
 
 
+def axis_of_gain(ax: Axes) -> None:
+    """Logarithmic axes of frequency and gain, with 1, 2 and 5 written within a decade if there are few decades."""
+    from matplotlib.ticker import FuncFormatter
+
+    ax.set(xscale="log", yscale="log")
+    low, high = ax.get_ylim()
+    leading = ("1", "2", "5") if high < 100.0 * low else ("1",)
+    for formatted in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
+        formatted(FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in leading else ""))
+
+
 def error_colours() -> Colormap:
     """Colours of errors, pale to dark vermilion: the largest stand out, also where a dark page inverts the figure."""
     from matplotlib.colors import LinearSegmentedColormap
@@ -84,6 +95,30 @@ def error_colours() -> Colormap:
 def save_png(figure: Figure, path: str | PathLike[str] | BinaryIO, dpi: int = 150) -> None:
     """Write `figure` as PNG to `path`, a file name or an open binary file, at `dpi` dots per inch."""
     figure.savefig(path, format="png", dpi=dpi)
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write `figure` in the format that the suffix of `path` states, `.png` or `.svg`.
+
+    Raises
+    ------
+    ValueError
+        If it states another one; `check_figure_file` says so before the work.
+    """
+    check_figure_file(path)
+    save = save_svg if path.suffix.lower() == ".svg" else save_png
+    save(figure, path)
+
+
+def check_figure_file(path: Path) -> None:
+    """Refuse a file of a figure whose suffix is neither `.png` nor `.svg`.
+
+    Raises
+    ------
+    ValueError
+    """
+    if path.suffix.lower() not in (".png", ".svg"):
+        raise ValueError(f"--plot must end in .png or .svg; got {path.name!r}. Name it {path.stem}.png.")
 
 
 def save_svg(figure: Figure, path: str | PathLike[str] | BinaryIO) -> None:

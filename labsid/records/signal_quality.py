@@ -12,6 +12,10 @@ SEVERAL_HOLDS = 3
 NEAR, NEAR_SHARE = 10, 0.02  # of the smallest changes from one reading to the next, whose density is taken
 MOSTLY_NEW = 0.99  # of the readings, that occur once where no lattice makes them equal
 MOST_BY_CHANCE = 0.1  # repeats of a record
+ISOLATED = 15.0  # robust standard deviations from the middle of the samples beside it: a spike
+BACK = 0.3  # of its height: the samples beside a spike differ by less
+QUIET_INPUT = 0.05  # of the range of the input, which moves by less where it does not cause a spike
+SPIKES = 0.01  # of the samples; more of them are the course of the output
 
 
 def digits_of(value: float, span: float, least: int = 4) -> str:
@@ -219,6 +223,30 @@ def shortest_hold(x: FloatArray) -> int:
     if repeats < RARE_REPEATS:
         return MIN_HOLD
     return max(MIN_HOLD, int(np.log(1e-3 / lengths.size) / np.log(repeats)) + 2)
+
+
+def isolated_samples(u: FloatArray, y: FloatArray) -> np.ndarray:
+    """Single samples of an output far from both beside them, where the input does not move.
+
+    Parameters
+    ----------
+    u, y : ndarray, shape (N,)
+
+    Returns
+    -------
+    ndarray of int
+        Empty if there are so many that they are the course of the output.
+    """
+    none = np.zeros(0, int)
+    if y.size < 5 or np.shape(u) != np.shape(y):
+        return none
+    height, beside = y[1:-1] - 0.5 * (y[:-2] + y[2:]), np.abs(y[2:] - y[:-2])
+    spread = float(np.median(np.abs(height - np.median(height)))) / 0.6745
+    high = (np.abs(height) > ISOLATED * spread) & (beside < BACK * np.abs(height)) & (spread > 0.0)
+    moves = np.abs(np.diff(u, prepend=u[:1])) > QUIET_INPUT * np.ptp(u)
+    high &= ~(moves[1:-1] | moves[:-2] | moves[2:])
+    at = np.flatnonzero(high) + 1
+    return at if at.size <= max(SPIKES * y.size, 1.0) else none
 
 
 def moving_mean_length(x: FloatArray, y: FloatArray, longest: int = 20) -> int | None:

@@ -8,6 +8,7 @@ import ast
 import re
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from importlib import import_module
@@ -28,8 +29,17 @@ from labsid.gap.reports.effect_guide import effect_page
 ROOT = Path(__file__).resolve().parents[2]
 SITE = Path("notebooks/site")
 GALLERY = ROOT / "build" / "gallery"
-DECIDING = ("record", "effects", "fits", "search", "simulations", "verdict", "limits")
-"""Folders of `labsid.gap` whose constants have a part in a verdict; the others simulate, report or start processes."""
+DECIDING = ("record", "dynamics", "effects", "fits", "search", "simulations", "verdict", "limits", "signals")
+"""Folders of `labsid.gap` whose constants have a part in a verdict; the others report or start processes."""
+ORIGINS = {
+    "fitted": "by the command or on the records that are named",
+    "measured": "chosen for the figure that is named",
+    "statistics": "follows from the distribution or the criterion that is named",
+    "definition": "a unit, a bound of physics, or what the report promises",
+    "numerics": "rounding, steps of derivatives, iterations, start values: for time and precision, not for an answer",
+    "set by hand": "chosen by judgement, and kept because the answers are right with it",
+}
+"""Where a constant comes from; the comment of each ends with one of these words, and a figure or a command if any."""
 
 
 def copied_files() -> list[Path]:
@@ -129,32 +139,35 @@ def gallery_page(name: str) -> str:
 
 def constants_page() -> str:
     """The constants of the folders `DECIDING`, with their values and with what the code says of them."""
-    parts = ["# Constants of the diagnosis", f"Made from the source of `labsid/gap`. {_ORIGINS}"]
+    parts: list[str] = []
+    origins: Counter[str] = Counter()
     for folder in DECIDING:
         parts += [f"## {folder}"]
         for path in sorted((ROOT / "labsid" / "gap" / folder).glob("*.py")):
-            rows = [
-                f"| `{name}` | {value} | {' | '.join(split_origin(meaning))} |"
-                for name, value, meaning in constants_of(path)
-            ]
+            rows = [(name, value, *split_origin(meaning)) for name, value, meaning in constants_of(path)]
+            origins.update(origin.split(":")[0] for *_, origin in rows)
             if rows:
+                lines = [f"| `{name}` | {' | '.join(cells)} |" for name, *cells in rows]
                 parts += [
                     f"### {folder}/{path.stem}",
-                    "\n".join(["| name | value | meaning | fitted by, on what |", "|---|---|---|---|", *rows]),
+                    "\n".join(["| name | value | meaning | origin |", "|---|---|---|---|", *lines]),
                 ]
-    return "\n\n".join(parts) + "\n"
+    kinds = [f"| {kind} | {meaning} | {origins[kind]} |" for kind, meaning in ORIGINS.items()]
+    table = "\n".join(["| origin | meaning | constants |", "|---|---|--:|", *kinds])
+    head = ["# Constants of the diagnosis", _CONSTANTS.format(count=origins.total()), table, _HELD]
+    return "\n\n".join([*head, *parts]) + "\n"
 
 
 _LIMITS = (
     "`labsid gap limits RECORD` prints the smallest size that your record can show, and the smallest that it can tell "
     "from every other effect; with `--input NEXT.csv` those of an experiment that is not made yet."
 )
-_ORIGIN = re.compile(r"(?:^|[;:] |of the )((?:fitted (?:by|to|with)|measured on|lowered by hand|`dev` records) .*)$")
-_ORIGINS = (
-    "The last column says on what a constant was fitted, where the code says it; see also "
-    "[What the probabilities mean](probabilities.md). "
-    "A dash means that it does not. The kept answers and the sealed check hold all of them "
-    "([Change the diagnosis](../../labsid/gap/README.md#change-the-diagnosis))."
+_ORIGIN = re.compile(rf"(?:^|; )((?:{'|'.join(ORIGINS)})(?:: .+?)?)\.?$")
+_CONSTANTS = "All {count} constants, from the source of `labsid/gap`. The last column says where a constant comes from:"
+_HELD = (
+    "`labsid gap compare` says which of the kept answers another value changes "
+    "([Change the diagnosis](../../labsid/gap/README.md#change-the-diagnosis)). On what the probabilities were fitted "
+    "is described in [What the probabilities mean](probabilities.md)."
 )
 
 
@@ -176,11 +189,9 @@ def constants_of(path: Path) -> Iterator[tuple[str, str, str]]:
 
 
 def split_origin(text: str) -> tuple[str, str]:
-    """What a constant means, and on what it was fitted; a dash where its comment does not say that."""
+    """What a constant means, and one of `ORIGINS` with its figure; a dash where its comment does not say that."""
     found = _ORIGIN.search(text)
-    if found is None:
-        return text, "–"
-    return text[: found.start()].strip() or text, found.group(1)
+    return (text[: found.start()], found.group(1)) if found else (text, "–")
 
 
 def _shown(value: object) -> str:

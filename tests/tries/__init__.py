@@ -39,6 +39,7 @@ _KINDS = (
     "causes_and_numbers",
     "neighbours_of_errors",
     "one_symptom",
+    "other_repairs",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0

@@ -71,7 +71,7 @@ TRIES = (
     Try(
         RESP, "math.exp", "import math\n" + response("K * amplitude * (1 - math.exp(-(t - td) / tau))"), "takes arrays"
     ),
-    Try(RESP, "product missing", response("K amplitude (1 - np.exp(-(t - td) / tau))"), "comma|bracket|line before"),
+    Try(RESP, "product missing", response("K amplitude (1 - np.exp(-(t - td) / tau))"), "two names stand side by side"),
     Try(RESP, "straight", response("K * amplitude * np.minimum(np.maximum(t - td, 0) / tau, 1)"), "straight line"),
     Try(RESP, "cosine rise", response("K * amplitude * np.tanh(np.maximum(t - td, 0) / tau)"), "in between it is not"),
     Try(

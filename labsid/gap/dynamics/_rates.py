@@ -6,8 +6,8 @@ from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 from labsid.gap.dynamics._states import transition
 
-DAMPING_BOUNDS = 1e-6, 50.0  # of c, per sample
-STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared
+DAMPING_BOUNDS = 1e-6, 50.0  # of c, per sample; numerics
+STIFFNESS_BOUNDS = 1e-11, 90.0  # of k, per sample squared; numerics
 
 
 @compiled()

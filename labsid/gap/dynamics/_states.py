@@ -10,17 +10,18 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak
-NO_STOPS = (-np.inf, np.inf)
-ALL_FORCES = -1.0
+SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak; definition
+NO_STOPS = (-np.inf, np.inf)  # positions of stops that are not there; definition
+ALL_FORCES = -1.0  # in place of the share of the drive: the transmitted force is that of all; definition
 NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, ALL_FORCES)
-"""No limit, no gravity, friction that neither grows nor bends."""
-NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding
-SATURATED = 20.0  # argument from which tanh is 1, within rounding
-CLOSE_RATES = 1e-4  # difference of two rates times the step, below which their mean serves for both
-DIVERGED = 1e6  # a larger state has diverged: every record is smaller
-# Spring force at the mean position of a substep: factor of h^2 times the acceleration, tuned against short substeps.
+"""Neither limit nor gravity, and friction that neither grows nor bends; definition."""
+NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding; numerics
+SATURATED = 20.0  # argument from which tanh is 1, within rounding; numerics
+CLOSE_RATES = 1e-4  # difference of two rates times the step, below which their mean serves for both; numerics
+DIVERGED = 1e6  # a larger state has diverged: every record is smaller; numerics
 CUBIC_CORRECTION = 0.109
+"""Factor of h^2 times the acceleration, for the spring at the mean position of a substep of h; measured: against short
+substeps."""
 
 
 @compiled()

@@ -12,7 +12,7 @@ from labsid.gap.record.data import Scale
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 from labsid.simulators.simulator import Simulator, SimulatorError
 
-CACHED_RUNS = 64  # the search often repeats an input
+CACHED_RUNS = 64  # the search often repeats an input; numerics
 
 Pieces = Sequence[tuple[int, int]]
 

@@ -10,8 +10,8 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
 
 PREFIX = "inside "  # ahead of the name of a change among the numbers of a simulation
-FAR = 50.0  # scaled: larger than any change that a record shows
-FREQUENT = 1e7  # cycles in a record
+FAR = 50.0  # scaled: larger than any change that a record shows; numerics
+FREQUENT = 1e7  # cycles in a record; numerics
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,9 @@ from labsid.gap.dynamics.given_simulation import GivenSimulation
 
 Named = dict[str, float]
 """Values of parameters by name."""
-SLOWEST, FASTEST = np.log(1e-5), np.log(100.0)
-MAX_DAMPING = 0.5  # of a mode
+SLOWEST = np.log(1e-5)  # logarithm of the slowest rate of a pole, per sample; numerics
+FASTEST = np.log(100.0)  # logarithm of the fastest rate of a pole, per sample; numerics
+MAX_DAMPING = 0.5  # of a mode; set by hand
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +41,10 @@ class Parameter:
     start: float = 0.0
 
 
-FREE_REACH = 1e6  # times the nominal value: largest size of a number that has no range of its own
-FREE_UNIT = 1e-3  # times the nominal value: size below which a number counts as zero and may change its sign
-FREE_STEP = 1e-2  # derivative step in theta, about that of the logarithm: more than the tolerance of a solver
-ROUGH_STEP = 0.1  # of a simulation that is rough
+FREE_REACH = 1e6  # times the nominal value: largest size of a number that has no range of its own; numerics
+FREE_UNIT = 1e-3  # times the nominal value: size below which a number counts as zero and may change its sign; numerics
+FREE_STEP = 1e-2  # derivative step in theta, about that of the logarithm: more than the tolerance of a solver; numerics
+ROUGH_STEP = 0.1  # of a simulation that is rough; numerics
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,12 +95,12 @@ def free_number(
     return FreeNumber(f"{_FREE}{name}", low, high, ROUGH_STEP if rough else FREE_STEP, nominal=nominal, unit=unit)
 
 
-STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion
+STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion; numerics
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
 DRIVEN_SHARE = Parameter("driven_share", 0.0, 1.0, 1e-3, start=0.6)  # of the stiffness, which is the drive's
 GIVE = Parameter("log_give", -12.0, 6.0, 1e-3, start=-4.0)
-GIVEN_WAY = 1.0  # start of the same for a motor: its way counts in its speed times samples
+GIVEN_WAY = 1.0  # start of the same for a motor: its way counts in its speed times samples; numerics
 PEAK = (
     Parameter("peak", 0.0, 1.5, 1e-3, start=0.05),
     Parameter("log_decay", -5.0, -1.0, 1e-3, start=-2.0),
@@ -122,7 +123,7 @@ FRICTION_LAWS = {
 excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, that of
 all forces ("load") or of the drive alone ("drive"), and the logarithm of the way before it slides (Dahl)."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
-NO_SPRING = -22.0  # logarithm of a stiffness, per squared sample, that no record shows
+NO_SPRING = -22.0  # logarithm of a stiffness, per squared sample, that no record shows; numerics
 GRAVITY = (  # scaled: radians per position, angle in radians
     Parameter("torque", 0.0, 50.0, 1e-3),
     Parameter("log_turn", -8.0, 10.0, 1e-3),

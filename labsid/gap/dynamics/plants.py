@@ -25,8 +25,8 @@ from labsid.gap.dynamics.responses import (
     sprung_share,
 )
 
-MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift
-MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized
+MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift; set by hand
+MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized; set by hand
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Plant(PlantForm):
             w, late = _kernels.delayed(w, 0, late), 0.0  # mean over each sample
         driven = w
         if self.lag:
-            tau = _lag_time(own, span)
+            tau = lag_time(own, span)
             pole = float(np.exp(-1.0 / tau))
             if self.lag_ahead:
                 driven = lag_mean(driven, tau)
@@ -173,7 +173,7 @@ class Plant(PlantForm):
         own = self._by_name(theta)
         parts = [free_responses(samples, *self.linear_rates(theta))]
         if self.lag:
-            parts.append(np.exp(-np.arange(samples) / _lag_time(own, span))[:, None])
+            parts.append(np.exp(-np.arange(samples) / lag_time(own, span))[:, None])
         if self.mode:
             frequency, damping = np.exp(own["log_frequency"]), np.exp(own["log_damping"])
             parts.append(free_responses(samples, 2.0 * damping * frequency, frequency**2))
@@ -196,7 +196,7 @@ class Plant(PlantForm):
         """c and k of the two poles of the linearized dynamics that decay most slowly."""
         (c, k), own = self.linear_rates(theta), self._by_name(theta)
         main = decay_rates(c, k)
-        others = [1.0 / _lag_time(own, span)] if self.lag else []
+        others = [1.0 / lag_time(own, span)] if self.lag else []
         others += [float(np.exp(own["log_frequency"] + own["log_damping"]))] * 2 if self.mode else []
         others += [float(np.exp(-own["log_slow"]))] if self.slow else []
         slowest = sorted((*main, *others))[:2]
@@ -225,6 +225,6 @@ class Plant(PlantForm):
         return [(np.log(slow), np.log(fast)), (np.log(fast), np.log(slow))]
 
 
-def _lag_time(own: Named, span: int) -> float:
+def lag_time(own: Named, span: int) -> float:
     """Time constant of the additional lag."""
     return float(min(np.exp(own["log_lag"]), span / MIN_TIME_CONSTANTS))

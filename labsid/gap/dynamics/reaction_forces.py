@@ -17,11 +17,11 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-ROUNDS = 6
-AGREEMENT = 2e-3  # rms difference of run and solution over the standard deviation of the output
-MIN_FIRST = 0.1  # response after one sample over that after two, below which the simulation delays its input
-SETTLED = 1e-7  # of the largest value of a pulse response, below which it has decayed
-DIRECT = 1e-6  # response at once over that after one sample, above which the force acts on itself
+ROUNDS = 6  # of a run and a solution of the forces, until both agree; numerics
+AGREEMENT = 2e-3  # rms difference of run and solution over the standard deviation of the output; numerics
+MIN_FIRST = 0.1  # response after one sample over that after two: less is a delay of the input; set by hand
+SETTLED = 1e-7  # of the largest value of a pulse response, below which it has decayed; numerics
+DIRECT = 1e-6  # response at once over that after one sample, above which the force acts on itself; numerics
 
 
 class Reaction(NamedTuple):

@@ -6,11 +6,11 @@ import numpy as np
 
 from labsid.gap.dynamics.responses import decay_rates, free_responses
 
-LEAST_START = 50  # samples
-TIME_CONSTANTS = 2.0  # the slowest one, after which a wrong initial state has decayed to 14 %
-MOST_SHARE = 0.25  # of the record
-MAX_EXTRA = 0.1  # mean square error that the error of the state adds, over that of the noise: 5 % of the rms error
-NEGLIGIBLE = 1e-9  # singular value over the largest one, below which a state has no influence
+LEAST_START = 50  # samples at the start of a record that are not scored; definition
+TIME_CONSTANTS = 2.0  # slowest ones, after which a wrong initial state has decayed to 14 %; definition
+MOST_SHARE = 0.25  # of the record, at most, that is not scored; definition
+MAX_EXTRA = 0.1  # mean square error by the error of the state over that of the noise: 5 % of the rms error; set by hand
+NEGLIGIBLE = 1e-9  # singular value over the largest one, below which a state has no influence; numerics
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,14 @@ from labsid.gap.dynamics import _kernels, _rates, _states
 from labsid.gap.dynamics.plant_form import Named, PlantForm
 from labsid.gap.dynamics.reaction_forces import Reaction
 
-NO_BRIM = np.inf
-REST_TIME_CONSTANTS = 6.0  # after which a free response has ended
-NODES = np.polynomial.legendre.leggauss(8)
-MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow
-MOTOR_SUBSTEPS = 3  # of a motor with dry friction
-LAW_SUBSTEPS = 2  # times as many for friction that varies with the speed: it is linearized or constant in each
-MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole
-ABSENT_POLE_RATE = 30.0  # per sample, of a pole without influence
+NO_BRIM = np.inf  # scaled: level of a brim that is not there; definition
+REST_TIME_CONSTANTS = 6.0  # after which a free response has ended; set by hand
+NODES = np.polynomial.legendre.leggauss(8)  # and weights of Gauss-Legendre quadrature; numerics
+MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow; set by hand
+MOTOR_SUBSTEPS = 3  # of a motor with dry friction; numerics
+LAW_SUBSTEPS = 2  # times as many, in each of which friction that varies with the speed is linear or constant; numerics
+MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole; set by hand
+ABSENT_POLE_RATE = 30.0  # per sample, of a pole without influence; numerics
 
 
 def response(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float = 0.0) -> FloatArray:

@@ -16,11 +16,11 @@ from labsid.gap.effects.description import Description
 from labsid.gap.record.controllers import has_controller
 from labsid.gap.record.data import Data
 
-MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, because the record shows nothing larger
-REST_SAMPLES = 5  # leading samples with equal input of a rig at rest
-ZERO = 1e-6  # of the spread of a signal: smaller values are zero
-RARE = 0.03  # share of the samples beyond the start value of a second limit, stop or brim
-RICHER_FORM_BIC = 12.0  # smallest BIC gain of a richer form over a simpler one
+MAX_RANGES = 1.5  # of the output: largest signal that an effect may add, as no record shows a larger one; set by hand
+REST_SAMPLES = 5  # leading samples with equal input of a rig at rest; set by hand
+ZERO = 1e-6  # of the spread of a signal: smaller values are zero; numerics
+RARE = 0.03  # share of the samples beyond the start value of a second limit, stop or brim; numerics
+RICHER_FORM_BIC = 12.0  # smallest BIC gain of a richer form over a simpler one; set by hand
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,20 +13,22 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Seen, Sketch, same, stepped
 
-INSTANTS = 48  # of the record, at which the command may be switched off and on again
-SHORTEST = 8  # samples that it is off
-MIN_REMOVED = 0.1  # of the standard deviation of the command: what being off must change in it, rms over that time
-MIN_COMMANDED = 0.5  # of the range of the command: what it covers while it is off from the start of the record
-MAX_BEYOND = 0.1  # of the range of the command and zero: distance of the level from it
-SHARE = 2e-4  # of the record: derivative step of an instant
-CHOSEN = 3  # start values
-COARSEST, FINEST = 1.5, 64.0  # steps in the range of the command
-STEP_RATIO = 1.01  # of two steps that are tried, and
-STEP_SHIFT = 0.2  # of a step: what lies between two of them over the whole range at most
-FINER = 21  # steps between two of these neighbours, about the best ones
-MAX_TRIED = 4000  # samples in which steps are compared
-PARTS = 12  # in which they are compared, for the memory that their responses take
-MIN_ACTING = 3  # levels that act
+INSTANTS = 48  # of the record, at which the command may be switched off and on again; numerics
+SHORTEST = 8  # samples that it is off; set by hand
+MIN_REMOVED = 0.1  # of the standard deviation of the command: rms change of it by being off, at least; set by hand
+MIN_COMMANDED = 0.5
+"""Of the range of the command: what it covers while it is off from the start of the record; set by hand."""
+MAX_BEYOND = 0.1  # of the range of the command and zero: distance of the level from it; set by hand
+SHARE = 2e-4  # of the record: derivative step of an instant; numerics
+CHOSEN = 3  # start values; numerics
+COARSEST = 1.5  # fewest steps in the range of the command; numerics
+FINEST = 64.0  # most steps in the range of the command; numerics
+STEP_RATIO = 1.01  # of two neighbouring steps that are tried; numerics
+STEP_SHIFT = 0.2  # of a step: largest shift over the whole range between two neighbours that are tried; numerics
+FINER = 21  # steps between two neighbours of the coarse grid, about the best ones; numerics
+MAX_TRIED = 4000  # samples in which steps are compared; numerics
+PARTS = 12  # in which they are compared, for the memory that their responses take; numerics
+MIN_ACTING = 3  # levels that act; set by hand
 
 
 def _switched_off(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:

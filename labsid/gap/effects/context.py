@@ -16,10 +16,10 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import comes_to_rest
 from labsid.gap.record.data import Data
 
-LOOP_GAINS = (0.15, 3.0)  # in the units of the record, of an output that follows its command: gravity changes it
-LEAST_FOLLOWED = 0.25  # range of such an output over that of its command
-LEAST_NEAR = 0.5  # correlation of an output with its command
-LONG_STEP = 2000  # samples of a simulated step response
+LOOP_GAINS = (0.15, 3.0)  # in the units of the record, of an output that follows its command under gravity; set by hand
+LEAST_FOLLOWED = 0.25  # range of such an output over that of its command; set by hand
+LEAST_NEAR = 0.5  # correlation of an output with its command; set by hand
+LONG_STEP = 2000  # samples of a simulated step response; numerics
 
 
 class Structure(Protocol):

@@ -11,9 +11,9 @@ from labsid.gap.effects.base import Effect, Fitted, Planted, Value
 from labsid.gap.effects.context import ParentFit, Structure
 
 CUBIC = (Parameter("c2", -3.0, 3.0), Parameter("c3", -2.0, 2.0))
-KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled
+KNOTS = np.array([-2.8, -1.9, -1.4, -0.8, 0.0, 0.8, 1.4, 1.9, 2.8])  # scaled; set by hand
 SPLINE = tuple(Parameter(f"s{k}", -10.0, 10.0) for k in range(1, KNOTS.size - 1))
-_GRID = np.linspace(-2.2, 2.2, 45)  # scaled: points at which a spline is fitted to a cubic and vice versa
+_GRID = np.linspace(-2.2, 2.2, 45)  # scaled: points at which a spline is fitted to a cubic and vice versa; numerics
 
 
 class Curve(Effect):

@@ -25,14 +25,15 @@ from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Sketch, nothing, step
 
-MIN_ONSET = 8  # samples from either end of the record
-MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported
-RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator
-FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator
-ONSETS = 64  # tried, from which a load is fitted
-LOAD_COLUMN = 3  # of the columns of the dynamics with a leak: the response to a constant load
-PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95  # of loads whose visibility is asked for
-MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse
+MIN_ONSET = 8  # samples from either end of the record; set by hand
+MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change is not reported; set by hand
+RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator; numerics
+FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator; numerics
+ONSETS = 64  # tried, from which a load is fitted; numerics
+LOAD_COLUMN = 3  # of the columns of the dynamics with a leak: response to a constant load; definition
+PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95
+"""Of loads whose visibility is asked for; set by hand."""
+MIN_LASTING = 0.1  # final change of the output over its largest change: below, a load step is a pulse; set by hand
 
 
 class StepLoad(Effect):

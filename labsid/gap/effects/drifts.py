@@ -34,11 +34,11 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.disturbance import best_onsets, is_within
 from labsid.gap.effects.sketch import Seen, Sketch, nothing, step
 
-MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle: the neutral input lies within 20 scaled units
-MIN_MOTION = 0.15  # standard deviation of the input before and after a change of a gain, over that of all samples
-STEP_COSINE = 0.15  # the same of a change at an instant: 6.6 scaled units, a range beyond the record
-SETTLED = 5.0  # slowest time constants after which the response to a pulse is over
-MOST_AT_ONCE = 0.9  # energy of what a lasting change does up to then, over all of it: a pulse has 0.99
+MIN_COSINE = 0.05  # smallest cosine of the neutral-input angle, which is then within 20 scaled units; set by hand
+MIN_MOTION = 0.15  # standard deviation of the input on either side of a change of a gain, over that of all; set by hand
+STEP_COSINE = 0.15  # the same of a change at an instant: 6.6 scaled units, a range beyond the record; set by hand
+SETTLED = 5.0  # slowest time constants after which the response to a pulse is over; set by hand
+MOST_AT_ONCE = 0.9  # energy of what a lasting change does up to then, over all of it: a pulse has 0.99; set by hand
 
 
 def _course_of_change(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:

@@ -13,29 +13,30 @@ from labsid.gap.effects.context import Context, rise
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, nothing, same, step
 
-LEAST_DAMPING = 2e-3  # of a mode
-MOST_DAMPING = 0.3  # of a mode that is lightly damped; the slower pair of a Butterworth filter of fourth order has 0.38
-MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode
-SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig
-PLANTED_DAMPING = 0.05  # of a mode whose visibility is asked for
-PLANTED_SLOW_RATIO = 4.0  # time constant of such a slow mode over the slowest one
-PEAKS = 3  # of a spectrum, from which a mode or a sinusoid starts
-MIN_CYCLES = 4.0  # of a mode, in the record
-MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable
-SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring
-REST = 1e-4  # of the largest speed, below which a mass is at rest
-SHORTEST_REST = 3  # samples of a rest
-MIN_STOPS = 2  # rests of a mass between motions, in one direction or both
-MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction
-CREEP = 0.01  # of the largest speed: a slower motion is none
-MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode
-MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more
-MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record
-MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other poles
-MIN_DRIVEN = 0.25  # standard deviation of a slow mode's response to the input over that of its free response
-CYCLES_SHOWN = 5.0  # of a mode, in its sketch
-PEAK_SHOWN = 0.1  # of the range of the speed, over which the friction of a sketch falls from that at rest
-STATIC_SAMPLES = 20000  # of a step, for the static gain
+LEAST_DAMPING = 2e-3  # of a mode; set by hand
+MOST_DAMPING = 0.3
+"""Of a mode that is lightly damped; the slower pair of a fourth-order Butterworth has 0.38; set by hand."""
+MAX_MODE_DAMPING = 0.2  # of parent dynamics that may be a mode; set by hand
+SINGLE_POLE_RATIO = 3.0  # frequency of such a mode over the pole that is tried for the rig; numerics
+PLANTED_DAMPING = 0.05  # of a mode whose visibility is asked for; set by hand
+PLANTED_SLOW_RATIO = 4.0  # time constant of such a slow mode over the slowest one; set by hand
+PEAKS = 3  # of a spectrum, from which a mode or a sinusoid starts; numerics
+MIN_CYCLES = 4.0  # of a mode, in the record; set by hand
+MAX_UNSPRUNG_RATE = 40.0  # slow pole times record length, below which the spring is not observable; set by hand
+SLACK_LOG_STIFFNESS = -6.0  # change of the logarithm of the stiffness for a start without a spring; numerics
+REST = 1e-4  # of the largest speed, below which a mass is at rest; set by hand
+SHORTEST_REST = 3  # samples of a rest; set by hand
+MIN_STOPS = 2  # rests of a mass between motions, in one direction or both; set by hand
+MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction; set by hand
+CREEP = 0.01  # of the largest speed: a slower motion is none; set by hand
+MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode; set by hand
+MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more; set by hand
+MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record; set by hand
+MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other poles; set by hand
+MIN_DRIVEN = 0.25  # spread of a slow mode's response to the input over that of its free response; set by hand
+CYCLES_SHOWN = 5.0  # of a mode, in its sketch; set by hand
+PEAK_SHOWN = 0.1  # of the range of the speed, over which the friction of a sketch falls from its peak; set by hand
+STATIC_SAMPLES = 20000  # of a step, for the static gain; numerics
 
 
 class Placed(PlantEffect):
@@ -363,7 +364,7 @@ def peaks(context: Context, slowest: float) -> list[float]:
 
 
 LAWS = "smooth", "peak", "load", "give", "load-give", "drive"  # of friction, richer than a constant
-FAINT = 0.01  # scaled: friction that starts beside other effects of a mass
+FAINT = 0.01  # scaled: friction that starts beside other effects of a mass; numerics
 DRIVEN = "position", "unsprung"  # places of friction at which gravity or a spring may act beside the drive
 
 

@@ -7,13 +7,13 @@ from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.effects.base import Fitted, OutputEffect, Value
 from labsid.gap.effects.context import Context
 
-FREQUENCIES = np.geomspace(0.02, 1.2, 8)  # radians per sample: natural frequencies of the trial dynamics
-DAMPING_RATIOS = 0.15, 0.5, 1.5  # of the trial dynamics
-SCREENED_ROWS = 200  # samples of the record on which the trial dynamics are compared
-MAX_SCREENED_COST = 0.9  # of such dynamics behind the sensor, over that of the parent
-LOW_QUANTILE = 0.005  # of the readings, near the fold
-SIGN_PASSES = 12  # alternations between the signs and the gains
-INDEPENDENT = 1e-8  # singular value of the columns over the largest, above which a direction counts
+FREQUENCIES = np.geomspace(0.02, 1.2, 8)  # radians per sample: natural frequencies of the trial dynamics; numerics
+DAMPING_RATIOS = 0.15, 0.5, 1.5  # of the trial dynamics; numerics
+SCREENED_ROWS = 200  # samples of the record on which the trial dynamics are compared; numerics
+MAX_SCREENED_COST = 0.9  # of such dynamics behind the sensor, over that of the parent; set by hand
+LOW_QUANTILE = 0.005  # of the readings, near the fold; set by hand
+SIGN_PASSES = 12  # alternations between the signs and the gains; numerics
+INDEPENDENT = 1e-8  # singular value of the columns over the largest, above which a direction counts; numerics
 
 
 class Absolute(OutputEffect):

@@ -13,10 +13,10 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.effects.sketch import Sketch, same
 
-MIN_LIMITED = 4  # samples
-FAST = 1.0  # per sample: rate of a pole that the record does not show
-FASTEST = 0.98  # quantile of the changes of the output, at which the loop is at its limit
-ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limits start
+MIN_LIMITED = 4  # samples; set by hand
+FAST = 1.0  # per sample: rate of a pole that the record does not show; set by hand
+FASTEST = 0.98  # quantile of the changes of the output, at which the loop is at its limit; numerics
+ERROR_QUANTILES = (0.97, 0.85, 0.6)  # of the size of the error, from which limits start; numerics
 
 
 class ForceLimit(PlantEffect):

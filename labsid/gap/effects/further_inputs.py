@@ -12,10 +12,10 @@ from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import section
 from labsid.gap.effects.base import AdditiveEffect, InputEffect
 
-LAST = 99  # position in the actuator's chain
-MOST_GAIN = 50.0  # of a further input over that of the first one, scaled
-SLOWEST_WAY = 0.998  # zero or pole, in z, of the way of a further input to the dynamics of the first one
-REACH = 5.0  # of the logarithm of a rate from its start value
+LAST = 99  # position in the actuator's chain; definition
+MOST_GAIN = 50.0  # of a further input over that of the first one, scaled; set by hand
+SLOWEST_WAY = 0.998  # zero or pole, in z, of the way of a further input to the dynamics of the first one; set by hand
+REACH = 5.0  # of the logarithm of a rate from its start value; set by hand
 
 
 @dataclass(frozen=True, slots=True)

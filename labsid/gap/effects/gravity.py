@@ -14,10 +14,11 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Sketch, nothing
 from labsid.gap.record.data import Data
 
-DEGREES = 180.0 / np.pi  # in a radian
-LEAST_SWING, LARGEST_SWING = 0.25, 13.0  # radians: less shows a constant and a spring, more is no swing of an arm
-UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree
-MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command
+DEGREES = 180.0 / np.pi  # in a radian; definition
+LEAST_SWING = 0.25  # radians: less shows a constant and a spring; set by hand
+LARGEST_SWING = 13.0  # radians: more is no swing of an arm; set by hand
+UNIT_ERROR = 1.15  # largest factor between a fitted unit of the angle and the radian or the degree; set by hand
+MIN_TORQUE_SHARE = 0.01  # change of the torque over the record, over the range of the command; set by hand
 
 
 class Gravity(PlantEffect):

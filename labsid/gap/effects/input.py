@@ -16,9 +16,9 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
 from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, bent, clipped, same, step
 
-LONGEST_DELAY = 250.0  # samples
-LONGEST_SHARE = 0.25  # of the record
-LEAST_BAND = 0.005  # of the range of the command: change by a dead zone with two gains, beside a kink
+LONGEST_DELAY = 250.0  # samples; set by hand
+LONGEST_SHARE = 0.25  # of the record; set by hand
+LEAST_BAND = 0.005  # of the range of the command: change by a dead zone with two gains, beside a kink; set by hand
 INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
 
 

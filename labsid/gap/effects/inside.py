@@ -18,10 +18,10 @@ from labsid.gap.effects.periodic import residual_cycles
 
 INSIDE = "joint"
 MISMATCH = "parameter-mismatch"
-FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start
-SHRUNK = 0.7 ** np.arange(1, 13)  # shares of a number that does not act, from which it may
-WOKEN = 0.1  # of the error: what a number has moved then
-STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop
+FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start; numerics
+SHRUNK = 0.7 ** np.arange(1, 13)  # shares of a number that does not act, from which it may act; numerics
+WOKEN = 0.1  # of the error: what a number moves where it acts; numerics
+STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop; set by hand
 
 
 class Inside(PlantEffect):

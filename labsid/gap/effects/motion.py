@@ -14,8 +14,8 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
 from labsid.gap.effects.sketch import Seen, Sketch, around_y, clipped, nothing, same
 
-MIN_STOPPED = 4  # samples at a stop
-AT_STOP = 1e-9  # scaled distance
+MIN_STOPPED = 4  # samples at a stop; set by hand
+AT_STOP = 1e-9  # scaled distance; numerics
 
 
 class EndStop(PlantEffect):

@@ -25,9 +25,9 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
 from labsid.gap.effects.sketch import Seen, Sketch, around_y, bent, clipped, ends_of, same
 
-NEARLY_ZERO = 1e-3  # of the spread of y: what is less may be the floor of `fits.floor`
-HIDDEN = 20.0  # scaled: largest excursion beyond a limit; without it, an initial state could hide there for any time
-CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one
+NEARLY_ZERO = 1e-3  # of the spread of y: what is less may be the floor of `fits.floor`; set by hand
+HIDDEN = 20.0  # scaled: largest excursion beyond a limit, where an initial state could hide for any time; set by hand
+CURVE_RANGE = (-20.0, 20.0)  # scaled output; outside it the curve continues with slope one; set by hand
 
 
 class Saturation(Limits, OutputEffect):

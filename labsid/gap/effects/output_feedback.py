@@ -12,7 +12,7 @@ from labsid.gap.effects.base import InputEffect
 from labsid.gap.effects.further_inputs import LAST, MOST_GAIN, extended
 
 GAIN = "actuator gain"
-NEAR = 2.0  # largest factor between the poles with the feedback that are fitted and those that it was made for
+NEAR = 2.0  # largest factor between the fitted poles with the feedback and those it was made for; set by hand
 
 
 @dataclass(frozen=True, slots=True)

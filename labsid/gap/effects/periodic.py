@@ -14,10 +14,11 @@ from labsid.gap.effects.dynamics import peaks
 from labsid.gap.effects.sketch import Sketch, nothing
 from labsid.gap.record.data import Data
 
-SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics
-PLANTED_CORNERS = 1.0, 0.3, 0.1, 3.0, 10.0  # frequencies whose visibility is asked for, over that of the slowest pole
-SLOWEST_PLANTED = 3.0  # cycles in the record of such a sinusoid
-MAX_SINUSOID = 3.0  # largest start value of its amplitude
+SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid within the dynamics; numerics
+PLANTED_CORNERS = 1.0, 0.3, 0.1, 3.0, 10.0
+"""Frequencies whose visibility is asked for, over that of the slowest pole; set by hand."""
+SLOWEST_PLANTED = 3.0  # cycles in the record of such a sinusoid; set by hand
+MAX_SINUSOID = 3.0  # largest start value of its amplitude; numerics
 
 
 class _Sinusoid(Effect):

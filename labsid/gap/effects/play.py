@@ -10,8 +10,8 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Sketch, same
 
-MIN_MOVED = 0.02  # share of the record in which the sensor moves each way
-MAX_SHARE = 0.7  # width over the range of the output
+MIN_MOVED = 0.02  # share of the record in which the sensor moves each way; set by hand
+MAX_SHARE = 0.7  # width over the range of the output; set by hand
 
 
 class Play(OutputEffect):

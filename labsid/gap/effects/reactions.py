@@ -9,7 +9,8 @@ from labsid.gap.effects.base import Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.dynamics import moves_both_ways
 
-SETTLED_SHARE = 0.02  # of the largest value, to which the pulse response of a simulation with a spring decays
+SETTLED_SHARE = 0.02
+"""Of the largest value, to which the pulse response of a simulation with a spring decays; set by hand."""
 
 
 class _AroundGiven(PlantEffect):

@@ -7,8 +7,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
-POINTS = 400  # of a curve
-FAR = 3.0  # ranges of a signal, beyond which a place is not drawn
+POINTS = 400  # of a curve; numerics
+FAR = 3.0  # ranges of a signal, beyond which a place is not drawn; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,12 +14,13 @@ from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Seen, Sketch, around_y, ends_of, same
 
-START_BELOW = 0.1  # scaled level: distance of the initial level from the brim, to start with
+START_BELOW = 0.1  # scaled level: distance of the initial level from the brim, to start with; numerics
 STATE_OF = {"upper": "h1", "lower": "h2"}
-MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide
-MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample
-NO_CURVATURE, NO_BRIM = -190.0, 390.0  # scaled: input at zero flow, and level of a brim, without influence
-MOST_OF_FLOW = 0.97  # range of the input over its largest distance from zero flow
+MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide; set by hand
+MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample; set by hand
+NO_CURVATURE = -190.0  # scaled: input at zero flow, without influence; numerics
+NO_BRIM = 390.0  # scaled: level of a brim without influence; numerics
+MOST_OF_FLOW = 0.97  # range of the input over its largest distance from zero flow; set by hand
 SIDES = ("", "-flipped")
 RATES = {"upper": "log_a", "lower": "log_b"}
 

@@ -10,12 +10,13 @@ from labsid.gap.record.controllers import FEEDBACK_F
 from labsid.gap.record.data import Data, complete_rows
 from labsid.records.direction import feedback_statistic
 
-LAGS = 12  # of both signals
-RATES = 8  # of filters of the input, from one over the record to one per sample: what twelve lags do not reach
-DEPENDENT = 1e-8  # singular value of a regressor over the largest, below which it repeats others
-SIGNIFICANT = 5.0  # standard errors; rigs without a direct term: 2 of 130 beyond 3, all with smooth inputs
-DECISIVE = 0.05  # standard error of the term, in standard deviations of y by those of u, below which the test decides
-JUMP = 3.0  # times the median size of what the past does not foretell of the input
+LAGS = 12  # of both signals; set by hand
+RATES = 8  # of filters of the input, from one over the record to one per sample, beyond the lags; set by hand
+DEPENDENT = 1e-8  # singular value of a regressor over the largest, below which it repeats others; numerics
+SIGNIFICANT = 5.0  # standard errors; measured: rigs without a direct term, 2 of 130 beyond 3, all with smooth inputs
+DECISIVE = 0.05
+"""Standard error of the term, over the gain of standard deviations, below which the test decides; set by hand."""
+JUMP = 3.0  # times the median size of what the past does not foretell of the input; set by hand
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from scipy.linalg.lapack import dposv
 
 from labsid._arrays import FloatArray
 
-RIDGE = 1e-11  # at the level of rounding: keeps the problem regular
+RIDGE = 1e-11  # at the level of rounding: keeps the problem regular; numerics
 
 
 def solve_least_squares(Phi: FloatArray, y: FloatArray) -> FloatArray:

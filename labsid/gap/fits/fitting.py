@@ -15,10 +15,11 @@ from labsid.gap.fits.noise_model import Noise, noise_of
 from labsid.gap.record.data import Data
 
 UNFILTERED = np.zeros(0)
-DIVERGED = 1e100  # of a scaled signal: its square is finite
-SAME_RATE = 1e-3  # relative difference of two poles that are one
-SAME_COST = 1e-6  # relative difference of the errors at two points that are one simulation
-WEAK = 0.01  # of the error: a parameter that moves the output less by its unit is damped as one that moves it so far
+DIVERGED = 1e100  # of a scaled signal: its square is finite; numerics
+SAME_RATE = 1e-3  # relative difference of two poles that are one; numerics
+SAME_COST = 1e-6  # relative difference of the errors at two points that are one simulation; numerics
+WEAK = 0.01
+"""Of the error: a parameter whose unit moves the output less is damped as one that moves it so far; numerics."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,14 +8,18 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.direct_term import innovations
 from labsid.gap.record.data import Data
 
-SIMULATION_ERROR = 1e-4  # of the spread of y: the step errors of usual simulators, and of those of the diagnosis
-MOST_DIGITS = 9  # significant digits or decimals that are looked for: numbers with more are as good as exact
-ROUND_TRIP = 1e-5  # of a digit: distance from it that is rounding of binary numbers
-NEARLY_ALL = 0.999  # of the samples
-PRINTED = 1e-3  # of the range: a decimal step below is how the numbers are printed, one above may be a converter's
-DITHER = 1.5  # standard deviation of the noise that hides a rounding error, in steps: 4 % of its power repeat then
-NOISY = 3.0  # rms of what the past does not foretell over the step of the digits, from which they do not matter
-SEED = 0  # of the white noise that is added
+SIMULATION_ERROR = 1e-4
+"""Of the spread of y: step errors of usual simulators, and of those of the diagnosis; set by hand."""
+MOST_DIGITS = 9  # significant digits or decimals that are looked for: more are as good as exact; set by hand
+ROUND_TRIP = 1e-5  # of a digit: distance from it that is rounding of binary numbers; numerics
+NEARLY_ALL = 0.999  # of the samples; set by hand
+PRINTED = 1e-3
+"""Of the range: a smaller decimal step is that of the printed numbers, a larger one may be a converter's; set by
+hand."""
+DITHER = 1.5  # steps: standard deviation of noise that hides a rounding error but for 4 % of its power; set by hand
+NOISY = 3.0
+"""Rms of what the past does not foretell over the step of the digits, from which they do not matter; set by hand."""
+SEED = 0  # of the white noise that is added; numerics
 
 
 def digit_steps(values: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.effects.restarts import Restarts
 
-NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig
+NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig; definition
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
 # An input that is sampled rather than held may lead by half a sample.
 SAMPLED_DELAY = Parameter("delay", -NUISANCE_DELAY, NUISANCE_DELAY, 0.02)

@@ -14,13 +14,13 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import Fit, Point, Problem
 from labsid.gap.record.data import Data
 
-COLLINEAR = 1e-2  # smallest singular value, of columns of unit length, of a change that leaves the output as it is
-NO_INFLUENCE = 1e-7  # change of the output by twice the number, over the output
-SHARE = 0.1  # of a change of unit length: smaller parts of it are rounding
-FACTOR = 2.0  # over which a change is followed
-LARGEST_POWER = 3  # of a number in a combination that is reported
-NEARLY_WHOLE = 0.05  # distance of the powers of a combination from whole ones, over the largest
-SAME = 1e-3  # change of the output over that by one of the numbers alone, where the combination stays
+COLLINEAR = 1e-2  # smallest singular value, of unit columns, of a change that leaves the output as it is; set by hand
+NO_INFLUENCE = 1e-7  # change of the output by twice the number, over the output; numerics
+SHARE = 0.1  # of a change of unit length: smaller parts of it are rounding; numerics
+FACTOR = 2.0  # over which a change is followed; set by hand
+LARGEST_POWER = 3  # of a number in a combination that is reported; set by hand
+NEARLY_WHOLE = 0.05  # distance of the powers of a combination from whole ones, over the largest; set by hand
+SAME = 1e-3  # change of the output over that by one number alone, where the combination stays; set by hand
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,9 +19,10 @@ from labsid.gap.record.data import Data
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 
 LINEAR = Hypothesis()
-POPULATION, GENERATIONS = 8, 30  # of the search without derivatives; a population has as many for each parameter
-BUDGET_SHARE = 0.2  # of the runs that are left, for that search
-SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole
+POPULATION = 8  # members for each parameter, of the search without derivatives; numerics
+GENERATIONS = 30  # of the search without derivatives; numerics
+BUDGET_SHARE = 0.2  # of the runs that are left, for that search; set by hand
+SINGLE_POLE_RATES = 0.005, 0.02, 0.1, 0.4, 1.5  # per sample: start values for a rig with a single pole; numerics
 
 
 def fit_baseline(data: Data, hypothesis: Hypothesis = LINEAR, start: FloatArray | None = None) -> Fit:

@@ -7,14 +7,14 @@ from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 from labsid.records.signal_quality import lattice_step, runs
 
-MAX_STEPS = 1000  # of the log in the range of the input, from which its rounding is not looked at
-MIN_LEVELS = 20  # of the input: fewer are those of a staircase, not of a coarse log
-FEWEST_LEVELS = 8  # the same where it jumps by several steps of its lattice, as a staircase does not
-REFUTED = 4.0  # times the mean square error of a fit, above which its small error shows that the log is not rounded,
-REFUTED_SMOOTH = 16.0  # and the same of an input that moves smoothly, whose rounding errors repeat with it
-JUMP = 3.0  # steps of the log in the median change of the input, from which its rounding errors are random
-DRAWS = 8  # of the digits that the log of the input has lost
-SEED = 0  # of these draws
+MAX_STEPS = 1000  # of the log in the range of the input, from which its rounding is not looked at; set by hand
+MIN_LEVELS = 20  # of the input: fewer are those of a staircase, not of a coarse log; set by hand
+FEWEST_LEVELS = 8  # the same where it jumps by several steps of its lattice, as a staircase does not; set by hand
+REFUTED = 4.0  # times the mean square error of a fit, which is then too small for a rounded log; set by hand
+REFUTED_SMOOTH = 16.0  # the same of an input that moves smoothly, whose rounding errors repeat with it; set by hand
+JUMP = 3.0  # steps of the log in the median change of the input, from which its rounding errors are random; set by hand
+DRAWS = 8  # of the digits that the log of the input has lost; numerics
+SEED = 0  # of these draws; numerics
 
 
 def log_rounding_error(data: Data, fit: Fit, best: Fit | None = None, leaves_noise: bool = False) -> float:

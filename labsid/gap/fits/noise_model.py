@@ -7,9 +7,9 @@ import numpy as np
 from labsid._arrays import FloatArray, lagged_columns
 from labsid.gap.record.data import MAX_LAGS, MIN_COMPLETE, Data
 
-MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding
-ORDERS = (0, 1, 2, 3, 4, 6, 8)  # of the autoregressive model, of which BIC selects one
-SLOWEST_POLE = 1.0 - 1e-6  # of the noise
+MIN_VARIANCE = 1e-26  # relative to that of the record: below is rounding; numerics
+ORDERS = (0, 1, 2, 3, 4, 6, 8)  # of the autoregressive model, of which BIC selects one; set by hand
+SLOWEST_POLE = 1.0 - 1e-6  # of the noise; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,13 +12,13 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import scaled
 from labsid.records.record import Record
 
-JUMP = 7.5  # noises in the least change of the command: those of the noise alone are smaller
-MIN_JUMPS = 3  # changes of the command, at least
-MIN_RANGE = 10.0  # noises between the lowest level and the highest
-SAME_LEVEL = 4.0  # standard errors between the means of two stretches, below which their level is taken for one
-TOLERANCE = 0.15  # relative difference of the noise about the levels from that between neighbouring samples
-MIN_GAIN = 12.0  # of twice the log likelihood, by the levels in the place of the log
-WHITE = 4.0  # standard errors of the correlation of neighbouring samples about the levels
+JUMP = 7.5  # noises in the least change of the command: those of the noise alone are smaller; set by hand
+MIN_JUMPS = 3  # changes of the command, at least; set by hand
+MIN_RANGE = 10.0  # noises between the lowest level and the highest; set by hand
+SAME_LEVEL = 4.0  # standard errors between the means of two stretches of one level; set by hand
+TOLERANCE = 0.15  # relative difference of the noise about the levels from that of neighbouring samples; set by hand
+MIN_GAIN = 12.0  # of twice the log likelihood, by the levels in the place of the log; set by hand
+WHITE = 4.0  # standard errors of the correlation of neighbouring samples about the levels; set by hand
 
 
 def levels_behind_noise(u: FloatArray) -> FloatArray | None:

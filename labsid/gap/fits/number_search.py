@@ -11,14 +11,15 @@ from labsid.gap.fits.fitting import Point, Problem, descend
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
 
-SCANNED = 1e4  # times the nominal value, either sign: range of the grid; the descent goes on beyond
-GRID = 15  # values of a number over the whole of that range, about one for each decade of either sign
-JOINT = 32  # points for each number that are spread over all of them, at least one more number than one
-STARTS = 3  # best points that are descended from
-ITERATIONS = 8, 25  # from each start, and from the best of them
-BUDGET_SHARE = 0.2  # of the runs that are left, for the grids
-MIN_GAIN = 0.5  # mean square error over that of the fit from the nominal values, from which another one is taken
-DISTINCT = 1.0  # distance in theta of two starts
+SCANNED = 1e4  # times the nominal value, either sign: range of the grid; the descent goes on beyond; numerics
+GRID = 15  # values of a number over that range, about one for each decade of either sign; numerics
+JOINT = 32  # points for each number that are spread over all, with at least one more number; numerics
+STARTS = 3  # best points that are descended from; numerics
+ITERATIONS = 8, 25  # from each start, and from the best of them; numerics
+BUDGET_SHARE = 0.2  # of the runs that are left, for the grids; set by hand
+MIN_GAIN = 0.5
+"""Mean square error over that of the fit from the nominal values, from which another fit is taken; set by hand."""
+DISTINCT = 1.0  # distance in theta of two starts; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

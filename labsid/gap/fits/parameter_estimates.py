@@ -11,8 +11,8 @@ from labsid.gap.fits.identifiability import Determined, determined_numbers
 from labsid.gap.fits.profile import profile_likelihood
 from labsid.gap.record.data import Data
 
-AT_LIMIT = 1e-6  # distance in theta
-CLEAR_ERRORS = 2.0  # standard errors: a size within them is not told from none
+AT_LIMIT = 1e-6  # distance in theta; numerics
+CLEAR_ERRORS = 2.0  # standard errors: a size within them is not told from none; definition
 
 
 def is_told_from_nothing(data: Data, fit: Fit, effect: Effect, magnitudes: Collection[str]) -> bool:

@@ -10,12 +10,12 @@ from labsid.gap.fits.fitting import Fit, Point, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
 
-FIRST_STEP = 0.5  # samples, or the part of it that loses no more than
-FIRST_LOSS = 1.0  # twice the loss of log likelihood,
-HALVINGS = 12  # or so many halves of it
-STEP_GROWTH = 1.5  # of successive steps
-MAX_LOSS = 12.0  # twice the loss of log likelihood at which the profile ends
-MIN_SIZE_LOSS = 13.0  # the same, of an effect of size zero: 3.6 standard errors, 1 % for the best of 35 candidates
+FIRST_STEP = 0.5  # samples, at most; numerics
+FIRST_LOSS = 1.0  # twice the loss of log likelihood by the first step, at most; numerics
+HALVINGS = 12  # of the first step, at most; numerics
+STEP_GROWTH = 1.5  # of successive steps; numerics
+MAX_LOSS = 12.0  # twice the loss of log likelihood at which the profile ends; numerics
+MIN_SIZE_LOSS = 13.0  # the same, of size zero; statistics: 3.6 standard errors, 1 % for the best of 35 candidates
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,17 +12,17 @@ from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.noise_model import Noise
 from labsid.gap.record.data import Data
 
-FOLDS = 5  # of the cross-validated prediction of the residual from past inputs
-RIDGE = 0.01  # relative to the mean square of a column
-NEIGHBOURS = 60  # samples of similar input history with which a sample is compared
-MAX_POINTS = 3000  # samples that are compared
-MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits
-MAX_LAG = 25  # samples: largest lag of the autocorrelation
-MIN_PAIRS = 100  # samples per lag
-INPUT_LAGS = 20  # samples: past inputs on which a residual may depend
-SLOW_LAG = 6  # samples after which sensor noise is uncorrelated
-BURSTS = 6.0  # standard errors of the kurtosis of Gaussian noise, above which a residual comes and goes
-SLOW_CORRELATION = 0.3  # autocorrelation after `SLOW_LAG` samples of a slow residual
+FOLDS = 5  # of the cross-validated prediction of the residual from past inputs; set by hand
+RIDGE = 0.01  # relative to the mean square of a column; numerics
+NEIGHBOURS = 60  # samples of similar input history with which a sample is compared; set by hand
+MAX_POINTS = 3000  # samples that are compared; numerics
+MIN_UNLIMITED_SHARE = 0.3  # smallest share of rows within the sensor's limits; set by hand
+MAX_LAG = 25  # samples: largest lag of the autocorrelation; set by hand
+MIN_PAIRS = 100  # samples per lag; set by hand
+INPUT_LAGS = 20  # samples: past inputs on which a residual may depend; set by hand
+SLOW_LAG = 6  # samples after which sensor noise is uncorrelated; set by hand
+BURSTS = 6.0  # standard errors of the kurtosis of Gaussian noise, above which a residual comes and goes; set by hand
+SLOW_CORRELATION = 0.3  # autocorrelation after `SLOW_LAG` samples of a slow residual; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,9 +6,11 @@ from labsid._arrays import FloatArray
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 
-SWITCH_EDGE = 0.05  # of the range of a signal, that counts as its end
-MOST_BETWEEN = 0.05  # of the samples, between the ends: of relays 0 to 2 %, of limited actuators 10 % and more
-SWITCH_RATIO = 3.0  # share of the command between its ends over `MOST_BETWEEN`, from which a switch is told from it
+SWITCH_EDGE = 0.05  # of the range of a signal, that counts as its end; set by hand
+MOST_BETWEEN = 0.05
+"""Of the samples, between the ends; measured: 0 to 2 % of relays, 10 % and more of limited actuators."""
+SWITCH_RATIO = 3.0
+"""Share of the command between its ends over `MOST_BETWEEN`, from which a switch is seen; set by hand."""
 
 
 def only_switches(data: Data, fit: Fit) -> bool:

@@ -8,10 +8,11 @@ from labsid.gap.dynamics.responses import damping_ratio, decay_rates, denominato
 from labsid.gap.fits.fitting import Fit, rms
 from labsid.gap.record.data import Data
 
-EVALUATED_FROM = 1.0 / 3.0  # of the record: an actual free response has decayed by then
-MIN_FREE, MAX_DRIVEN = 1.0, 3.0  # rms of the free and of the forced response, over that of the residual
-LIGHT_DAMPING = 0.09  # largest damping of a mode; a mass on a spring has more
-MIN_DAMPING_RATIO = 2.0  # damping of the baseline over that of the mode
+EVALUATED_FROM = 1.0 / 3.0  # of the record: an actual free response has decayed by then; set by hand
+MIN_FREE = 1.0  # rms of the free response over that of the residual; set by hand
+MAX_DRIVEN = 3.0  # rms of the forced response over that of the residual; set by hand
+LIGHT_DAMPING = 0.09  # largest damping of a mode; a mass on a spring has more; set by hand
+MIN_DAMPING_RATIO = 2.0  # damping of the baseline over that of the mode; set by hand
 
 
 def has_undriven_pole(data: Data, fit: Fit) -> bool:

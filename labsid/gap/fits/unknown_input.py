@@ -7,9 +7,9 @@ from labsid.gap.dynamics.responses import decay_rates
 from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
 
-SHORTEST = 3  # samples of a gap: in fewer the input moves early by next to nothing
-FORGOTTEN = 0.3  # of the noise, that is left of the largest error by a wrong input
-MOST = 0.4  # of the samples with an output, that may be left out
+SHORTEST = 3  # samples of a gap: in fewer the input moves early by next to nothing; set by hand
+FORGOTTEN = 0.3  # of the noise, that is left of the largest error by a wrong input; set by hand
+MOST = 0.4  # of the samples with an output, that may be left out; set by hand
 
 
 def after_unknown_input(data: Data, u: FloatArray, measured: np.ndarray) -> np.ndarray:

@@ -15,14 +15,15 @@ from labsid.gap.record.data import Data
 from labsid.records.direction import gain_from_past
 from labsid.records.signal_quality import stuck_at_extreme
 
-START_RATES = 0.01, 0.03, 0.1, 0.3  # per sample: of the filters with which the search begins
-ITERATIONS = 12  # of the filter and the dynamics fitted behind it
-SLOWEST = 3.0  # poles of a filter decay by the exponential of at least this along the record
-GROWTH = 3.0  # an unstable pole that grows by less than the exponential of this along the record is no matter
-MOST_CORRECTED = 0.3  # of what the input moves the output: beside a larger correction no cause explains everything
-MOST_DIRECT = 0.5  # of the mean square error, left by a direct term: at least 0.9 in loops, at most 0.33 elsewhere
-MOST_STUCK = 0.1  # of the readings, at a limit of the sensor
-SIGNIFICANT = 6.0  # standard errors: the error of the filtered equation is not white
+START_RATES = 0.01, 0.03, 0.1, 0.3  # per sample: of the filters with which the search begins; numerics
+ITERATIONS = 12  # of the filter and the dynamics fitted behind it; numerics
+SLOWEST = 3.0  # poles of a filter decay by the exponential of at least this along the record; set by hand
+GROWTH = 3.0  # an unstable pole that grows by less than the exponential of this is no matter; set by hand
+MOST_CORRECTED = 0.3  # of what the input moves the output; definition: `partial` at most beside a larger correction
+MOST_DIRECT = 0.5
+"""Of the mean square error, left by a direct term; measured: 0.9 and more in loops, 0.33 and less elsewhere."""
+MOST_STUCK = 0.1  # of the readings, at a limit of the sensor; set by hand
+SIGNIFICANT = 6.0  # standard errors: the error of the filtered equation is not white; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

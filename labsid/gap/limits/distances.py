@@ -11,11 +11,15 @@ from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.fits.fitting import Fit, Point, Problem, descend
 from labsid.gap.record.data import Data
 
-FEW, STEPS, TOLERANCE = 3, 12, 2e-3  # iterations of a check and of a refit from each start; change of cost at the end
-WORTH = 0.8  # cost of a linearized refit over that of an exact one from elsewhere, below which it is worth another
-MISFIT = 0.1  # relative difference of the power that is left from which a linearized refit is wrong
-SLOWER, FASTEST, STARTS = 4.0, 1.0, 10  # start values of the other pole: slow pole over the least, per sample; number
-NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane
+FEW = 3  # iterations of a check; numerics
+STEPS = 12  # iterations of a refit from each start; numerics
+TOLERANCE = 2e-3  # relative change of the cost at which a refit ends; numerics
+WORTH = 0.8  # cost of a linearized refit over that of an exact one, below which it is worth another; numerics
+MISFIT = 0.1  # relative difference of the power left, from which a linearized refit is wrong; set by hand
+SLOWER = 4.0  # slow pole over the slowest start value of the other pole; numerics
+FASTEST = 1.0  # per sample: fastest start value of the other pole; numerics
+STARTS = 10  # start values of the other pole; numerics
+NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

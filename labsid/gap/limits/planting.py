@@ -19,8 +19,8 @@ from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import is_compatible
 from labsid.gap.search.forms import extended_hypotheses, transfer_theta
 
-STATE_STEP = 0.1  # scaled: for the derivative by an initial state
-NOTHING = 1e-9  # share of the whole: what a simulation of another kind differs by at this size is no effect
+STATE_STEP = 0.1  # scaled: for the derivative by an initial state; numerics
+NOTHING = 1e-9  # share of the whole: difference by a simulation of another kind at this size; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

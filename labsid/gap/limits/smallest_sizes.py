@@ -22,20 +22,22 @@ from labsid.gap.search.beam_search import BIC_MARGIN
 from labsid.gap.search.candidates import is_compatible
 from labsid.gap.search.explanation import MIN_NAMED_CHANGE, change_place
 
-LEAST_SHARE = 5e-5  # smallest planted size over the whole
-COARSE, FINE = 4.0, 2.0  # ratios of planted sizes: of those that are far from invisible, and of others
-PLAIN = 1e4  # squared distance over the variance of the noise, from which a size is far from invisible
-INVISIBLE = 0.3  # the same, below which smaller sizes are not planted
-CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one
-FAINT, FAR = 8.0, 300.0  # the same, between which a limit may lie, so that exact refits are used
-MOST_REFITS = 10  # iterations of a refit with an effect of one size
-BETWEEN = 12  # interpolated sizes between two planted ones
-SURE = 1.28  # standard errors that are exceeded in one of ten records: limits hold in the other nine
-SEARCH_LOSS = 1.15  # over these sizes: the search refits from more starts than `Refit`; 75 % were named without it
+LEAST_SHARE = 5e-5  # smallest planted size over the whole; set by hand
+COARSE = 4.0  # ratio of planted sizes that are far from invisible; numerics
+FINE = 2.0  # ratio of the other planted sizes; numerics
+PLAIN = 1e4  # squared distance over the variance of the noise, far from invisible; set by hand
+INVISIBLE = 0.3  # the same, below which smaller sizes are not planted; set by hand
+CLEAR = 60.0  # the same, at which the linearized refit is compared with an exact one; set by hand
+FAINT = 8.0  # the same, from which a limit may lie there, so that exact refits are used; set by hand
+FAR = 300.0  # the same, up to which a limit may lie there; set by hand
+MOST_REFITS = 10  # iterations of a refit with an effect of one size; numerics
+BETWEEN = 12  # interpolated sizes between two planted ones; numerics
+SURE = 1.28  # standard errors; statistics: one of ten records exceeds them, so limits hold in nine
+SEARCH_LOSS = 1.15  # over these sizes, for refits from more starts than `Refit`; measured: 75 % named without it
 MOVED_POLES = Delay, Placed, SlowMode
 """Effects that the poles of a fit may have absorbed already, which a profile about that fit does not show: 3 of 3
 planted ones of seed 11 were excluded wrongly, and 0 of 15 of the others."""
-EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded: 95 % on one side
+EXCLUDED = 1.64**2  # squared distance beyond which a size is excluded; statistics: 95 % on one side
 
 
 @dataclass(frozen=True, slots=True)

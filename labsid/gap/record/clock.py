@@ -7,7 +7,7 @@ import numpy as np
 from labsid.lab.findings import Finding
 from labsid.records.record import REGULAR_WITHIN, Record, missing_notes
 
-MAX_CLOCK_ERROR = 1.0  # samples over the record, by which two sampling times of one rig may differ
+MAX_CLOCK_ERROR = 1.0  # samples over the record, by which two sampling times of one rig may differ; set by hand
 
 
 def clock_findings(record: Record, holdout: Record | None = None) -> list[Finding]:

@@ -7,24 +7,28 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.records.direction import feedback_statistic
 
-FEEDBACK_F = 10.0  # F statistic: 11 to 130 in loops that pass on noise, at most 6 on rigs in open loop
-SWITCHES = 6  # in a row, over which the set point of a relay may be constant
-JUMP = 3.0  # times the size of other steps of the output: those at switches, from which the output jumps with the input
-MIN_SEPARATED = 0.4  # of such stretches: over 0.65 of relays whose set point moves at times, none of others
-PASSES = 4  # of the regression without what the law does not explain
-OUTLIER = 12.0  # times the median error, of what a reference or a limit adds: noise has four times
-EXACT = 0.9999  # share of the changes of the input that the law explains, of a controller without a limit
-MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides
-MOST_STILL = 0.5  # of the samples, at which the input keeps its value or its slope: one that does is designed
-STILL = 1e-4  # of its largest second difference: rounding
-ONE_LINE = 1e-6  # one less the size of the correlation of input and output, of a line without noise
-STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain
-SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed
-PAST = 8  # samples
-RELAY_SWITCHES = 8  # fewest of an input, from which they are told from steps by hand
-LEAST_HELD = 4  # samples between two switches, from which the way of the output between them shows
-RELAY_SCATTER = 0.25  # scatter of the output at switches in one direction, over its way from one to the next
-LEAST_LATE = 0.1  # share of that way in the last quarter of the time, of an output that has not settled
+FEEDBACK_F = 10.0  # F statistic; measured: 11 to 130 in loops that pass on noise, at most 6 on rigs in open loop
+SWITCHES = 6  # in a row, over which the set point of a relay may be constant; set by hand
+JUMP = 3.0
+"""Times the size of other steps of the output: those at switches, from which the output jumps with the input; set by
+hand."""
+MIN_SEPARATED = 0.4  # of such stretches; measured: over 0.65 of relays whose set point moves at times, none of others
+PASSES = 4  # of the regression without what the law does not explain; numerics
+OUTLIER = 12.0  # times the median error, of what a reference or a limit adds (noise has four times); set by hand
+EXACT = 0.9999  # share of the changes of the input that the law explains, of a controller without a limit; set by hand
+MOST_JUMPS = 0.2  # of the samples, at which a reference or a limit acts besides; set by hand
+MOST_STILL = 0.5
+"""Of the samples, at which the input keeps its value or its slope: one that does is designed; set by hand."""
+STILL = 1e-4  # of its largest second difference: rounding; numerics
+ONE_LINE = 1e-6  # one less the size of the correlation of input and output, of a line without noise; numerics
+STATIC = 0.002  # of its largest coefficient: a law with less of the past is a gain; set by hand
+SMOOTH = 0.9  # share of the changes of the input that its own past foretells, of one that is designed; set by hand
+PAST = 8  # samples; set by hand
+RELAY_SWITCHES = 8  # fewest of an input, from which they are told from steps by hand; set by hand
+LEAST_HELD = 4  # samples between two switches, from which the way of the output between them shows; set by hand
+RELAY_SCATTER = 0.25
+"""Scatter of the output at switches in one direction, over its way from one to the next; set by hand."""
+LEAST_LATE = 0.1  # share of that way in the last quarter of the time, of an output that has not settled; set by hand
 
 
 def has_controller(u: FloatArray, y: FloatArray) -> bool:

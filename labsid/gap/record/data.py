@@ -6,9 +6,9 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
-MAX_LAGS = 8  # of the model of the noise
-MIN_COMPLETE_SHARE = 0.1  # of the rows that count, with all lags
-MIN_COMPLETE = 20  # rows with all lags
+MAX_LAGS = 8  # of the model of the noise; set by hand
+MIN_COMPLETE_SHARE = 0.1  # of the rows that count, with all lags; set by hand
+MIN_COMPLETE = 20  # rows with all lags; set by hand
 
 
 @dataclass(frozen=True, slots=True)

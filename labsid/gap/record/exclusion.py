@@ -6,7 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
-MIN_SAMPLES = 100  # of a record, and of each of several outputs
+MIN_SAMPLES = 100  # of a record, and of each of several outputs; set by hand
 
 
 def included_samples(t: FloatArray, exclude: Sequence[tuple[float, float]]) -> np.ndarray:

@@ -10,9 +10,10 @@ from labsid.records.record import Record, between_outputs
 from labsid.records.signal_quality import runs
 from labsid.records.slow_sensor import ON_TIME, SlowReadings, differ_by_size, find_readings, read_at_ticks
 
-ROUNDING = 1e-9  # of the range of the input
-MEAN_UNKNOWN = 0.5  # samples by which a reading is before the sample that shows it first
-ONE_CLOCK = 1.0  # samples over the longest record, by which the periods of one sensor may differ
+ROUNDING = 1e-9  # of the range of the input; numerics
+MEAN_UNKNOWN = 0.5
+"""Samples by which a reading is before the sample that shows it first; statistics: mean of a uniform time."""
+ONE_CLOCK = 1.0  # samples over the longest record, by which the periods of one sensor may differ; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,11 +14,16 @@ from labsid.records.formats import RawRecord
 from labsid.records.record import Record
 from labsid.records.signal_quality import moving_mean_length
 
-CLOCK_PARTS = 8  # parts of a record for which the delay is estimated
-MIN_SLIP = 1.0  # samples
-MIN_LINEARITY = 0.95  # share of the delay variance due to a constant rate: 0.996 with two clocks, < 0.8 otherwise
-UNRELATED_OUTPUT = 0.9  # rms error over standard deviation of the output, from which they are reported as unrelated
-MIN_PLATEAU_SHARE = 0.3  # of the scatter of the plateaus and of the gap, from which unrepeated plateaus matter
+BY_RELAY = "the input switches on the output"  # how the finding of a controller begins
+BY_LAW = "the input follows from the output of the same sample"  # likewise
+CLOCK_PARTS = 8  # parts of a record for which the delay is estimated; set by hand
+MIN_SLIP = 1.0  # samples; set by hand
+MIN_LINEARITY = 0.95
+"""Share of the delay variance due to a constant rate; measured: 0.996 with two clocks, < 0.8 otherwise."""
+UNRELATED_OUTPUT = 0.9
+"""Rms error over standard deviation of the output, from which they are called unrelated; set by hand."""
+MIN_PLATEAU_SHARE = 0.3
+"""Of the scatter of the plateaus and of the gap, from which unrepeated plateaus matter; set by hand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,12 +226,9 @@ def about_controller(u: FloatArray, y: FloatArray) -> list[Finding]:
     """That a direct term cannot be judged, if the input follows from the output of the same sample."""
     law = None
     if is_relay(u, y):
-        how = "the input switches on the output, as from a relay controller"
+        how = f"{BY_RELAY}, as from a relay controller"
     elif (law := find_control_law(u, y)) is not None:
-        how = (
-            "the input follows from the output of the same sample, as from a controller with a gain of "
-            f"{abs(law.gain):.3g}"
-        )
+        how = f"{BY_LAW}, as from a controller with a gain of {abs(law.gain):.3g}"
     else:
         return []
     if law is not None and law.has_constant_reference and is_one_line(u, y):

@@ -8,19 +8,19 @@ from scipy.special import bdtrc
 from labsid._arrays import FloatArray
 from labsid.records.signal_quality import lattice_step, runs
 
-SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sample is a spike
-SMALLEST_SPIKE = 1e-3  # of the spread of y: less is the error of a simulation
-INSTANT = 0.05  # samples: an error in time that a simulation may have
-RESOLVED = 2.0  # over the error of a right simulation, from which a sample is a spike
-LONGEST_SPIKE = 2  # samples
-MAX_SPIKE_RUN = 3  # adjacent spikes of different values
-OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors
-FIRST_JUMP = 0.25  # of the range of the other samples, from which the first sample may be bad
-FIRST_JUMP_RATIO = 5.0  # of that jump over nearly the largest change elsewhere
-NEARLY_ALL = 0.99  # of the samples
-MIN_REPEATED = 0.9  # share of the samples whose value recurs
-CHANCE = 1e-4  # probability that so many spikes, or ends of held stretches, are where the input changes
-FLAT = 4  # equal readings in a row
+SPIKE_THRESHOLD = 6.0  # robust standard deviations from which an isolated sample is a spike; set by hand
+SMALLEST_SPIKE = 1e-3  # of the spread of y: less is the error of a simulation; set by hand
+INSTANT = 0.05  # samples: an error in time that a simulation may have; set by hand
+RESOLVED = 2.0  # over the error of a right simulation, from which a sample is a spike; set by hand
+LONGEST_SPIKE = 2  # samples; set by hand
+MAX_SPIKE_RUN = 3  # adjacent spikes of different values; set by hand
+OFF_LATTICE = 0.05  # converter steps from the lattice, above rounding errors; set by hand
+FIRST_JUMP = 0.25  # of the range of the other samples, from which the first sample may be bad; set by hand
+FIRST_JUMP_RATIO = 5.0  # of that jump over nearly the largest change elsewhere; set by hand
+NEARLY_ALL = 0.99  # of the samples; set by hand
+MIN_REPEATED = 0.9  # share of the samples whose value recurs; set by hand
+CHANCE = 1e-4  # probability that so many spikes, or ends of held stretches, are at changes of the input; set by hand
+FLAT = 4  # equal readings in a row; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,9 +4,9 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
-PARTS = 6  # of the record, in which the crossings of the mean are counted
-MIN_CROSSINGS = 12  # of the whole record: fewer show no frequency
-MIN_RATIO = 3.0  # of the crossings of its mean in the last part and the first one, or the reverse
+PARTS = 6  # of the record, in which the crossings of the mean are counted; set by hand
+MIN_CROSSINGS = 12  # of the whole record: fewer show no frequency; set by hand
+MIN_RATIO = 3.0  # of the crossings of its mean in the last part and the first one, or the reverse; set by hand
 
 
 def sweeps_once(u: FloatArray) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 from labsid._files import write_file
 from labsid._texts import joined
 from labsid.gap.effects.detected import UNSIMULATED
+from labsid.gap.record.record_findings import BY_LAW, BY_RELAY
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS
 from labsid.gap.reports.limit_rows import (
@@ -32,6 +33,7 @@ from labsid.gap.reports.page_parts import (
     load_template,
     overview,
 )
+from labsid.gap.reports.pole_rows import drawn_dynamics, poles_sentence
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
 from labsid.gap.reports.response_curves import find_response_curves
@@ -103,6 +105,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "ranking_text": sentences.ranking_sentence(report),
         "has_probabilities": has_probabilities(report),
         "loop": _loop(report),
+        "controller": _has_controller(report),
         "place": sentences.place_sentence(report),
         "where": location_sentences(report),
         "fitted_baseline": sentences.fitted_baseline_sentence(report),
@@ -112,6 +115,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "residual": sentences.residual_sentences(report),
         "experiment": _experiment(report),
         "look": sentences.look_sentence(report),
+        "poles": poles_sentence(report),
         "limits": _limits(report),
     }
 
@@ -145,6 +149,12 @@ def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
         for path, title, what in LOOP
         if path != "parameters" or report["simulation"]["given"]
     ]
+
+
+def _has_controller(report: dict[str, Any]) -> bool:
+    """Whether a controller gives the input of the record: as its findings say, or because the rig falls without one."""
+    said = [finding["text"] for finding in report["record_findings"] if finding["topic"] == "feedback"]
+    return report["gap"].get("mode") == "stabilised" or any(text.startswith((BY_RELAY, BY_LAW)) for text in said)
 
 
 def _probability(effect: dict[str, Any]) -> float:
@@ -239,8 +249,13 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     else:
         part = "record" if report["holdout_traces"] is None else "holdout"
         report = report | {"stretch": worst_stretch(report, part)}
-    more = {"limits": titled, "residual": find_residual_curves(report), "responses": find_response_curves(report)}
-    figures = figures_as_png(report | more | {"rivals": rival_responses(report)})
+    more: dict[str, Any] = {
+        "limits": titled,
+        "residual": find_residual_curves(report),
+        "responses": find_response_curves(report),
+    }
+    more |= {"rivals": rival_responses(report), "poles": drawn_dynamics(report)}
+    figures = figures_as_png(report | more)
     return in_base64(figures | effect_pictures(report))
 
 

@@ -51,7 +51,7 @@ def write_mended_model(path: Path, found: Diagnosis) -> list[str]:
     theta = model.theta[model.hypothesis.slices["plant"]]
     numbers = plant.simulation.nominal | plant.numbers(theta)
     spec = import_mujoco().MjSpec.from_file(str(source.path))
-    names = {effect.name for effect in model.hypothesis.found} if found.report["effects"] else set()
+    names = {effect.name for effect in model.hypothesis.found} if found.summary["effects"] else set()
     left = _change_joint(spec, opened, one, numbers) if names or plant.free else []
     left += _change_actuator(spec, opened, one, model)
     _keep_files(spec, source.path, path)
@@ -188,7 +188,7 @@ def _keep_files(spec: Any, before: Path, after: Path) -> None:
 
 def _comments(found: Diagnosis, source: str) -> str:
     """What was changed, by how much, with standard errors."""
-    report = found.report
+    report = found.summary
     lines = [f"Made by labsid gap diagnose from {source} and the record {report['record']['name'] or ''}."]
     for effect in report["effects"]:
         said = inside_clause(effect) if effect.get("joint") else noun(effect["name"])

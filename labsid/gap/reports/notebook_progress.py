@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from labsid._stages import over_stages
+
 DELAY = 1.0  # s: a shorter diagnosis shows no progress
 INTERVAL = 0.2  # s between two displays
 
@@ -24,7 +26,8 @@ def show_in_notebook() -> Iterator[Callable[[str, float], None]]:
     Yields
     ------
     callable
-        ``show(step, share)`` with a description of the current step and its completed share, 0 to 1.
+        ``show(step, share)`` with a description of the current step and the completed share of its stage, 0 to 1; the
+        bar is one over all stages.
     """
     ipython: Any = sys.modules["IPython.display"]
     handle: Any = None
@@ -42,7 +45,7 @@ def show_in_notebook() -> Iterator[Callable[[str, float], None]]:
             handle.update(bar)
 
     try:
-        yield show
+        yield over_stages(show)
     finally:
         if handle is not None:
             handle.update(ipython.HTML(""))

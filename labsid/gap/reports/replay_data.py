@@ -3,10 +3,12 @@
 Signals are scaled, and written in base64 as numbers of 64 or 32 bits.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from labsid._arrays import FloatArray, stretches_of
 from labsid.gap.effects.base import AdditiveEffect, Effect, OutputEffect
@@ -25,6 +27,33 @@ from labsid.records.record import Record
 
 MOST_COMBINATIONS = 8
 Names = tuple[str, ...]
+
+
+class ReplayData:
+    """What a page replays: made when it is first asked for, and then kept.
+
+    Parameters
+    ----------
+    make : callable or None
+        Returns it; called once at most, with BLAS on one thread as in `diagnose`.
+    content : dict or None
+        It, if it is made, or None if there is nothing to replay.
+    """
+
+    __slots__ = ("_content", "_make")
+
+    def __init__(self, make: Callable[[], dict[str, Any]] | None, content: dict[str, Any] | None = None) -> None:
+        self._make, self._content = make, content
+
+    def __call__(self) -> dict[str, Any] | None:
+        if self._make is not None:
+            with threadpool_limits(1, "blas"):
+                self._content = self._make()
+            self._make = None  # and with it the fits of which it was made
+        return self._content
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ReplayData, (None, self())
 
 
 def replay_content(
@@ -55,8 +84,7 @@ def replay_content(
 
     Notes
     -----
-    Every report has it, with a page or without, as a page is made from a saved report, too. On records of 1,200 to
-    1,600 samples it takes 10 to 45 ms of 1.5 to 5 s, and 50 to 70 of 190 kB of JSON.
+    A saved report has it, too, as a page is made from one; a printed one has not.
     """
     data, score = answer.explanation.data, answer.score
     before = np.where(inside, answer.before.output, np.nan)

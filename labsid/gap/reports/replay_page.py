@@ -1,5 +1,6 @@
 """The script of a page that replays simulations, and its data: made from the JSON report alone."""
 
+import base64
 import json
 import re
 from typing import Any
@@ -17,6 +18,8 @@ from labsid.gap.reports.quantities import closed_percent, in_units, rounded
 from labsid.gap.reports.traces import packed, worst_of_records, worst_stretch
 
 LONG = 6000  # samples, from which the panels open at the worst stretch, below a strip of the whole
+STEPS = 65534  # of the range of an output, in 16 bits
+ROUNDING = 0.1  # of the noise: outputs of a long record are rounded to less, which moves an rms error by 0.05 %
 NOTHING = 1e-6  # of the fitted value: a smaller one is shown as zero
 _IDENTITY = {"centre": 0.0, "unit": 1.0}
 
@@ -39,8 +42,9 @@ def page_data(report: dict[str, Any]) -> str:
     long = [] if pieces else [name for name, part in parts.items() if _samples(part) >= LONG]
     combinations = [_combination(report, one) for one in replay["combinations"]]
     names = dict.fromkeys(name for one in combinations for name in one["names"])
+    finest = ROUNDING * report["gap"]["noise_floor"] / replay["y_scale"]["unit"]
     content = {
-        "parts": parts,
+        "parts": {name: _short(part, finest) if name in long else part for name, part in parts.items()},
         "panels": {name: panels(report, name, name in long) for name in parts},
         "worst": {name: _worst(report, name) for name in parts},
         "pieces": pieces,
@@ -54,6 +58,25 @@ def page_data(report: dict[str, Any]) -> str:
     }
     text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
     return _numbered(text).replace("<", "\\u003c")
+
+
+def _short(part: dict[str, Any], finest: float) -> dict[str, Any]:
+    """A long part in half of the size: the input in single precision, and outputs in steps that noise covers."""
+    u = np.frombuffer(base64.b64decode(part["u"]), "<f8")
+    outputs = {name: part[name] for name in ("y", "before", "after") if name in part}
+    return part | {"u": {"single": packed(u)}} | {name: _in_steps(text, finest) for name, text in outputs.items()}
+
+
+def _in_steps(text: str, finest: float) -> str | dict[str, Any]:
+    """A signal as numbers of 16 bits, if their step is at most `finest`; the lowest number stands for none."""
+    signal = np.frombuffer(base64.b64decode(text), "<f4").astype(float)
+    known = np.isfinite(signal)
+    low, high = (float(signal[known].min()), float(signal[known].max())) if known.any() else (0.0, 0.0)
+    step = (high - low) / STEPS
+    if not 0.0 < step <= finest:
+        return text
+    steps = np.where(known, np.round((signal - low) / step) - STEPS // 2, -STEPS // 2 - 1)
+    return {"low": low, "step": step, "steps": packed(np.nan_to_num(steps), "<i2")}
 
 
 def _samples(part: dict[str, Any]) -> int:

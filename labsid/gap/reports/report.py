@@ -24,6 +24,7 @@ from labsid.gap.reports import location
 from labsid.gap.reports.experiment import Experiment, next_experiment
 from labsid.gap.reports.layout import SCHEMA
 from labsid.gap.reports.limit_rows import as_rows
+from labsid.gap.reports.pole_rows import linear_dynamics
 from labsid.gap.reports.quantities import chance, counted, number, percent
 from labsid.gap.reports.share_intervals import share_interval
 from labsid.gap.search.explanation import Explanation
@@ -114,6 +115,7 @@ def build_report(
             "output": None if base.output is None else _simulated_output(base.output, base.model),
             "model": _linear_model(answer),
         },
+        "dynamics": linear_dynamics(answer, base),
         "numbers": numbers,
         "screen": screen_sentences(explanation),
     }

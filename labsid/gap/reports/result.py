@@ -9,6 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.model_file import ExportedModel
 from labsid.gap.reports.html_report import render_html
 from labsid.gap.reports.page_parts import in_frame
+from labsid.gap.reports.replay_data import ReplayData
 from labsid.gap.reports.text_report import format_report
 from labsid.gap.reports.traces import record_traces
 from labsid.gap.verdict.gates import Why
@@ -22,32 +23,40 @@ class Diagnosis:
 
     Attributes
     ----------
-    report : dict
-        In the layout ``labsid.gap/4``; ``--json`` writes it.
+    summary : dict
+        The report but for its entry ``replay``, which is None.
     model : ExportedModel
         The simulation with the effects added; ``--export`` writes it.
+    replay : ReplayData
+        Makes what a page replays.
     why : Why or None
         Each gate of the verdict, which ``--why`` prints; None unless asked for.
     """
 
-    report: dict[str, Any]
+    summary: dict[str, Any]
     model: ExportedModel
+    replay: ReplayData
     why: Why | None = None
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The report in the layout ``labsid.gap/4``, which ``--json`` writes."""
+        return self.summary | {"replay": self.replay()}
 
     @property
     def verdict(self) -> str:
         """``"none"``, ``"effect"``, ``"partial"`` or ``"unknown"``."""
-        return str(self.report["verdict"])
+        return str(self.summary["verdict"])
 
     @property
     def effects(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Parameters of the effects found, by name, as ``{name: {parameter: {value, stderr, unit}}}``."""
-        return {effect["name"]: effect["parameters"] for effect in self.report["effects"]}
+        return {effect["name"]: effect["parameters"] for effect in self.summary["effects"]}
 
     @property
     def ranking(self) -> list[dict[str, Any]]:
         """Every combination of effects tried, best first; ``pandas.DataFrame(result.ranking)`` is its table."""
-        return list(self.report["ranking"])
+        return list(self.summary["ranking"])
 
     def better(self, t: FloatArray, u: FloatArray, y: FloatArray | None = None) -> FloatArray:
         """Output of the simulation with the effects added.
@@ -90,20 +99,21 @@ class Diagnosis:
         from labsid.plots.gap import figure_simulations
         from labsid.plots.gap_records import figure_records
 
-        if self.report.get("records"):
-            return figure_records(self.report | {"record_traces": record_traces(self.report)})
-        return figure_simulations(self.report)
+        report = self.report
+        if report.get("records"):
+            return figure_records(report | {"record_traces": record_traces(report)})
+        return figure_simulations(report)
 
-    def with_report(self, report: dict[str, Any]) -> "Diagnosis":
-        """The same result with another report, such as one in other units."""
-        return replace(self, report=report)
+    def with_summary(self, summary: dict[str, Any]) -> "Diagnosis":
+        """The same result with another summary, such as one in other units."""
+        return replace(self, summary=summary)
 
     def __str__(self) -> str:
-        return format_report(self.report)
+        return format_report(self.summary)
 
     def __repr__(self) -> str:
-        gap = self.report["gap"]
-        named = ", ".join(f"{one['name']} (p = {one['probability']:.2f})" for one in self.report["effects"])
+        gap = self.summary["gap"]
+        named = ", ".join(f"{one['name']} (p = {one['probability']:.2f})" for one in self.summary["effects"])
         found = f"{self.verdict}: {named}" if named else self.verdict
         closed = "" if gap["closed"] is None else f", {gap['closed']:.0%} of the gap closed"
         return f"<Diagnosis: {found}; rms error {gap['before']:.3g} before, {gap['after']:.3g} after{closed}>"

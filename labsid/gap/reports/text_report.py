@@ -2,6 +2,7 @@
 
 import shutil
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 from labsid._texts import joined
@@ -81,9 +82,8 @@ def limits_lines(report: dict[str, Any]) -> list[str]:
     table = [COLUMNS, *limit_cells(report, str)]
     lines = titled_lines("limits", limits_sentence(report) or "")
     columns = [i for i in range(len(COLUMNS)) if any(row[i] != NOT_SHOWN for row in table[1:])]
-    wide = {i: max(len(row[i]) for row in table) for i in columns}
     if len(table) > 1:
-        lines += ["", *(printable("  ".join(f"{row[i]:<{wide[i]}}" for i in columns).rstrip()) for row in table), ""]
+        lines += ["", *_in_columns([[printable(row[i]) for i in columns] for row in table]), ""]
     return [*lines, *(line for text in hidden_sentences(report) for line in titled_lines("", printable(text)))]
 
 
@@ -91,10 +91,25 @@ def effect_lines(effect: dict[str, Any]) -> list[str]:
     """One cause, with its parameters in columns below."""
     title = "cause" if sentences.is_probable(effect) else "possible"
     lines = titled_lines(title, f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}")
-    rows = parameter_rows(effect)
-    wide = [max((len(row[i]) for row in rows), default=0) for i in range(2)]
-    blank = " " * INDENT
-    return lines + [f"{blank}  {a:<{wide[0]}}  {b:<{wide[1]}}  {c}".rstrip() for a, b, c in rows]
+    return lines + _in_columns(parameter_rows(effect), INDENT + 2)
+
+
+def _in_columns(rows: Sequence[Sequence[str]], indent: int = 0) -> list[str]:
+    """Rows of a table; where they are wider than a line, the last cells stand on further lines, indented by 4."""
+    if not rows:
+        return []
+    wide = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        line, rest = " " * indent, [f"{cell:<{width}}" for cell, width in zip(row, wide, strict=True)]
+        begun = False
+        for cell in rest:
+            if begun and len(line) + 2 + len(cell.rstrip()) > _width():
+                lines.append(line.rstrip())
+                line, begun = " " * (indent + 4), False
+            line, begun = f"{line}  {cell}" if begun else f"{line}{cell}", True
+        lines.append(line.rstrip())
+    return [line for line in lines if line]
 
 
 def _bars(report: dict[str, Any]) -> list[str]:

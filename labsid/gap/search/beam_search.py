@@ -42,19 +42,21 @@ Progress = Callable[[str, float], None]
 Level = dict[tuple[str, ...], Fit]
 Levels = tuple[Level, ...]
 
-BEAM_WIDTH = 3  # best one-effect fits to which a second effect is added; only the best pair gets a third
-FREE_RUN_TOLERANCE = 1.2  # free-run error over that of the baseline, up to which a whiter baseline is accepted
-EXTRA_PARENTS = 2  # further one-effect fits: those with the smallest free-run error
-REFINED_EFFECTS = 12  # second and third effects per parent whose trials are refined
-FITTED_EFFECTS = 6  # second and third effects per parent that are fitted completely
-FITTED_REPLACEMENTS = 3  # effects fitted completely in place of another one
-POLISHED_FITS = 6  # best fits of a level
-BIC_MARGIN = 12.0  # smallest BIC gain of one more effect
-ROUNDING_ERROR = 1e-6  # scaled units: smaller differences are rounding, of the file included
-ROUNDING_ONLY = 0.06  # rms excess over half a converter step, in half steps, below which the residual is rounding
-NOT_ROUNDING = 0.3  # the same excess, above which refitting cannot bring the residual within rounding
-ROUNDING_PASSES = 4  # refits towards the interval that rounding allows
-MIN_CHANGE = 0.3  # smallest change of the output, over the standard deviation of the residual
+BEAM_WIDTH = 3  # best one-effect fits that get a second effect; only the best pair gets a third; set by hand
+FREE_RUN_TOLERANCE = 1.2
+"""Free-run error over that of the baseline, up to which a whiter baseline is accepted; set by hand."""
+EXTRA_PARENTS = 2  # further one-effect fits: those with the smallest free-run error; set by hand
+REFINED_EFFECTS = 12  # second and third effects per parent whose trials are refined; set by hand
+FITTED_EFFECTS = 6  # second and third effects per parent that are fitted completely; set by hand
+FITTED_REPLACEMENTS = 3  # effects fitted completely in place of another one; set by hand
+POLISHED_FITS = 6  # best fits of a level; set by hand
+BIC_MARGIN = 12.0  # smallest BIC gain of one more effect; set by hand
+ROUNDING_ERROR = 1e-6  # scaled units: smaller differences are rounding, of the file included; numerics
+ROUNDING_ONLY = 0.06
+"""Rms excess over half a converter step, in half steps: below, the residual is rounding; set by hand."""
+NOT_ROUNDING = 0.3  # the same excess, above which refitting cannot bring the residual within rounding; set by hand
+ROUNDING_PASSES = 4  # refits towards the interval that rounding allows; numerics
+MIN_CHANGE = 0.3  # smallest change of the output, over the standard deviation of the residual; set by hand
 
 
 def search_effects(

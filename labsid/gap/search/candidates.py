@@ -21,13 +21,13 @@ from labsid.gap.search.forms import alternative_forms, extended_hypotheses, form
 from labsid.gap.search.growing_window import grown_starts, loses_phase
 from labsid.gap.search.part import LONG, beginning, on_part
 
-STARTS_PER_VARIANT = 8  # best start points of a variant that are minimized
-RESTART_RATE = 0.5  # per sample: start value for such a pole
-MASS_FREQUENCIES = 0.1, 0.4  # radians per sample: start values of a mass with friction
-MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent
-MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable
-SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow
-QUICK_STARTS = 4  # start points of all variants of a second or third effect
+STARTS_PER_VARIANT = 8  # best start points that are minimized; measured: the right one was up to the eighth
+RESTART_RATE = 0.5  # per sample: start value for such a pole; numerics
+MASS_FREQUENCIES = 0.1, 0.4  # radians per sample: start values of a mass with friction; numerics
+MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent; numerics
+MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable; set by hand
+SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow; set by hand
+QUICK_STARTS = 4  # start points of all variants of a second or third effect; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

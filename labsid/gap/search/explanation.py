@@ -43,23 +43,30 @@ from labsid.gap.search.candidates import trial_fits
 from labsid.records.signal_quality import find_held, shortest_repeat
 from labsid.simulators.meter import BudgetSpentError
 
-MOST_EFFECTS = 3  # of an explanation
-CONVERTER_LIMITED = 1.3**2  # rounding variance over other noise variance, from which the converter limits the record
-CONVERTER_LIMITED_HELD = 0.7  # the same if the logger holds values: on a coarse lattice not every hold is detected
-MAX_FALSE_SPIKES = 0.03  # share of the samples: spikes due to the baseline's error, above which the search is repeated
-MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # for a first, second and third effect to be named
-MIN_SHARE_OF_GAP = 0.07  # change of the output over the baseline's error, for further effects; true ones reach 0.14
-MIN_SPIKES = 2  # one sample may be anything; the fits exclude it
-MIN_UNRIVALLED_CHANGE = 0.6  # for a first effect that has rivals of nearly the same BIC
-UNDECIDED_BIC = 6.0  # BIC difference below which two fits are not distinguished
-BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them
-COLOUR_RATIO = 1.3  # standard deviation of the noise over that of its innovations, above which noise is coloured
-ROUNDING_RATIO = 1.3  # mean square error over that of the converter alone, above which it is more than rounding
-LOGGED_RATIO = 2.0  # mean square error, less white noise, over that of the log of the input, above which it is more
-SLOW_NOISE = 5.0  # samples: correlation time from which coloured noise is an effect,
-SLOW_NOISE_SHARE = 0.25  # and the same over the slowest time constant of the rig: faster noise is no gap
-SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations
-MAX_ERROR_RATIO = 0.8  # error on the blocks left out, with an effect over without it
+MOST_EFFECTS = 3  # of an explanation; set by hand
+CONVERTER_LIMITED = 1.3**2
+"""Rounding variance over that of other noise, where the converter limits the record; set by hand."""
+CONVERTER_LIMITED_HELD = 0.7
+"""The same if the logger holds values, not all of which a coarse lattice shows; set by hand."""
+MAX_FALSE_SPIKES = 0.03
+"""Share of the samples: more spikes are the baseline's error; the search is repeated; set by hand."""
+MIN_NAMED_CHANGE = (MIN_CHANGE, 1.0, 2.0)  # for a first, second and third effect to be named; set by hand
+MIN_SHARE_OF_GAP = 0.07
+"""Change of the output over the baseline's error, of further effects; measured: true ones reach 0.14."""
+MIN_SPIKES = 2  # one sample may be anything; the fits exclude it; set by hand
+MIN_UNRIVALLED_CHANGE = 0.6  # for a first effect that has rivals of nearly the same BIC; set by hand
+UNDECIDED_BIC = 6.0
+"""BIC difference of fits that are not told apart; measured: below it 43 % were right, in a prototype."""
+BAD_SAMPLE_RATIO = 1.3  # mean square error with the bad samples over that without them; set by hand
+COLOUR_RATIO = 1.3  # standard deviation of coloured noise over that of its innovations, at least; set by hand
+ROUNDING_RATIO = 1.3
+"""Mean square error over that of the converter alone, above which it is more than rounding; set by hand."""
+LOGGED_RATIO = 2.0
+"""Mean square error, less white noise, over that of the log of the input, of more than this log; set by hand."""
+SLOW_NOISE = 5.0  # samples: correlation time from which coloured noise is an effect; definition
+SLOW_NOISE_SHARE = 0.25  # the same over the slowest time constant of the rig: faster noise is no gap; definition
+SLOW_RESIDUAL_RATIO = 4.0  # standard deviation of the residual over that of its innovations; set by hand
+MAX_ERROR_RATIO = 0.8  # error on the blocks left out, with an effect over without it; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

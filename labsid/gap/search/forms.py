@@ -12,7 +12,7 @@ from labsid.gap.fits.fitting import Fit, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
 
-REMOVAL_ITERATIONS = 6  # after an effect was removed
+REMOVAL_ITERATIONS = 6  # after an effect was removed; numerics
 
 
 def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:

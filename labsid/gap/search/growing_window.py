@@ -14,9 +14,9 @@ from labsid.gap.fits.fitting import Fit, Problem, descend, mean_square
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.record.data import Data
 
-SHARES = (0.1, 0.4)  # of the record
-ITERATIONS = 4  # of a fit to such a share
-LOST = 0.3**2  # mean square error over the variance of the output, from which a simulation has lost its phase
+SHARES = (0.1, 0.4)  # of the record; numerics
+ITERATIONS = 4  # of a fit to such a share; numerics
+LOST = 0.3**2  # mean square error over the variance of the output, of a simulation that has lost its phase; set by hand
 
 
 def loses_phase(data: Data, parent: Fit) -> bool:

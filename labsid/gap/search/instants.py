@@ -16,7 +16,7 @@ from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import best_fit, is_plausible, trial_fits
 from labsid.gap.search.refinement import converge, polish
 
-MOST_PARENTS = 3  # fits with one effect, to which such a change is added
+MOST_PARENTS = 3  # fits with one effect, to which such a change is added; set by hand
 
 
 def fits_with_instants(data: Data, levels: Sequence[Mapping[tuple[str, ...], Fit]], highpass: Fit) -> list[Fit]:

@@ -32,27 +32,28 @@ from labsid.gap.fits.fitting import Fit, Point, Problem, descend, evaluate, mean
 from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import Trial, is_compatible
 
-CUTOFFS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)  # of the filter, radians per sample
-LIMIT_QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 0.97)  # of the size of the loop's error, tried as its limit
-REVERSAL = 0.05  # of the spread of the speed: width over which the sign of the speed turns
-MIN_PIECE = 60  # samples of a record, which the filter needs
-MIN_TURN = 1e-6  # radians per unit of the simulated position
-LEAST_RATE = 1e-6  # per sample: stiffness and damping are positive
-_LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}  # of each coefficient
+CUTOFFS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)  # of the filter, radians per sample; numerics
+LIMIT_QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 0.97)  # of the size of the loop's error, tried as its limit; numerics
+REVERSAL = 0.05  # of the spread of the speed: width over which the sign of the speed turns; set by hand
+MIN_PIECE = 60  # samples of a record, which the filter needs; set by hand
+MIN_TURN = 1e-6  # radians per unit of the simulated position; numerics
+LEAST_RATE = 1e-6  # per sample: stiffness and damping are positive; numerics
+_LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}  # of each coefficient; definition
 IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFriction("position"), ForceLimit("position"))}
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
 RICHER_LAWS = ("drive", 0.0), ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # with the way before the
 # joint slides (radians): a long way makes the error smooth
 STAGES = ((5, 1e3), (5, 30.0), (15, 30.0))
 """Iterations from the best start point of each filter, of those with an error (mean square over that of the linear
-model) up to the second number; the better half goes on to the next stage. What ended below half of the linear error had
-at most 100 at its start and 4 after five iterations; on records of no joint, hundreds are left then."""
-STILL = 0.1  # of the spread of the speed: below it friction is not known from the direction of the motion
-MOST_STILL = 0.05  # share of such samples within the filter
-MIN_MOVING = 40  # samples in motion
-FREQUENCIES = (0.003, 0.01, 0.03, 0.1)  # radians per sample: tried rates of small swings,
-DAMPINGS = (0.3, 1.0)  # with these dampings, where the motion is too slow to show them
-LEAST_STIFFNESS = 3e-10  # per squared sample, of the spring that a joint driven by a torque does not have
+model) up to the second number; the better half goes on to the next stage; measured: what ended below half of the
+linear error had at most 100 at its start and 4 after five iterations; on records of no joint, hundreds are left
+then."""
+STILL = 0.1  # of the spread of the speed: below, friction is not known from the direction; set by hand
+MOST_STILL = 0.05  # share of such samples within the filter; set by hand
+MIN_MOVING = 40  # samples in motion; set by hand
+FREQUENCIES = (0.003, 0.01, 0.03, 0.1)  # radians per sample: tried rates of swings too slow to show them; numerics
+DAMPINGS = (0.3, 1.0)  # the same of their dampings; numerics
+LEAST_STIFFNESS = 3e-10  # per squared sample, of the spring that a joint driven by a torque does not have; numerics
 
 
 def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> list[Trial]:

@@ -13,12 +13,12 @@ from labsid.gap.effects.families import names_where
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
 
-LONG = 8000  # samples, from which a part is enough
-SHORTEST = 4000  # samples
-GROWTH = 1.25  # of the number of samples, until they are enough
-MIN_RANGE = 0.95  # of the range between the quantiles of each signal, that the part must have,
-QUANTILES = 0.005, 0.995  # of a signal: its range without outliers
-MIN_SPREAD = 0.8  # and of its standard deviation, and of that of its changes
+LONG = 8000  # samples, from which a part is enough; set by hand
+SHORTEST = 4000  # samples; set by hand
+GROWTH = 1.25  # of the number of samples, until they are enough; numerics
+MIN_RANGE = 0.95  # of the range between the quantiles of each signal, that the part must have; set by hand
+QUANTILES = 0.005, 0.995  # of a signal: its range without outliers; set by hand
+MIN_SPREAD = 0.8  # of the standard deviation, and of that of the changes, that the part must have; set by hand
 
 
 def beginning(data: Data, parent: Fit, added: Iterable[str]) -> Data:

@@ -17,7 +17,8 @@ from labsid.gap.search.candidates import is_plausible
 from labsid.gap.search.forms import transfer_theta
 from labsid.gap.search.refinement import converge, polish
 
-NEUTRAL_ANGLES = -1.2, -0.6, 0.0, 0.6, 1.2  # of the neutral input of a drift of the gain, from which it is fitted again
+NEUTRAL_ANGLES = -1.2, -0.6, 0.0, 0.6, 1.2
+"""Of the neutral input of a drift of the gain, from which it is fitted again; numerics."""
 
 
 def replace_undriven_pole(data: Data, fit: Fit, most_bic: float) -> tuple[Fit, ...] | None:

@@ -11,9 +11,9 @@ from labsid.gap.record.data import Data
 from labsid.gap.search.candidates import best_form
 from labsid.gap.search.forms import remove_effect
 
-LEAP_FACTORS = 1.0, -1.0, 3.0, -3.0, 8.0, -8.0  # of `Parameter.leap`
-MAX_START_COST = 1.3  # largest cost after a leap that is minimized, over the present cost
-VALLEY_RIDGE = 1e-9  # relative ridge for parameters without influence
+LEAP_FACTORS = 1.0, -1.0, 3.0, -3.0, 8.0, -8.0  # of `Parameter.leap`; numerics
+MAX_START_COST = 1.3  # largest cost after a leap that is minimized, over the present cost; numerics
+VALLEY_RIDGE = 1e-9  # relative ridge for parameters without influence; numerics
 
 
 def converge(data: Data, fit: Fit) -> Fit:

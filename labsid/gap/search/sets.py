@@ -24,9 +24,10 @@ from labsid.gap.search.forms import extended_hypotheses
 from labsid.gap.search.inverse_dynamics import joint_trials
 from labsid.gap.search.part import beginning, on_part
 
-KEPT_STARTS = 8  # start points to which the next effect of a set is added
-SKETCHED, FITTED = 4, 2  # of them that are minimized for a few iterations, and to convergence
-JOINT_TRIALS = 3  # fits from the inverse dynamics, beside these
+KEPT_STARTS = 8  # start points to which the next effect of a set is added; numerics
+SKETCHED = 4  # of them that are minimized for a few iterations; numerics
+FITTED = 2  # of these that are minimized to convergence; numerics
+JOINT_TRIALS = 3  # fits from the inverse dynamics, beside these; numerics
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,8 +15,8 @@ from labsid.gap.signals.roles import Signals
 from labsid.gap.signals.search import ExplainedOutput
 from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, closed_share
 
-MOST_RIVALS = 3
-MIN_CLOSED = 0.2  # share of the gap of an output, from which an effect in another one is said to change it
+MOST_RIVALS = 3  # alternatives; definition: the report has three at most
+MIN_CLOSED = 0.2  # share of the gap of an output, from which an effect elsewhere is said to change it; set by hand
 KEPT = (  # of the report of an output
     "verdict",
     "gap",

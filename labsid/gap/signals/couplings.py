@@ -13,7 +13,7 @@ from labsid.gap.signals.roles import Signals, make_role
 from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, closed_share
 
 COUPLING = "coupling"
-BESIDE_OTHERS = 0.9  # largest probability of a coupling where something else is left
+BESIDE_OTHERS = 0.9  # largest probability of a coupling where something else is left; set by hand
 
 
 def couplings_of(signals: Signals, j: int) -> tuple[Coupling, ...]:

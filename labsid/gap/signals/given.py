@@ -33,8 +33,8 @@ from labsid.simulators.control_systems import FreeResponses, is_control_system, 
 from labsid.simulators.simulator import Simulator
 from labsid.simulators.stepper import callable_simulator
 
-NO_PATH = 1e-6  # of the standard deviation of an output: a smaller response to an input is none
-COUPLING_ITERATIONS = 40
+NO_PATH = 1e-6  # of the standard deviation of an output: a smaller response to an input is none; numerics
+COUPLING_ITERATIONS = 40  # of the fit of a coupling; numerics
 
 
 _KINDS: dict[type, str] = {

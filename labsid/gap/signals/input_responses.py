@@ -14,8 +14,8 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.record.data import Data
 from labsid.gap.verdict.baseline_choice import FASTEST_RATE, fit_first_order, is_observed, shows
 
-OWN_PARAMETERS = 6  # of one input: two rates, two of the numerator, two of the initial state
-SEEN = 0.25  # rms of a response over that of the residual, from which an effect at its input can be seen
+OWN_PARAMETERS = 6  # of one input; definition: two rates, two of the numerator, two of the initial state
+SEEN = 0.25  # rms of a response over that of the residual, from which an effect there can be seen; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

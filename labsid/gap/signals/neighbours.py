@@ -16,9 +16,9 @@ from labsid.gap.record.data import Data
 from labsid.gap.signals.input_responses import LinearParts
 from labsid.gap.signals.roles import Signals
 
-MOST_ROUNDS = 60  # of simulations of all outputs, each with the others of the round before
-SETTLED = 1e-4  # change in a round, over the standard deviation of an output
-DIVERGED = 1e3  # standard deviations
+MOST_ROUNDS = 60  # of simulations of all outputs, each with the others of the round before; numerics
+SETTLED = 1e-4  # change in a round, over the standard deviation of an output; numerics
+DIVERGED = 1e3  # standard deviations of an output; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

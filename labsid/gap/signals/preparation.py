@@ -12,11 +12,11 @@ from labsid.gap.signals.roles import Signals
 from labsid.lab.findings import Finding
 from labsid.records.record import Record, bridge_gaps
 
-MAX_SAMPLES = 8000  # every output is searched through every input
-SAMPLES_PER_PARAMETER = 5  # of the linear responses of one output
-OWN_PARAMETERS = 6  # of one response
-SAME_OUTPUT = 1e-8  # the same of two outputs, whose noise differs: but for their digits
-PROPORTIONAL = 1e-6  # of 1, the correlation of two signals from which they are in proportion
+MAX_SAMPLES = 8000  # samples, as every output is searched through every input; set by hand
+SAMPLES_PER_PARAMETER = 5  # of the linear responses of one output; set by hand
+OWN_PARAMETERS = 6  # of one response; definition: those of `input_responses`
+SAME_OUTPUT = 1e-8  # of 1, the correlation of two outputs that differ in their digits only; numerics
+PROPORTIONAL = 1e-6  # of 1, the correlation of two signals from which they are in proportion; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

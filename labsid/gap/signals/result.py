@@ -40,9 +40,14 @@ class SignalsDiagnosis:
         """Parameters of the effects found, by name and signal; of a coupling, ``"u2 -> y1"``."""
         return {(effect["name"], _place(effect)): effect["parameters"] for effect in self.report["effects"]}
 
-    def with_report(self, report: dict[str, Any]) -> "SignalsDiagnosis":
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The report, as that of `Diagnosis` without what its page replays."""
+        return self.report
+
+    def with_summary(self, summary: dict[str, Any]) -> "SignalsDiagnosis":
         """The same result with another report, such as one with the command line."""
-        return replace(self, report=report)
+        return replace(self, report=summary)
 
     def plot(self) -> Any:
         """A matplotlib figure of the outputs, measured and simulated before and after, their errors, and the inputs."""

@@ -14,8 +14,8 @@ from labsid.gap.signals.given import GivenSystem, given_baseline
 from labsid.gap.signals.input_responses import LinearParts, others_beside
 from labsid.gap.simulations.baseline import Baseline, linear_structure, make_baseline
 
-COUPLED_ORDER = 4  # of two coupled systems of second order
-SMALL_GAIN = 0.3  # of a further input over that of the first one: a start value
+COUPLED_ORDER = 4  # of the model; definition: two coupled systems of second order
+SMALL_GAIN = 0.3  # of a further input over that of the first one: a start value; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -26,9 +26,9 @@ from labsid.gap.simulations.structure_choice import explain_record
 from labsid.model_structures.state_space import simulate_states
 
 _OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
-SAME = 1.2  # rms error of a state-space model over that with the poles found, up to which it is the same
-FAINT = 1.5  # rms error without a pole over that with it, below which it may be one of the rig's own
-DEPENDENT = 0.01  # share of a residual that functions of an input predict, from which effects are searched there
+SAME = 1.2  # rms error of a state-space model over that with the poles found, up to which it is the same; set by hand
+FAINT = 1.5  # rms error without a pole over that with it, below which it may be one of the rig's own; set by hand
+DEPENDENT = 0.01  # share of a residual that functions of an input predict: more is searched there; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,9 +11,9 @@ from labsid.gap.record.data import Data
 from labsid.gap.signals.input_responses import LinearParts
 from labsid.gap.signals.roles import Role, Signals, make_role
 
-FREQUENCIES = 0.4, 0.6, 1.5, 2.5  # of the second pair over the first one: start values
-DAMPINGS = 0.05, 0.3
-SAME = 1.1  # mean square error with the poles of another output over that with poles of its own
+FREQUENCIES = 0.4, 0.6, 1.5, 2.5  # of the second pair over the first one: start values; numerics
+DAMPINGS = 0.05, 0.3  # of both pairs: start values; numerics
+SAME = 1.1  # mean square error with the poles of another output over that with poles of its own; set by hand
 
 
 def may_be_coupled(signals: Signals, parts: Sequence[LinearParts]) -> bool:

@@ -35,9 +35,9 @@ from labsid.simulators.meter import RunMeter
 from labsid.simulators.simulator import Simulator, one_of_each
 from labsid.simulators.stepper import callable_simulator
 
-FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero
-SLOWEST_RATES = 1e-6, 1e-9  # of c and k
-UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output
+FASTEST_POLE = 1e-3  # smaller ones are indistinguishable from zero; numerics
+SLOWEST_RATES = 1e-6, 1e-9  # of c and k; numerics
+UNSTABLE_RATIO = 1e6  # distance from the mean, in ranges of the measured output; numerics
 
 
 Simulation = dict[str, Any] | ExportedModel | SimulatedOutput | Simulator
@@ -68,6 +68,8 @@ class Baseline:
         The linear model that reproduces it, if there is one.
     regulated : bool
         Whether a controller with a constant reference gives the input.
+    transfer_function : TransferFunction, optional
+        The given simulation, if it is one.
     """
 
     before: Callable[[Data], Fit] | None
@@ -78,6 +80,7 @@ class Baseline:
     output: SimulatedOutput | None = None
     model: OutputModel | None = None
     regulated: bool = False
+    transfer_function: TransferFunction | None = None
 
     @property
     def given(self) -> bool:
@@ -255,7 +258,7 @@ def _transfer_function(data: Data, model: TransferFunction) -> Baseline:
     def simulate_record(record: Record, start: RecordStart | None = None) -> FloatArray:
         return model.simulate(record.u, record.y, start)
 
-    free = replace(free, before=before, simulate_record=simulate_record)
+    free = replace(free, before=before, simulate_record=simulate_record, transfer_function=model)
     if not model.dead_time:
         return free
     # It is a part of the simulation, so that a search does not find it again.

@@ -11,9 +11,9 @@ from labsid.records.record import Record
 from labsid.records.signal_quality import runs
 from labsid.simulators.simulator import Simulator
 
-MAX_SAMPLES = 20_000  # samples: one to three minutes of search on one core
-MAX_OF_SEVERAL = 8_000  # samples of several records, whose offsets and initial states add to the fits: about a minute
-MIN_SAMPLES_PER_STEP = 40  # samples that downsampling leaves between two changes of the input
+MAX_SAMPLES = 20_000  # samples; measured: one to three minutes of search on one core
+MAX_OF_SEVERAL = 8_000  # samples of records with offsets and initial states of their own; measured: about a minute
+MIN_SAMPLES_PER_STEP = 40  # samples that downsampling leaves between two changes of the input; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,16 +21,17 @@ FACTORS = {
     1000.0: "thousandths",
     1e-3: "units",
 }
-NEAR = 0.1  # relative distance from one of these factors
-RATIO = 1.5  # of the motions, from which a factor that has no name is said
-WINDOWS = (1.0, 0.3, 0.1)  # of the record: a model that loses its phase agrees at the beginning only
-ALIKE = 0.5, 0.9  # shares of the variance that the simulation explains: enough for a sign, and for a zero
-MIN_ZERO = 0.1  # of the range of the output
-AHEAD, BEHIND = 8, 12  # samples of the command that are tried as causes
-MIN_T = 5.0  # of the effect of a later command
-LATE = 20  # samples by which what follows a goal may be late
-FOLLOWS = 0.93  # correlation of a goal with what follows it
-MAX_CONTACT = 0.5  # share of a record in contact, above which it is refused
+NEAR = 0.1  # relative distance from one of these factors; set by hand
+RATIO = 1.5  # of the motions, from which a factor that has no name is said; set by hand
+WINDOWS = (1.0, 0.3, 0.1)  # of the record: a model that loses its phase agrees at the beginning only; numerics
+ALIKE = 0.5, 0.9  # shares of the variance that the simulation explains: enough for a sign, and for a zero; set by hand
+MIN_ZERO = 0.1  # of the range of the output; set by hand
+AHEAD = 8  # later samples of the command that are tried as causes; set by hand
+BEHIND = 12  # earlier samples of the command that are tried as causes; set by hand
+MIN_T = 5.0  # of the effect of a later command; set by hand
+LATE = 20  # samples by which what follows a goal may be late; set by hand
+FOLLOWS = 0.93  # correlation of a goal with what follows it; set by hand
+MAX_CONTACT = 0.5  # share of a record in contact; definition: a record with more is refused
 
 
 @dataclass(frozen=True, slots=True)

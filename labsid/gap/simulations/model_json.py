@@ -8,7 +8,8 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 
-FASTEST, SLOWEST = 1e-12, 1.0 - 1e-9  # poles between which time constants are told apart
+FASTEST = 1e-12  # smallest pole of which a time constant is told; numerics
+SLOWEST = 1.0 - 1e-9  # largest pole of which a time constant is told; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,9 +10,9 @@ from labsid.gap.dynamics.given_simulation import GivenSimulation
 from labsid.gap.dynamics.plant_form import FREE_STEP, ROUGH_STEP, free_number
 from labsid.gap.record.data import Data
 
-DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero
-MIN_MOVED = 1e-3  # of the standard deviation of the output
-MAX_ROUGHNESS = 0.5  # difference of the derivative over a small step from that over large ones, over that
+DECADES = -6, 7  # powers of ten that are tried for a number that is nominally zero; numerics
+MIN_MOVED = 1e-3  # of the standard deviation of the output; set by hand
+MAX_ROUGHNESS = 0.5  # difference of the derivatives over small and large steps, over the latter; set by hand
 
 
 def motion_units(data: Data, torque: float, speed: float, spread: float, reads: bool) -> dict[str, float]:

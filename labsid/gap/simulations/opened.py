@@ -22,10 +22,10 @@ from labsid.simulators.mjcf.one_joint import OneJoint
 from labsid.simulators.simulator import Simulator, SimulatorError
 from labsid.simulators.stepper import Stepper
 
-SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo
-FIRST = 8  # samples that give the initial state
-LEAST_UNIT = 1e-9  # of a signal that does not move
-START_ITERATIONS = 30  # of the fit of the initial state
+SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo; numerics
+FIRST = 8  # samples that give the initial state; numerics
+LEAST_UNIT = 1e-9  # of a signal that does not move; numerics
+START_ITERATIONS = 30  # of the fit of the initial state; numerics
 
 
 def opened_structure(data: Data, simulate: Simulator, rates: tuple[float, float]) -> tuple[Hypothesis, FloatArray]:

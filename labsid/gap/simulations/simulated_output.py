@@ -15,17 +15,17 @@ from labsid.gap.fits.floor import digit_step
 from labsid.gap.simulations.model_json import TransferFunction
 from labsid.records.signal_quality import lattice_step
 
-HIGHEST_ORDER = 6  # of the models that are compared
-ENOUGH = 1e-9  # of the standard deviation: what rounding leaves of a free run
-ROUNDING = 0.5  # units of the last digit, rms; pure rounding leaves 0.29
-MAX_ERROR = 1e-3  # of the standard deviation: what a solver's tolerance leaves
-MIN_GAIN = 0.7  # error of a higher order over that of a lower one, from which it is taken
-REFINED = 0.05  # of the standard deviation: error of the difference equation, above which its refinement is hopeless
-EVALUATIONS = 30  # of the refinement
-LONGEST = 3000  # samples from which a model is identified; it has to reproduce all
-LONGEST_DEAD_TIME = 200  # samples
-DEAD_TIME_ORDER = 3  # of the difference equations that are compared for the dead time
-DIVERGED = 1e6  # size of a state from which a simulation has diverged
+HIGHEST_ORDER = 6  # of the models that are compared; set by hand
+ENOUGH = 1e-9  # of the standard deviation: what rounding leaves of a free run; numerics
+ROUNDING = 0.5  # units of the last digit, rms (pure rounding leaves 0.29); set by hand
+MAX_ERROR = 1e-3  # of the standard deviation: what a solver's tolerance leaves; set by hand
+MIN_GAIN = 0.7  # error of a higher order over that of a lower one, from which it is taken; set by hand
+REFINED = 0.05  # of the standard deviation: a larger error of the difference equation is not refined; set by hand
+EVALUATIONS = 30  # of the refinement; numerics
+LONGEST = 3000  # samples from which a model is identified; it has to reproduce all; numerics
+LONGEST_DEAD_TIME = 200  # samples; set by hand
+DEAD_TIME_ORDER = 3  # of the difference equations that are compared for the dead time; set by hand
+DIVERGED = 1e6  # size of a state from which a simulation has diverged; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,7 +24,7 @@ from labsid.simulators.process import open_in_process
 from labsid.simulators.simulator import Simulator, one_of_each
 from labsid.simulators.sources import is_source
 
-MAX_MISSING = 0.5  # samples of the record by which a simulated output may begin later or end earlier
+MAX_MISSING = 0.5  # samples by which a simulated output may begin later or end earlier; set by hand
 
 
 @dataclass(frozen=True, slots=True)

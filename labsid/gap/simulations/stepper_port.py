@@ -15,9 +15,9 @@ from labsid.simulators.stepper import COLUMN, COLUMNS, LONGEST_UNSOLVED, Stepper
 OF_THE_DRIVE = ("transmitted", "limit", "gain", "armature", "mass")
 """Changes that need the force of the drive, or the inertia."""
 HOLDING = ("friction", "peak", "low", "high")
-SAME = 1e-9  # of the range of the output
-LEAST_UNIT = 1e-9  # of a signal that does not move
-SMALL_DAMPING = 0.01  # of that which stops the motion within the record
+SAME = 1e-9  # of the range of the output; numerics
+LEAST_UNIT = 1e-9  # of a signal that does not move; numerics
+SMALL_DAMPING = 0.01  # of that which stops the motion within the record; set by hand
 Run = tuple[FloatArray, FloatArray, Mapping[str, float]]
 
 

@@ -46,8 +46,8 @@ from labsid.gap.verdict.scores import (
 from labsid.lab.findings import about_clipping
 from labsid.records.record import Record
 
-COLOURED = 2.0  # samples: correlation time of a residual that is more than the colour of a sensor
-MOSTLY = 0.5  # of the mean square error on a holdout: an offset that is more is most of the gap
+COLOURED = 2.0  # samples: correlation time of a residual with more than the colour of a sensor; set by hand
+MOSTLY = 0.5  # of the mean square error on a holdout: a larger offset is most of the gap; definition
 
 
 @dataclass(frozen=True, slots=True)

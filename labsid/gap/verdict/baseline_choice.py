@@ -14,11 +14,11 @@ from labsid.gap.fits.linear_fits import LINEAR, linear_structure_of
 from labsid.gap.record.data import Data
 from labsid.gap.verdict.held_out_errors import HeldOut, Refit
 
-OBSERVED_TIME_CONSTANTS = 6.0  # in the record: a slower pole is not identified
-INTEGRATOR_SHARE = 0.25  # of the error of every other model: a pole too slow to be seen is then that of an integrator
-PREFERENCE = 0.97  # error of another model over that of output error of the given order, from which it is chosen
-AS_GOOD = 1.05  # mean square error of a fit of first order over that of second order, up to which it is as good
-FASTEST_RATE = 3.0  # per sample
+OBSERVED_TIME_CONSTANTS = 6.0  # in the record: a slower pole is not identified; set by hand
+INTEGRATOR_SHARE = 0.25  # of the error of every other model: a pole too slow to be seen is an integrator's; set by hand
+PREFERENCE = 0.97  # error of another model over that of output error, from which it is chosen; set by hand
+AS_GOOD = 1.05  # mean square error of a first-order fit over a second-order one, that is as good; set by hand
+FASTEST_RATE = 3.0  # per sample; set by hand
 LEAST_SQUARES, FIRST_ORDER, OUTPUT_ERROR = "least squares", "output error of first order", "output error"
 
 

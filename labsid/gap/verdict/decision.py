@@ -29,21 +29,24 @@ from labsid.gap.search.forms import transfer_theta
 from labsid.gap.verdict.held_out_errors import Reduction
 from labsid.gap.verdict.held_out_search import HeldOutSearch, Step
 
-TEMPERATURE = 4.0  # divides BIC differences: models are never exact
-MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous
-MAX_RIVALS = 3  # alternatives that are reported
-MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; a true drift or load leaves a few hundredths
-MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`
-RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is reported as ambiguous
-SEEN_STOP = 0.8  # probability of an effect that stops the output, if it pays and the record shows the limit
-MIN_PART = 0.05  # of the rms gap, below which what an effect adds to others may be an error of their laws
-SWITCH_PROBABILITY = 0.4  # of an effect that the record does not tell from others, whatever its fit
-RIVAL_ITERATIONS = 25  # of the fit of a load in the place of a command that is not applied
-PULSE_PARTS = (1.0, 0.4, 0.15)  # of the time in which it is not applied: a pulse may be shorter, and larger
-LEVEL_RANGE = 0.1  # of the range of the command: what the level of a drive must be told from
-LIKELY_LOSS, UNLIKELY_LOSS = 4.0, 9.0  # twice the loss of log likelihood: two and three standard errors
-MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain
-MAX_MARGIN = 0.5  # logarithm of the rms error of the best rival over that of the chosen effect: more is no more certain
+TEMPERATURE = 4.0  # divides BIC differences: models are never exact; set by hand
+MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous; set by hand
+MAX_RIVALS = 3  # alternatives; definition: the report has three at most
+MAX_UNREPEATED = 0.15  # share of the scatter between plateaus left open; measured: hundredths by true drifts and loads
+MIN_CONFIDENCE = 0.5  # below which the verdict is `unknown`; definition: more likely than not
+RIVAL_FACTOR = 1.1  # rms error of a rival over that of the chosen effect, below which it is ambiguous; set by hand
+SEEN_STOP = 0.8
+"""Probability of an effect that stops the output, if it pays and the record shows the limit; set by hand."""
+MIN_PART = 0.05  # of the rms gap: an effect that adds less to others may be an error of their laws; set by hand
+SWITCH_PROBABILITY = 0.4  # of an effect that the record does not tell from others, whatever its fit; set by hand
+RIVAL_ITERATIONS = 25  # of the fit of a load in the place of a command that is not applied; numerics
+PULSE_PARTS = (1.0, 0.4, 0.15)  # of the time in which it is not applied: a pulse may be shorter, and larger; numerics
+LEVEL_RANGE = 0.1  # of the range of the command: what the level of a drive must be told from; set by hand
+LIKELY_LOSS = 4.0  # twice the loss of log likelihood; statistics: two standard errors
+UNLIKELY_LOSS = 9.0  # twice the loss of log likelihood; statistics: three standard errors
+MAX_REDUCTION = 1.5  # logarithm of a reduction of the rms error: more is no more certain; set by hand
+MAX_MARGIN = 0.5
+"""Logarithm of the rms error of the best rival over that of the effect: more is no more certain; set by hand."""
 
 
 class Evidence(NamedTuple):
@@ -88,7 +91,7 @@ class Evidence(NamedTuple):
     dependent: float = 0.0
 
 
-PRIOR = 3.5  # constant of the logistic function of the evidence; fitted with `WEIGHTS`
+PRIOR = 3.5  # constant of the logistic function of the evidence; fitted: with `WEIGHTS`
 WEIGHTS = Evidence(
     colour=-5.2,
     repeats=-6.0,
@@ -101,12 +104,13 @@ WEIGHTS = Evidence(
     unrepeated=-6.0,
     dependent=-6.0,
 )
-"""Weights of that function: fitted by `python -m labsid.blind.calibration` to the explanations of `dev` records."""
-MAX_FIT_REDUCTION = 4.0  # logarithm of the reduction on the fitted samples: more is no more certain
-CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance
-CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance
-CHANCE_DEPENDENCE = 1e-4  # p-value of the correlation with past inputs: of 500 right explanations, none is below
-CHANCE_BLACK_BOX = 0.15  # the same for all black boxes together
+"""Weights of that function; fitted: `python -m labsid.blind.calibration`, to the explanations of `dev` records."""
+MAX_FIT_REDUCTION = 4.0  # logarithm of the reduction on the fitted samples: more is no more certain; set by hand
+CHANCE_SHORTFALL = 0.1  # share of the gap left open by chance; set by hand
+CHANCE_PREDICTION = 0.07  # share of coloured noise that past inputs may predict by chance; set by hand
+CHANCE_DEPENDENCE = 1e-4
+"""P-value of the correlation with past inputs; measured: none of 500 right explanations is below."""
+CHANCE_BLACK_BOX = 0.15  # the same for all black boxes together; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -468,11 +472,13 @@ class PartialEvidence(NamedTuple):
     smooth: float = 0.0
 
 
-PARTIAL_PRIOR = -3.4  # the same of the effects of a partial explanation; lowered by hand from the fitted -2.6
+PARTIAL_PRIOR = -3.4
+"""The same of the effects of a partial explanation; measured: one of 36 rigs whose effect is outside the table gets a
+name above 0.5, and nine with the fitted -2.6."""
 PARTIAL_WEIGHTS = PartialEvidence(
     alone=1.2, lead=0.4, margin=1.2, agreement=1.2, others=-0.1, together=1.9, missed=2.0, smooth=-1.8
 )
-"""Weights of that function: fitted to 180 named effects of `dev` records by the regression of
+"""Weights of that function; fitted: to 180 named effects of `dev` records by the regression of
 `labsid.blind.calibration`, but for `others` and `together` (README)."""
 
 

@@ -15,7 +15,7 @@ from labsid.gap.search.sets import SETS
 from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.gates import Gate, NotTaken, Stage, Threshold, threshold_of
 
-SHOWN = 3  # combinations of each size that were not taken
+SHOWN = 3  # combinations of each size that were not taken; set by hand
 
 
 def explain_search(answer: Answer) -> Stage:

@@ -13,11 +13,11 @@ from labsid.gap.model_file import LEAST, export_model
 from labsid.gap.record.data import Data
 from labsid.gap.record.holdout import held_out_samples
 
-PARTS = 12  # of the scored samples, in order of time, for paired comparisons
-MIN_T = 2.0  # standard errors
-MAX_FACTOR = 0.95  # rms error with an effect over that without it, above which it is too small to be named
-TOLERANCE_IN_TURN = 1e-4  # relative gain of a step, at which a refit without one of several records ends
-SETTLED = 1e-4  # of the error of the baseline: smaller differences of an error are of no interest
+PARTS = 12  # of the scored samples, in order of time, for paired comparisons; set by hand
+MIN_T = 2.0  # standard errors; set by hand
+MAX_FACTOR = 0.95  # rms error with an effect over that without it, above which it is too small to be named; set by hand
+TOLERANCE_IN_TURN = 1e-4  # relative gain of the last step of a refit without one of several records; numerics
+SETTLED = 1e-4  # of the error of the baseline: smaller differences of an error are of no interest; numerics
 
 Refit = Callable[[Data, Fit], Fit]
 

@@ -23,10 +23,10 @@ from labsid.gap.search.forms import plain_forms, remove_named_effect, transfer_t
 from labsid.gap.search.sets import set_around
 from labsid.gap.verdict.held_out_errors import MAX_FACTOR, HeldOut, Reduction, compare_errors, hold_out
 
-MOST_EFFECTS = 3  # of a partial explanation
-COMPARED = 8  # combinations of two and of three effects that are refitted: those of least error on all samples
-NOT_WORSE = 1.02  # error on another record with an effect over that without it, up to which the effect may act there
-MOST_ROUNDS = 4  # of additions and exchanges
+MOST_EFFECTS = 3  # of a partial explanation; set by hand
+COMPARED = 8  # combinations of two and of three effects that are refitted: those of least error; set by hand
+NOT_WORSE = 1.02  # error on another record with an effect over that without it, where it may act; set by hand
+MOST_ROUNDS = 4  # of additions and exchanges; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

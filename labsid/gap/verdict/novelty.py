@@ -9,7 +9,9 @@ from labsid.gap.fits.direct_term import innovations
 from labsid.gap.fits.fitting import Fit, mean_square
 from labsid.gap.record.data import Data
 
-RANGES: dict[str, tuple[float, float]] = {  # smallest and largest of the `dev` records of `labsid.blind.calibration`
+RANGES: dict[
+    str, tuple[float, float]
+] = {  # by feature; measured: extremes of the `dev` records of `labsid.blind.calibration`
     "samples": (300.0, 5000.0),
     "changes": (6e-4, 1.0),
     "noise": (4e-3, 0.16),
@@ -18,7 +20,7 @@ RANGES: dict[str, tuple[float, float]] = {  # smallest and largest of the `dev` 
     "direct": (0.0, 0.0),
     "unstable": (0.0, 0.0),
 }
-OUTSIDE = 0.89  # largest probability outside of them
+OUTSIDE = 0.89  # largest probability outside of them; set by hand
 
 
 @dataclass(frozen=True, slots=True)

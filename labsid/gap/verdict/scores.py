@@ -10,16 +10,16 @@ from labsid.gap.fits.residual_tests import explained_share
 from labsid.gap.record.data import Data
 from labsid.gap.verdict.held_out_errors import PARTS, HeldOut
 
-DRAWS = 400  # resamplings of the blocks
-PERCENTILES = (2.5, 97.5)  # of the resampled closed shares: the ends of the interval
-RESAMPLED_BLOCKS = 20  # of the scored samples
-SPREAD_FACTOR = 1.2  # widens the interval: few blocks underestimate the spread
-NO_GAP_MEAN_SQUARE = 1.02  # mean square error over that of the noise, up to which there is no gap to close
-NO_GAP_RMS = 1.1  # rms error over that of the noise, up to which an error is said to be noise
-CERTAIN = 4.0  # standard errors of the mean square of the noise, by which the error there must exceed it
-CORRELATION_TIMES = 4.0  # of the noise, in a block whose mean square is taken for independent
-LEAST_BLOCKS = 4  # whose mean squares give the spread of the noise, and samples in each
-MIN_HALF_WIDTH = 0.005  # of the interval of the closed share
+DRAWS = 400  # resamplings of the blocks; numerics
+PERCENTILES = (2.5, 97.5)  # of the resampled closed shares; statistics: ends of a 95 % interval
+RESAMPLED_BLOCKS = 20  # of the scored samples; set by hand
+SPREAD_FACTOR = 1.2  # widens the interval: few blocks underestimate the spread; set by hand
+NO_GAP_MEAN_SQUARE = 1.02  # mean square error over that of the noise, up to which there is no gap to close; set by hand
+NO_GAP_RMS = 1.1  # rms error over that of the noise, up to which an error is said to be noise; set by hand
+CERTAIN = 4.0  # standard errors of the mean square of the noise, by which the error there must exceed it; set by hand
+CORRELATION_TIMES = 4.0  # of the noise, in a block whose mean square is taken for independent; set by hand
+LEAST_BLOCKS = 4  # whose mean squares give the spread of the noise, and samples in each; set by hand
+MIN_HALF_WIDTH = 0.005  # of the interval of the closed share; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

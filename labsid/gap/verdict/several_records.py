@@ -20,9 +20,9 @@ from labsid.gap.verdict.scores import NO_GAP_MEAN_SQUARE, GapScore, closed_share
 from labsid.lab.findings import Finding
 from labsid.records.record import Record
 
-BRIDGE_TIME_CONSTANTS = 5.0  # after which the state has settled to 1 %
-MIN_BRIDGE = 20  # samples: more than the noise model looks back
-MAX_BRIDGE = 1 / 3  # of the shortest record
+BRIDGE_TIME_CONSTANTS = 5.0  # time constants after which the state has settled to 1 %; set by hand
+MIN_BRIDGE = 20  # samples: more than the noise model looks back; set by hand
+MAX_BRIDGE = 1 / 3  # of the shortest record; set by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,7 +18,7 @@ from labsid.gap.verdict.gates import Gate, NotTaken, Probability, Stage, Thresho
 from labsid.gap.verdict.gates_of_search import explain_search
 from labsid.gap.verdict.held_out_search import HeldOutSearch, Judgement
 
-SHOWN = 6  # combinations that were not taken on held-out samples
+SHOWN = 6  # combinations that were not taken on held-out samples; set by hand
 
 
 def explain_verdict(answer: Answer) -> Why:

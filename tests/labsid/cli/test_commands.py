@@ -483,3 +483,31 @@ def test_a_machine_that_has_no_more_is_said(refused, monkeypatch, tank, error, s
 
     monkeypatch.setattr("labsid.records.formats.read_raw", stop)
     assert said in refused("check", tank)[0]
+
+
+# Figures --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_identify_draws_the_model(labsid, tank, tmp_path, suffix, start):
+    path = tmp_path / f"model{suffix}"
+    status, _, err = labsid("identify", tank, "--plot", path)
+    assert (status, err) == (0, "")
+    assert path.read_bytes().startswith(start)
+
+
+def test_a_figure_has_a_suffix_and_a_folder(refused, tank, tmp_path):
+    assert "--plot must end in .png or .svg; got 'model.pdf'" in refused("identify", tank, "--plot", "model.pdf")[0]
+    assert "no such folder" in refused("identify", tank, "--plot", tmp_path / "none" / "model.png")[0]
+
+
+def test_check_draws_a_record_and_also_one_that_it_refuses(labsid, tank, tmp_path):
+    path, bad = tmp_path / "record.svg", tmp_path / "bad.csv"
+    assert labsid("check", tank, "--plot", path)[0] == 0
+    assert path.read_text().startswith("<?xml")
+    t = np.arange(100.0)
+    t[50:] += 7.0
+    bad.write_text(as_csv(t, np.sin(t), np.cos(t)))
+    refused_figure = tmp_path / "bad.png"
+    assert labsid("check", bad, "--plot", refused_figure)[0] == 2
+    assert refused_figure.read_bytes().startswith(b"\x89PNG")

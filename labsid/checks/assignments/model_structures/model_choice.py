@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
-from labsid.checks.column_causes import FILLED_WITH_ZEROS
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS, wrapped
@@ -27,10 +26,7 @@ def check_excitation(ask: Ask) -> Verdict:
     first, second = np.arange(len(made)).reshape(2, -1)
     trials = [made[i] for i in ask.rng.permutation([*first, *ask.rng.permutation(second)[:3]])]
     truth = [excitation_order(u, _LARGEST) for _, u in trials]
-    try:
-        raw = [returned(ask, "excitation", u, _LARGEST) for _, u in trials]
-    except NoAnswer as stopped:  # a column with zeros in it has not the rank of the input
-        raise NoAnswer(str(stopped).replace(FILLED_WITH_ZEROS, ""), stopped.slip) from None
+    raw = [returned(ask, "excitation", u, _LARGEST) for _, u in trials]
     answers = [as_number("excitation(u, 8)", answer) for answer in raw]
     if all(isinstance(answer, bool) for answer in raw):
         return Verdict(False, "`excitation` returns True or False: the order is a number.", "no number")
@@ -434,6 +430,38 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 "`autocorrelation` takes means of N - k products. The formula has the same denominator for all k.",
                 lambda: right * N / (N - k),
             ),
+            *(
+                Slip(
+                    "fewer products than there are",
+                    "`autocorrelation` sums the same N - lags products for each lag. The sum for lag k has all N - k.",
+                    partial(_of_fewer_products, centred, lags, at_end, whole),
+                )
+                for at_end in (False, True)
+                for whole in (False, True)
+            ),
+            Slip(
+                "one product left out",
+                "`autocorrelation` leaves out the last product of each sum: there are N - k of them, and "
+                "`range(N - k)` counts from 0 to N - k - 1.",
+                lambda: np.array([centred[i : N - 1] @ centred[: N - 1 - i] for i in k]) / (centred @ centred),
+            ),
+            Slip(
+                "each part divided by its own squares",
+                "`autocorrelation` divides each sum by the squares of its own N - k samples. The formula has the same "
+                "denominator for all k.",
+                lambda: np.array(
+                    [a @ b / np.sqrt((a @ a) * (b @ b)) for a, b in ((centred[i:], centred[: N - i]) for i in k)]
+                ),
+            ),
+            *(
+                Slip(
+                    "N and N - 1 mixed",
+                    "`autocorrelation` divides once by N - 1 and once by N, so r(0) is not 1. (`np.var` divides by N, "
+                    "and with `ddof=1` by N - 1.)",
+                    partial(np.multiply, right, factor),
+                )
+                for factor in (N / (N - 1), (N - 1) / N)
+            ),
             Slip(
                 "a mean for each part",
                 "`autocorrelation` takes each part's own mean and spread, as `np.corrcoef` does. There is one mean.",
@@ -441,3 +469,11 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
             ),
         ],
     )
+
+
+def _of_fewer_products(e: FloatArray, lags: int, at_end: bool, whole: bool) -> FloatArray:
+    """Sums of N - lags products for every lag, of the first or the last samples, over their squares or all."""
+    n = e.size - lags
+    sums = [e[lags:] @ e[lags - k : e.size - k] if at_end else e[k : n + k] @ e[:n] for k in range(lags + 1)]
+    kept = e[lags:] if at_end else e[:n]
+    return np.array(sums) / (e @ e if whole else kept @ kept)

@@ -197,7 +197,7 @@ def check_closed(ask: Ask) -> Verdict:
         if not verdict.passed:
             return verdict
     got = as_number("closed", ask.value("closed"))
-    noise, error_before = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before"))
+    noise, error_before, offset = (as_number(name, ask.known(name)) for name in ("noise_sd", "gap_before", "y_offset"))
     record = ask.record
     half = record.y.size // 2
     errors = _played(ask, record.u) - record.y
@@ -261,6 +261,12 @@ def check_closed(ask: Ask) -> Verdict:
                 )
             ),
             Slip(
+                "deviations beside volts",
+                "`closed` takes the simulation, in volts, beside `y`, a deviation from rest: the output in volts is "
+                "`y_act`.",
+                lambda: closed_share(float(np.mean((errors + offset)[half:] ** 2)), error_before**2, noise),
+            ),
+            Slip(
                 "error over the whole record",
                 "`closed` takes the error after over the whole record. Only the held-out half counts.",
                 lambda: closed_share(float(np.mean(squares)), error_before**2, noise),
@@ -273,6 +279,15 @@ def check_closed(ask: Ask) -> Verdict:
         ],
         exactly=close(1e-7, 1e-9),
     )
+    if verdict.passed and after <= noise**2:
+        handed = _handed_before(ask)
+        if handed is not None and abs(handed - error_before**2) > 0.01 * error_before**2:
+            return Verdict(
+                False,
+                "`closed` is 1, as what is left is no larger than the noise. But what is handed over as the error "
+                f"before is {handed:.3g}, and the mean square is `gap_before**2`, {error_before**2:.3g}.",
+                "another error before",
+            )
     if not verdict.passed or ask.origin is None:
         return verdict
     run = _run(ask)
@@ -285,6 +300,13 @@ def check_closed(ask: Ask) -> Verdict:
             "does not hold on fresh data",
         )
     return verdict
+
+
+def _handed_before(ask: Ask) -> float | None:
+    """What the notebook hands over to `share_closed` as the error before; None where that is not known."""
+    handed = getattr(ask, "numbers_handed", None)  # only the notebook's variables tell
+    numbers: tuple[float | None, ...] = handed("share_closed", "closed") if callable(handed) else ()
+    return numbers[1] if len(numbers) == 3 else None
 
 
 def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) -> Verdict:

@@ -88,6 +88,13 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             return Verdict(
                 False, f"{where}K is right. tau and td come of the times at which the output {of_what}", slip
             )
+    if right_gain and _close_to(got[1:], _interpolated_at_levels(step, fit)):
+        return Verdict(
+            False,
+            f"{where}tau and td are made of outputs, read at times. `np.interp(level, y, t)`, with the known levels "
+            "second, is the time at which y reaches a level.",
+            "outputs for times",
+        )
     values = {"K": K, "tau": tau, "td": td}
     matches: list[tuple[float, _Suspect]] = []
     for suspect in _suspects(step, fit):
@@ -160,6 +167,15 @@ def _from_values(step: Step, fit: StepResponseFit) -> list[FloatArray]:
         tau = 1.5 * (high - low)
         pairs += [np.array([tau, high - tau]), np.array([tau, max(high - tau, 0.0)])]
     return pairs
+
+
+def _interpolated_at_levels(step: Step, fit: StepResponseFit) -> list[FloatArray]:
+    """tau and td from the outputs at the times that have the numbers of the levels at 28.3 % and 63.2 %."""
+    change = fit.y_final - fit.y_initial
+    levels = (fit.y_initial + (1 - np.exp(-share)) * change for share in (1 / 3, 1))
+    low, high = (float(np.interp(level, step.t, step.y)) for level in levels)
+    tau = 1.5 * (high - low)
+    return [np.array([tau, high - tau])] if tau else []
 
 
 def _close_to(got: FloatArray, others: list[FloatArray]) -> bool:

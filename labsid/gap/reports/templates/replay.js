@@ -22,9 +22,15 @@ document.head.append(made("script", { textContent: await unpacked("panel-library
 
 const data = JSON.parse(await unpacked("replay-data"));
 const SIGNALS = { u: Float64Array, y: Float32Array, before: Float32Array, after: Float32Array };
+// Outputs of a long record are in steps of 16 bits, whose lowest stands for none, and its input is in single precision.
+const numbers = (packed, kind) => {
+  if (typeof packed === "string") return decoded(packed, kind);
+  if (packed.single) return decoded(packed.single, Float32Array);
+  return Float64Array.from(decoded(packed.steps, Int16Array), (k) => (k === -32768 ? NaN : packed.low + packed.step * (k + 32767)));
+};
 const parts = Object.entries(data.parts).map(([name, part]) => {
   const kept = Object.entries(SIGNALS).filter(([key]) => key in part);
-  const signals = Object.fromEntries(kept.map(([key, kind]) => [key, Float64Array.from(decoded(part[key], kind))]));
+  const signals = Object.fromEntries(kept.map(([key, kind]) => [key, Float64Array.from(numbers(part[key], kind))]));
   const t = part.t ? decoded(part.t, Float64Array) : signals.u.map((_, k) => part.start + k * part.Ts);
   const counts = new Uint8Array(t.length);
   for (const [start, stop] of [...part.fitted, ...part.scored]) counts.fill(1, start, stop);

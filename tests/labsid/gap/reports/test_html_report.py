@@ -14,6 +14,7 @@ from gap_reports import PARAMETERS, report, undrawn_figures, with_experiment, wi
 from page_reader import Page
 
 from labsid.gap.effects.families import DESCRIPTIONS
+from labsid.gap.record.record_findings import BY_LAW, BY_RELAY
 from labsid.gap.reports import sentences
 from labsid.gap.reports.html_report import page_content, render_html, write_html_report
 from labsid.gap.reports.location_text import location_sentences
@@ -279,6 +280,31 @@ def test_the_loop_marks_the_blocks_of_the_causes():
     assert [part["title"] for part in stations if part["share"] != "0"] == ["Sensor", "Environment"]
     assert "Simulation" not in [part["title"] for part in stations]
     assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["share"] != "0"] == ["Simulation"]
+
+
+@pytest.mark.parametrize(
+    ("text", "closed"),
+    [
+        (f"{BY_RELAY}, as from a relay controller. Whether it responds cannot be judged.", True),
+        (f"{BY_LAW}, as from a controller with a gain of 3. Whether it responds cannot be judged.", True),
+        (
+            "the error of the best simulation helps to predict the input (F = 30). Either the input depends on it.",
+            False,
+        ),
+        ("input and output follow from each other without delay, by one straight line.", False),
+    ],
+)
+def test_the_way_of_the_signal_is_a_loop_where_the_record_has_a_controller(text, closed):
+    finding = {"level": "note", "topic": "feedback", "text": text}
+    assert page_content(report("input-delay") | {"record_findings": [finding]})["controller"] is closed
+    assert (
+        page_content(report("input-delay") | {"record_findings": [finding | {"topic": "input"}]})["controller"] is False
+    )
+
+
+def test_an_unstable_rig_has_a_loop():
+    shown = report("input-delay")
+    assert page_content(shown | {"gap": shown["gap"] | {"mode": "stabilised"}})["controller"] is True
 
 
 def test_no_line_ends_between_a_number_and_its_per_cent(pages):

@@ -1,5 +1,6 @@
 """What a page replays: a fit without what only another program can simulate, and without what joins several records."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.noise_model import Noise
 from labsid.gap.record.data import Data, scaled
-from labsid.gap.reports.replay_data import PlayedPart, played_part
+from labsid.gap.reports.replay_data import PlayedPart, ReplayData, played_part
 
 SAMPLES = 300
 RNG = np.random.default_rng(7)
@@ -94,3 +95,17 @@ def test_play_that_starts_anew_in_each_record_is_that_of_the_first_one_and_a_con
     assert played.effects == (backlash, *ADDED)
     assert played.theta[Hypothesis(played.effects).slices["input-backlash"]] == pytest.approx([1.5, 0.1])
     assert replayed(played, simulated=True) == pytest.approx(fit.output)
+
+
+def test_replay_data_are_made_once_and_pickled_as_made() -> None:
+    """A process that gets them back has no fits of which to make them."""
+    made = []
+
+    def make() -> dict[str, int]:
+        made.append(1)
+        return {"combinations": len(made)}
+
+    data = ReplayData(make)
+    assert pickle.loads(pickle.dumps(data))() == data() == {"combinations": 1}
+    assert made == [1]
+    assert ReplayData(None)() is None

@@ -160,3 +160,35 @@ def test_a_slider_has_the_digits_of_the_table() -> None:
     base["effects"][0]["parameters"]["high"]["stderr"] = 0.013
     (own,) = content(base)["combinations"][0]["sliders"]
     assert own["texts"][1] == "0.090 units of u"
+
+
+@pytest.mark.parametrize(("noise", "short"), [(0.05, True), (1e-7, False)])
+def test_a_long_record_is_rounded_to_less_than_its_noise(noise: float, short: bool) -> None:
+    samples, rng = 6000, np.random.default_rng(0)
+    u = rng.standard_normal(samples)
+    y = rng.standard_normal(samples).astype("<f4")
+    y[[7, 4000]] = np.nan
+    shown = replayed(combination(f"{EFFECT}/high"))
+    shown["gap"] = shown["gap"] | {"noise_floor": noise}
+    signals = {
+        name: base64.b64encode(x.tobytes()).decode() for name, x in (("u", u), ("y", y), ("before", y), ("after", y))
+    }
+    shown["replay"]["record"] = shown["replay"]["record"] | signals
+    part = content(shown)["parts"]["record"]
+    single = np.frombuffer(base64.b64decode(part["u"]["single"]), "<f4")
+    np.testing.assert_array_equal(single, u.astype("<f4"))
+    if not short:  # a rounded output would have another error
+        assert part["y"] == signals["y"]
+        return
+    steps = np.frombuffer(base64.b64decode(part["y"]["steps"]), "<i2").astype(float)
+    np.testing.assert_array_equal(np.flatnonzero(steps == -32768), [7, 4000])
+    back = part["y"]["low"] + part["y"]["step"] * (steps + 32767)
+    known = np.isfinite(y)
+    assert np.abs(back - y)[known].max() <= 0.5 * part["y"]["step"] + 1e-6
+    assert part["y"]["step"] <= 0.1 * noise
+
+
+def test_a_short_record_is_not_rounded() -> None:
+    part = content(replayed(combination(f"{EFFECT}/high")))["parts"]["record"]
+    assert isinstance(part["u"], str)
+    assert isinstance(part["y"], str)

@@ -2,14 +2,18 @@
 
 import html
 import re
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from gap_search import searched
+from scipy.signal import lfilter
 
 from labsid import diagnose
 from labsid._arrays import FloatArray
 from labsid.gap.reports.html_report import render_html
+from labsid.gap.reports.replay_data import ReplayData
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record
@@ -58,6 +62,48 @@ def test_a_notebook_shows_the_page(result: Diagnosis) -> None:
     shown = result._repr_html_()
     (page,) = re.findall(r'srcdoc="([^"]*)"', shown)
     assert html.unescape(page) == render_html(result.report)
+
+
+def test_what_a_page_replays_is_made_for_a_page_only(result: Diagnosis) -> None:
+    """Once, whoever asks for it; the text and the fields of the result do not."""
+    made: list[dict[str, Any]] = []
+
+    def make() -> dict[str, Any]:
+        made.append({"record": len(made)})
+        return made[-1]
+
+    fresh = replace(result, replay=ReplayData(make)).with_summary(result.summary | {"command": "labsid"})
+    assert (str(fresh), repr(fresh), fresh.verdict) == (str(result), repr(result), "effect")
+    assert fresh.effects == result.effects
+    assert fresh.ranking == result.ranking
+    assert made == []
+    assert fresh.report["replay"] == fresh.report["replay"] == {"record": 0}
+    assert len(made) == 1
+    assert list(fresh.report) == [*result.report, "command"]
+    assert fresh.report["command"] == "labsid"
+    assert result.report["replay"]["accepted"] == ["input-saturation"]
+
+
+@searched("input-saturation")
+@pytest.mark.parametrize("given", [True, False])
+def test_only_a_simulation_that_is_run_is_replayed_at_once(
+    record: Record, given: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its runs belong to those that the report counts, and no later look at the result runs it again."""
+    made: list[dict[str, Any]] = []
+
+    def replay_content(*_: object) -> dict[str, Any]:
+        made.append({"record": {}})
+        return made[-1]
+
+    def simulate(t: FloatArray, u: FloatArray) -> FloatArray:
+        return np.asarray(lfilter([0.0, 0.1], [1.0, -0.9], u))
+
+    monkeypatch.setattr("labsid.gap.diagnosis.replay_content", replay_content)
+    found = diagnose(record, simulate if given else None, evaluations=100 if given else None)
+    assert len(made) == given
+    assert found.report["replay"] == {"record": {}}
+    assert len(made) == 1
 
 
 def test_the_better_simulation_can_be_run(result: Diagnosis, record: Record) -> None:

@@ -1,0 +1,95 @@
+"""Texts in a terminal: nothing is cut or broken within a word, and the headline is bold there alone."""
+
+import io
+import re
+import sys
+
+import pytest
+from gap_reports import report
+
+from labsid.cli.console import print_report
+from labsid.cli.gap_tables import print_rigs
+from labsid.cli.progress import shown_progress
+from labsid.gap.reports.text_report import format_report
+from labsid.gap.rigs import RigResult
+
+LONGEST = "periodic-disturbance"
+RIGS = [
+    RigResult(
+        "emps-axis-with-a-name",
+        "partial",
+        (("coulomb-friction", 0.97), (LONGEST, 0.61)),
+        1.0,
+        0.4,
+        2.0,
+        "process",
+        12.3,
+    ),
+    RigResult("tank", "refused", (), 0.0, 0.0, 0.0, None, 0.1, "the record is too short for a holdout of its own"),
+]
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """Function: a terminal of so many columns in the place of stdout and stderr."""
+
+    def opened(columns: int) -> Terminal:
+        out = Terminal()
+        for name in ("stdout", "stderr"):
+            monkeypatch.setattr(sys, name, out)
+        monkeypatch.setenv("COLUMNS", str(columns))
+        monkeypatch.setenv("TERM", "xterm")
+        for name in ("NO_COLOR", "FORCE_COLOR"):
+            monkeypatch.delenv(name, raising=False)
+        return out
+
+    return opened
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120, 200])
+def test_the_name_of_an_effect_is_never_cut(terminal, columns):
+    out = terminal(columns)
+    print_rigs(RIGS)
+    shown = re.sub("\033\\[[0-9;]*m", "", out.getvalue())
+    for word in ("coulomb-friction", LONGEST, "emps-axis-with-a-name", "(0.61)"):
+        assert word in shown
+    assert "…" not in shown
+    assert max(map(len, shown.splitlines())) <= columns
+
+
+def test_the_headline_is_bold_in_a_terminal_only(terminal, capsys, monkeypatch):
+    text = format_report(report("input-delay"))
+    print_report(text)
+    assert capsys.readouterr().out == f"{text}\n"
+    out = terminal(80)
+    print_report(text)
+    headline, _, rest = text.partition("\n\n")
+    assert out.getvalue() == f"\033[1m{headline}\033[0m\n\n{rest}\n"
+    monkeypatch.setenv("NO_COLOR", "1")
+    out.truncate(0)
+    out.seek(0)
+    print_report(text)
+    assert out.getvalue() == f"{text}\n"
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+@pytest.mark.parametrize("verdict", ["none", "unknown", "effect"])
+def test_no_line_of_a_report_is_wider_than_the_terminal(monkeypatch, columns, verdict):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    shown = report(*(["input-saturation"] if verdict == "effect" else []), verdict=verdict)
+    lines = format_report(shown).splitlines()
+    assert max(map(len, lines)) <= columns
+
+
+def test_the_bar_of_a_search_is_one_over_its_stages_with_the_time_that_has_passed(terminal):
+    out = terminal(80)
+    with shown_progress(stages=True) as progress:
+        for share in (0.5, 1.0, 0.1):
+            progress("two effects", share)
+    assert "0:00:0" in out.getvalue()
+    assert "-:--" not in out.getvalue()
