@@ -364,7 +364,7 @@ def peaks(context: Context, slowest: float) -> list[float]:
 
 
 LAWS = "smooth", "peak", "load", "give", "load-give", "drive"  # of friction, richer than a constant
-FAINT = 0.01  # scaled: friction that starts beside other effects of a mass; numerics
+FAINT = 0.01  # scaled: friction or drag from which one starts beside other effects of a mass; numerics
 DRIVEN = "position", "unsprung"  # places of friction at which gravity or a spring may act beside the drive
 
 
@@ -448,13 +448,13 @@ class CoulombFriction(PlantEffect):
 
         Beside other effects of a mass, friction starts also so weak that the motion remains that of the parent.
         """
+        faint = [{"friction": FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
         if self.place == "position":
             offset = initial_offset(context)
-            faint = [{"friction": FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
             starts = [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
             return [*faint, *starts]
         if self.place == "unsprung":
-            return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
+            return [*faint, *({"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8))]
         u = context.data.u
         inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # inputs at which the motor may reverse
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(u), u[0], *inside))
