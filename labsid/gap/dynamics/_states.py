@@ -12,7 +12,8 @@ from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak; definition
 NO_STOPS = (-np.inf, np.inf)  # positions of stops that are not there; definition
-NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+ALL_FORCES = -1.0  # in place of the share of the drive: the transmitted force is that of all; definition
+NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, ALL_FORCES)
 """Neither limit nor gravity, and friction that neither grows nor bends; definition."""
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding; numerics
 SATURATED = 20.0  # argument from which tanh is 1, within rounding; numerics
@@ -290,7 +291,7 @@ def simulate_mass(
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
     stops: tuple[float, float] = NO_STOPS,
-    joint: tuple[float, float, float, float, float, float, float, float] = NO_JOINT,
+    joint: tuple[float, float, float, float, float, float, float, float, float] = NO_JOINT,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
@@ -299,10 +300,11 @@ def simulate_mass(
     `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed. `joint` holds the limit
     of the force of a drive, w - of_position k z - of_speed c z', with the shares of both that the drive gives; the
     torque of gravity, its `turn` and `angle` in torque sin(turn z - angle), the share of the transmitted force that is
-    added to friction, and the stiffness of Dahl's bristles, which bend before they slide; zero for rigid ones.
+    added to friction, the stiffness of Dahl's bristles, which bend before they slide, zero for rigid ones, and the
+    share of the stiffness that is the drive's, if the transmitted force is that of the drive, or `ALL_FORCES`.
     """
     smooth, peak, decay = law
-    limit, of_position, of_speed, torque, turn, angle, share, stiff = joint
+    limit, of_position, of_speed, torque, turn, angle, share, stiff, own = joint
     out = np.empty((2, w.size))
     h = 1.0 / substeps
     free = transition(c, k, h)
@@ -328,8 +330,10 @@ def simulate_mass(
             damping, stiffness = c, k
             f11, f12, f21, f22, g1, g2 = free
             of_drive = drive - of_position * k * middle - of_speed * c * v
+            transmitted = drive - own * k * middle
             if abs(of_drive) > limit:
                 drive = math.copysign(limit, of_drive)
+                transmitted = drive
                 damping, stiffness = (1.0 - of_speed) * c, (1.0 - of_position) * k
                 f11, f12, f21, f22, g1, g2 = limited
             net_drive = drive - load
@@ -342,7 +346,7 @@ def simulate_mass(
                 force -= torque * math.sin(turn * middle - angle)
             dry = friction
             if share > 0.0:
-                dry += share * abs(force - stiffness * middle)
+                dry += share * abs(transmitted if own >= 0.0 else force - stiffness * middle)
             if drag > 0.0:
                 rest = force - damping * v - stiffness * z
                 middle_speed = (v + 0.5 * h * rest) / (1.0 + 0.5 * h * drag * abs(v))

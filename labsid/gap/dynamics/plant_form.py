@@ -98,6 +98,7 @@ def free_number(
 STICKING_STEP = 1e-2  # scaled: derivative step that spans the jumps of stick-slip motion; numerics
 FRICTION = Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03)
 LOAD_SHARE = Parameter("load_share", 0.0, 0.95, 1e-3, start=0.1)
+DRIVEN_SHARE = Parameter("driven_share", 0.0, 1.0, 1e-3, start=0.6)  # of the stiffness, which is the drive's
 GIVE = Parameter("log_give", -12.0, 6.0, 1e-3, start=-4.0)
 GIVEN_WAY = 1.0  # start of the same for a motor: its way counts in its speed times samples; numerics
 PEAK = (
@@ -113,13 +114,14 @@ FRICTION_LAWS = {
     ),
     "peak": (FRICTION, *PEAK),
     "load": (FRICTION, LOAD_SHARE),
+    "drive": (FRICTION, LOAD_SHARE),
     "give": (FRICTION, GIVE),
     "load-give": (FRICTION, LOAD_SHARE, GIVE),
     "peak-give": (FRICTION, *PEAK, GIVE),
 }
 """Parameters of friction, and of its law: logarithms of small speeds over the one that a unit of the drive gives, the
-excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, and the
-logarithm of the way before it slides (Dahl)."""
+excess of the break-away friction over the sliding one, the share of the transmitted force by which it grows, that of
+all forces ("load") or of the drive alone ("drive"), and the logarithm of the way before it slides (Dahl)."""
 SPRING = Parameter("spring", -50.0, 50.0)  # scaled: force at the input of a given simulation over its output cubed
 NO_SPRING = -22.0  # logarithm of a stiffness, per squared sample, that no record shows; numerics
 GRAVITY = (  # scaled: radians per position, angle in radians
@@ -175,8 +177,9 @@ class PlantForm:
     flipped : bool
         Whether a larger input means less flow.
     friction : str
-        Dry friction: "sharp", "smooth" about rest, with a "peak" that breaks away, growing with the "load", with a
-        "give" before it slides, or two of these, "load-give" or "peak-give"; empty without it.
+        Dry friction: "sharp", "smooth" about rest, with a "peak" that breaks away, growing with the "load" or with the
+        force of the "drive", with a "give" before it slides, or two of these, "load-give" or "peak-give"; empty without
+        it.
     drag, cubic : bool
         Resistance with the square of the speed, cubic restoring force.
     gravity : bool
@@ -276,6 +279,7 @@ class PlantForm:
                 own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
         elif self.kind == "mechanics":
             own += FRICTION_LAWS[self.friction]
+            own += [DRIVEN_SHARE] if self.friction == "drive" and not self.unsprung else []
             own += [DRAG] if self.drag else []
             own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
             own += GRAVITY if self.gravity else ()

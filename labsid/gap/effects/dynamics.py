@@ -363,7 +363,9 @@ def peaks(context: Context, slowest: float) -> list[float]:
     return frequencies
 
 
-LAWS = "smooth", "peak", "load", "give", "load-give"  # of friction, richer than a constant
+LAWS = "smooth", "peak", "load", "give", "load-give", "drive"  # of friction, richer than a constant
+FAINT = 0.01  # scaled: friction or drag from which one starts beside other effects of a mass; numerics
+DRIVEN = "position", "unsprung"  # places of friction at which gravity or a spring may act beside the drive
 
 
 def _friction(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
@@ -377,8 +379,8 @@ class CoulombFriction(PlantEffect):
 
     `variant` position (of a mass), unsprung (a mass without a spring), speed, or speed-lag (a lag after the speed);
     "-smooth" is proportional to tanh(speed) about rest, "-peak" has a larger friction at rest (Stribeck), "-load" grows
-    with the force that the gear transmits, and with "-give" the bodies give way before they slide (Dahl's law), with
-    "-peak-give" more of it at rest.
+    with the force that the gear transmits, "-drive" with that of the drive alone, and with "-give" the bodies give way
+    before they slide (Dahl's law), with "-peak-give" more of it at rest.
     """
 
     name = "coulomb-friction"
@@ -415,7 +417,7 @@ class CoulombFriction(PlantEffect):
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
-        place: tuple(f"{place}-{law}" for law in LAWS) for place in variants
+        place: tuple(f"{place}-{law}" for law in LAWS if law != "drive" or place in DRIVEN) for place in variants
     } | {f"{place}-give": (f"{place}-peak-give",) for place in variants}
     places = ("speed", "speed-lag")
     planted_variants = ("position", "speed")
@@ -442,12 +444,17 @@ class CoulombFriction(PlantEffect):
         return plant.modified(kind="speed", friction=self.law, lag_first=self.place == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Weak to strong friction, and initial positions or neutral inputs."""
+        """Weak to strong friction, and initial positions or neutral inputs.
+
+        Beside other effects of a mass, friction starts also so weak that the motion remains that of the parent.
+        """
+        faint = [{"friction": FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
         if self.place == "position":
             offset = initial_offset(context)
-            return [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
+            starts = [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
+            return [*faint, *starts]
         if self.place == "unsprung":
-            return [{"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8)]
+            return [*faint, *({"friction": size, "log_k+": SLACK_LOG_STIFFNESS} for size in (0.05, 0.25, 0.8))]
         u = context.data.u
         inside = u.min() + np.array([0.3, 0.7]) * np.ptp(u)  # inputs at which the motor may reverse
         middles = dict.fromkeys(round(float(x), 3) for x in (np.median(u), u[0], *inside))
@@ -470,7 +477,7 @@ class CoulombFriction(PlantEffect):
         found = {"friction": Value(friction * unit, "u")}
         if "peak" in self.law:
             found["break_away"] = Value(friction * (1.0 + fit.value("peak")) * unit, "u")
-        if "load" in self.law:
+        if self.law in ("load", "drive", "load-give"):
             found["load"] = Value(fit.value("load_share"), "1")
         if "give" in self.law:
             found["give"] = Value(abs(float(np.exp(fit.value("log_give"))) / fit.state_per_output), "y")

@@ -41,8 +41,8 @@ LEAST_RATE = 1e-6  # per sample: stiffness and damping are positive; numerics
 _LEAST = {"damping": LEAST_RATE, "friction": 0.0, "sine": -np.inf, "cosine": -np.inf}  # of each coefficient; definition
 IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFriction("position"), ForceLimit("position"))}
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
-GIVING = ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # laws, with the way before the joint slides
-# (radians): a long way makes the error smooth
+RICHER_LAWS = ("drive", 0.0), ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # with the way before the
+# joint slides (radians): a long way makes the error smooth
 STAGES = ((5, 1e3), (5, 30.0), (15, 30.0))
 """Iterations from the best start point of each filter, of those with an error (mean square over that of the linear
 model) up to the second number; the better half goes on to the next stage; measured: what ended below half of the
@@ -104,10 +104,10 @@ def _laws(chosen: list[Effect]) -> Iterator[tuple[list[Effect], float]]:
     """The effects with each law of friction, and the way before the joint slides; zero where it does not give."""
     yield chosen, 0.0
     if any(isinstance(one, CoulombFriction) for one in chosen):
-        yield from (([_giving(one, law) for one in chosen], way) for law, way in GIVING)
+        yield from (([_of_law(one, law) for one in chosen], way) for law, way in RICHER_LAWS)
 
 
-def _giving(effect: Effect, law: str) -> Effect:
+def _of_law(effect: Effect, law: str) -> Effect:
     """Friction of another law, any other effect as it is."""
     return CoulombFriction(f"{effect.variant}-{law}") if isinstance(effect, CoulombFriction) else effect
 

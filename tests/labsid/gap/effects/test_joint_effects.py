@@ -50,10 +50,12 @@ def servo(
     rest: float = 0.0,
     speed: bool = False,
     damped: float = 0.0,
+    own: float | None = None,
 ) -> FloatArray:
     """Angle of a pendulum in a position loop, or of one in a speed loop, by scipy; friction turns over 1 mrad/s.
 
-    `damped` is the share of the damping that the position loop gives, so that it is limited, too.
+    `damped` is the share of the damping that the position loop gives, so that it is limited, too. The force that
+    is transmitted is that of the drive, which gives the share `own` of the stiffness, or all but friction and damping.
     """
 
     def flow(t: float, x: FloatArray, value: float) -> list[float]:
@@ -62,6 +64,8 @@ def servo(
         drive = min(max(asked, -limit), limit) - (0.0 if speed else (1.0 - damped) * d * v)
         weight = gravity * np.sin(q - rest)
         transmitted = drive - weight + (0.0 if speed else d * v)
+        if own is not None:
+            transmitted = k * (value - own * q) if abs(asked) < limit else drive + d * v
         return [v, drive - weight - (friction + share * abs(transmitted)) * np.tanh(v / 1e-3)]
 
     found = [np.array([[0.0 if speed else goal[0], 0.0]])]
@@ -92,6 +96,8 @@ def servo(
         {"gravity": 40.0, "friction": 6.0},
         {"gravity": 40.0, "friction": 6.0, "limit": 45.0},
         {"gravity": 40.0, "friction": 3.0, "limit": 45.0, "share": 0.2},
+        {"gravity": 40.0, "friction": 3.0, "limit": 45.0, "share": 0.2, "own": 1.0},
+        {"friction": 3.0, "share": 0.3, "own": 0.4},
     ],
     ids=lambda load: "+".join(load),
 )
@@ -107,6 +113,7 @@ def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float])
         load.get("rest", 0.0),
         load.get("share", 0.0),
         0.0,
+        load.get("own", _states.ALL_FORCES),
     )
     friction = load.get("friction", 0.0) * TS**2
     found = _states.simulate_mass(k * goal, c, k, friction, 0.0, float(goal[0]), 0.0, 6, joint=joint)
@@ -117,7 +124,7 @@ def test_a_pendulum_in_a_position_loop(goal: FloatArray, load: dict[str, float])
 def test_a_speed_loop_at_its_limit(goal: FloatArray, limit: float) -> None:
     expected = servo(goal, limit=limit, speed=True)
     c = 9.0 * TS
-    joint = (limit * TS**2, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    joint = (limit * TS**2, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, _states.ALL_FORCES)
     found = _states.simulate_mass(c * TS * goal, c, 0.0, 0.0, 0.0, 0.0, 0.0, 8, joint=joint)
     np.testing.assert_allclose(found[:, 0], expected, atol=5e-3 * np.ptp(expected))
 
@@ -198,11 +205,13 @@ def test_a_set_finds_the_three_effects_of_a_joint(goal: FloatArray) -> None:
     assert found["limit"] == pytest.approx(45.0 / 60.0, rel=0.1)
 
 
-def test_friction_that_grows_with_the_load_is_fitted(goal: FloatArray) -> None:
-    y = servo(goal, gravity=50.0, friction=2.0, share=0.25)
+@pytest.mark.parametrize(("law", "own"), [("load", None), ("drive", 1.0)])
+def test_friction_that_grows_with_the_load_is_fitted(goal: FloatArray, law: str, own: float | None) -> None:
+    """With all that the gear transmits, or with the force of the drive alone."""
+    y = servo(goal, gravity=50.0, friction=2.0, share=0.25, own=own)
     data = scaled(goal, y, np.ones(goal.size, bool), TS)
     (group,) = (group for group in CANDIDATES if group[0].name == "coulomb-friction")
-    hypothesis = Hypothesis((Gravity(), type(group[0])("position-load")))
+    hypothesis = Hypothesis((Gravity(), type(group[0])(f"position-{law}")))
     given = {
         "log_c": np.log(9.0 * TS),
         "log_k": np.log(60.0 * TS**2),
@@ -211,6 +220,7 @@ def test_friction_that_grows_with_the_load_is_fitted(goal: FloatArray) -> None:
         "angle": -goal[0],
         "friction": 0.02,
         "load_share": 0.1,
+        "driven_share": 0.8,
     }
     start = np.array([given.get(parameter.name, 0.0) for parameter in hypothesis.parameters])
     fit = fit_from(data, hypothesis, start, iterations=30)
@@ -309,7 +319,7 @@ def test_a_mass_with_friction_that_gives(goal: FloatArray, law: str, share: floa
     k, c = joint.gain * TS**2, joint.damping * TS
 
     def error(stiff: float) -> float:
-        own = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, share, stiff)
+        own = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, share, stiff, _states.ALL_FORCES)
         drive, friction = k * (goal - goal[0]), joint.friction * TS**2
         found = _states.simulate_mass(drive, c, k, friction, 0.0, 0.0, 0.0, 10, joint=own)[:, 0]
         return float(np.sqrt(np.mean((found - expected) ** 2)))
@@ -329,7 +339,7 @@ def test_a_mass_whose_friction_gives_and_is_larger_at_rest() -> None:
 
     def error(peak: float, stiff: float) -> float:
         law = (0.0, peak * friction, joint.stribeck * TS)
-        own = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, stiff)
+        own = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, stiff, _states.ALL_FORCES)
         drive = k * (goal - goal[0])
         found = _states.simulate_mass(drive, c, k, friction, 0.0, 0.0, 0.0, 4, law=law, joint=own)[:, 0]
         return float(np.sqrt(np.mean((found - expected) ** 2)))
