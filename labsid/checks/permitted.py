@@ -16,7 +16,7 @@ ALLOWED_MODULES = (
     "checks.column_causes", "checks.compare", "checks.empty_slices", "checks.error_table", "checks.function_reads",
     "checks.given_lines", "checks.grading_rules", "checks.handed_over", "checks.hints", "checks.kept_tries",
     "checks.key_causes", "checks.library_errors", "checks.line_values", "checks.loops", "checks.matlab_syntax",
-    "checks.matrix_causes", "checks.module_names", "checks.notebook", "checks.notebook_ask", "checks.notebook_file",
+    "checks.matrix_causes", "checks.mended_functions", "checks.module_names", "checks.notebook", "checks.notebook_ask", "checks.notebook_file",
     "checks.notebook_tries", "checks.operands", "checks.origin_of_values", "checks.permitted", "checks.points",
     "checks.python_errors", "checks.question", "checks.relations", "checks.repairs", "checks.singular_matrices",
     "checks.stops", "checks.summary", "checks.syntax_trees", "checks.tables", "checks.time_limit",
