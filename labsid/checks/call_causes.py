@@ -300,7 +300,7 @@ def _beside_a_text(stop: Stop, node: ast.BinOp, text: ast.expr, other: ast.expr)
     if isinstance(text, ast.Constant) and _NUMBER.fullmatch(str(text.value).strip()):
         return ": a number stands without quotes."
     thing, name = stop.things.get(ast.unparse(other)), ast.unparse(other)
-    if isinstance(node.op, ast.Add) and thing is not None and thing.kind in ("number", "array"):
+    if isinstance(node.op, ast.Add) and thing is not None and (thing.kind == "number" or thing.shape == ()):
         return (
             f". `+` joins a text to a text alone: `str({name})` is one. An f-string has both, `f'... {{{name}:.3g}}'`."
         )

@@ -98,8 +98,8 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             repairs = [f"{turned} @ {right}"]
             if len(one) == len(other) == 2 and other[1] == one[0]:
                 repairs.append(f"{right} @ {left}")
-            proposed = (proposal(stop, product, repair) for repair in repairs if mends(stop, product, repair))
-            found = next(filter(None, proposed), "") or _other_order(stop, product) or _owed(stop, product)
+            proposals = (proposal(stop, product, repair) for repair in repairs if mends(stop, product, repair))
+            found = next(filter(None, proposals), "") or _other_order(stop, product) or _owed(stop, product)
             return f"{said} {found}".rstrip()
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
         swapped = proposal(stop, product, f"{right} @ {left}") if is_swapped else ""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from inspect import getblock
 from textwrap import dedent
 from types import FunctionType
-from typing import Any
+from typing import Any, cast
 
 from labsid.checks.cell_names import parse_python
 from labsid.checks.syntax_trees import flat_text, is_deep
@@ -94,7 +94,7 @@ def mended_value(mend: Mend, variables: Mapping[str, Any]) -> Any:
         raise ValueError(f"{mend.line!r} assigns no variable; a line such as `x = f(y)` is asked for.")
     name, value = assignment
     replacing = _Replacing(flat_text(_expression(mend.part)), _expression(mend.repair))
-    code = ast.fix_missing_locations(ast.Expression(replacing.visit(value)))
+    code = ast.fix_missing_locations(ast.Expression(cast(ast.expr, replacing.visit(value))))
     if not replacing.count:
         raise ValueError(f"`{mend.part}` is not in the value of `{name}`.")
     return eval(compile(code, "<mended>", "eval"), dict(variables))

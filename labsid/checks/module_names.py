@@ -55,7 +55,7 @@ def module_of(name: str, line: str, is_called: bool) -> str:
         if taken is not None and hasattr(import_module(module), taken[1]):
             return f"It is a part of {module.partition('.')[0]}: `{path}.{taken[1]}`."
     # an array has a mean, too: what arrays have does not tell that the name is a distribution
-    if taken is not None and name in _DISTRIBUTIONS and not hasattr(np.ndarray, taken[1]):
-        if hasattr(getattr(import_module("scipy.stats"), name), taken[1]):
-            return f"It is a distribution of scipy: `scipy.stats.{name}.{taken[1]}`."
+    is_one = taken is not None and name in _DISTRIBUTIONS and not hasattr(np.ndarray, taken[1])
+    if is_one and taken is not None and hasattr(getattr(import_module("scipy.stats"), name), taken[1]):
+        return f"It is a distribution of scipy: `scipy.stats.{name}.{taken[1]}`."
     return ""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.compare import kind_of
-from labsid.checks.function_reads import length_beside, reads_beside
+from labsid.checks.function_reads import length_beside, numbers_beside, reads_beside
 from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, mended, mended_value
 from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
@@ -77,6 +77,7 @@ class NotebookAsk:
             with limit_time(CALL_SECONDS):
                 result = plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
             if begins_with_calls:
+                self.beside = self.beside or numbers_beside(name, function, self._variables)
                 self.tried = f"Tried: `{name}({_listed(arguments)})` returned {_short(result)}."
             return result
         except (OutOfTime, KeyboardInterrupt) as endless:

@@ -98,11 +98,11 @@ class _Mended:
 
     def value(self, name: str) -> Value:
         self.is_used |= name == assigned_by(self._mend)
-        return self._ask.value_mended(self._mend, name)  # type: ignore[attr-defined, no-any-return]
+        return self._ask.value_mended(self._mend, name)  # type: ignore[attr-defined]
 
     def call(self, name: str, *arguments: Value) -> Value:
         self.is_used = True
-        return self._ask.call_mended(self._mend, name, *arguments)  # type: ignore[attr-defined, no-any-return]
+        return self._ask.call_mended(self._mend, name, *arguments)  # type: ignore[attr-defined]
 
     def changes(self, name: str, *arguments: Value) -> bool:
         return False

@@ -74,8 +74,8 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
     )
     right_theta, right_P = reference_step(theta, P, past, y, lam)
 
-    parts = (("theta", got_theta, right_theta), ("P", got_P, right_P))
-    wrong = " and ".join(name for name, got, right in parts if not SAME(got, right))
+    compared = (("theta", got_theta, right_theta), ("P", got_P, right_P))
+    wrong = " and ".join(name for name, got, right in compared if not SAME(got, right))
 
     def both(theta: FloatArray, P: FloatArray) -> FloatArray:
         return np.vstack([theta, P])
