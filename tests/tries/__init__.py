@@ -40,6 +40,7 @@ _KINDS = (
     "neighbours_of_errors",
     "one_symptom",
     "other_repairs",
+    "tried_repairs",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0
