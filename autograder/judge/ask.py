@@ -10,7 +10,6 @@ import numpy as np
 from autograder.judge.redaction import redact, redact_error
 from autograder.judge.stopped import explained
 from autograder.sandbox.isolation import Reply, StudentProcess
-from labsid.checks.mended_functions import Mend, assigned_by
 from labsid.checks.question import Origin
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
@@ -98,32 +97,9 @@ class ProcessAsk:
         reply = self._reply(self._process().call(name, *arguments))
         if reply.error is not None:
             said = f"`{name}` stopped with {error_text(redact_error(reply.error, self._source))}."
-            error = reply.error
-
-            def with_outcome(outcome: Callable[[Mend], str] | None = None) -> str:
-                return f"{said} {explained(error, self._source, outcome)}".rstrip()
-
-            raise NoAnswer(with_outcome(), told=with_outcome)
+            raise NoAnswer(f"{said} {explained(reply.error, self._source)}".rstrip())
         if not reply.ok:
             raise NoAnswer(f"There is no function `{name}`: it is not defined.")
-        return redact(reply.value, self._source)
-
-    def value_mended(self, mend: Mend, name: str) -> Value:
-        """The variable as a mended line assigns it, or as it is; raises `NoAnswer` if there is none."""
-        if name != assigned_by(mend):
-            return self.value(name)
-        reply = self._process().value_mended(mend)
-        if reply.error is not None or not reply.ok:
-            raise NoAnswer(f"`{name}` cannot be mended.")
-        return self._shaped(redact(reply.value, self._source))
-
-    def call_mended(self, mend: Mend, name: str, *arguments: Value) -> Value:
-        """The return value of the function when a line is mended; raises `NoAnswer` if it has none."""
-        if self._defer_calls:
-            raise NoAnswer("functions are called later.")
-        reply = self._process().call_mended(mend, name, *arguments)
-        if reply.error is not None or not reply.ok:
-            raise NoAnswer(f"`{name}` cannot be mended, or stops then, too.")
         return redact(reply.value, self._source)
 
     def changes(self, name: str, *arguments: Value) -> bool:

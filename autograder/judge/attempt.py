@@ -1,13 +1,12 @@
 """One judging of an answer, and the order in which attempts are told to the student."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from autograder.judge.ask import error_text
 from autograder.judge.execution import ExecutedCell
 from autograder.judge.stopped import explained
 from autograder.sandbox.isolation import StudentProcessError
-from labsid.checks.mended_functions import Mend
 from labsid.checks.verdict import Verdict
 
 
@@ -52,23 +51,14 @@ class Attempt:
         return replace(self, verdict=replace(self.verdict, reason=" ".join(filter(None, parts))))
 
 
-def judged(
-    verdict: Verdict,
-    cells: Iterable[ExecutedCell],
-    got_nothing: bool = False,
-    broken: bool = False,
-    outcome: Callable[[Mend], str] | None = None,
-) -> Attempt:
-    """An attempt with a verdict; the error that stopped a cell is told first, because it has to be corrected first.
-
-    ``outcome(mend)`` tries a repair of the line that stopped before it is proposed; see `Stop`.
-    """
+def judged(verdict: Verdict, cells: Iterable[ExecutedCell], got_nothing: bool = False, broken: bool = False) -> Attempt:
+    """An attempt with a verdict; the error that stopped a cell is told first, because it has to be corrected first."""
     verdict = replace(verdict, reason=verdict.whole_reason, mend="")
     stopped = next((done for done in cells if done.reply.error is not None), None)
     error = None if stopped is None else stopped.reply.error
     if stopped is not None and error is not None and not verdict.passed:
         line = f" in line {error['line']}" if error.get("line") else ""
-        why = explained(error, stopped.cell.source, outcome)
+        why = explained(error, stopped.cell.source)
         text = " ".join(filter(None, (f"Your cell stopped{line} with {error_text(error)}.", why, verdict.reason)))
         verdict = replace(verdict, reason=text)
     return Attempt(verdict, stopped=got_nothing or error is not None, broken=broken)

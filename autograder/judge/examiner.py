@@ -143,5 +143,4 @@ class Examiner:
 
     def _judged(self, one: Examination, ask: ProcessAsk) -> Attempt:
         with np.errstate(all="ignore"):  # what follows from wrong values may divide by zero
-            verdict, outcome = one.question.verdict(ask), one.question.outcome_of_mends(ask)
-            return judged(verdict, one.cells, ask.got_nothing, outcome=outcome)
+            return judged(one.question.verdict(ask), one.cells, ask.got_nothing)

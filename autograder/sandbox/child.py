@@ -13,7 +13,6 @@ import os
 import socket
 import sys
 import traceback
-from collections.abc import Callable
 from importlib.abc import MetaPathFinder
 from typing import Any
 
@@ -32,10 +31,8 @@ from autograder.sandbox.confine import make_syscall_filter, set_rlimits
 from autograder.sandbox.replacing import Replacement, in_event_loop, run_replacing, set_right
 from autograder.sandbox.served_calls import ServedCalls
 from labsid.checks.grading_rules import follow_rules
-from labsid.checks.mended_functions import MEND_SECONDS, Mend, mended, mended_value
 from labsid.checks.permitted import is_reference
 from labsid.checks.stops import packed, stop_of
-from labsid.checks.time_limit import OutOfTime, limit_time
 from labsid.checks.values import plain, unchanged
 
 _CALLS: list[ServedCalls] = []  # one, once the channel is open
@@ -233,37 +230,6 @@ def _changes(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     return {"ok": called["ok"], "value": not unchanged(given, before)}
 
 
-def _value_mended(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
-    """Compute what a mended line would assign."""
-    mend = Mend(*map(str, request["mend"]))
-    return _in_time(lambda: mended_value(mend, shell.user_ns))
-
-
-def _call_mended(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
-    """Call a function of which one line is mended; its variables are its own."""
-    function = mended(request["name"], Mend(*map(str, request["mend"])), shell.user_ns)
-    if function is None:
-        return {"ok": False}
-    arguments = [_CALLS[0].argument(argument) for argument in request["arguments"]]
-    return _in_time(lambda: function(*arguments))
-
-
-def _in_time(compute: Callable[[], Any]) -> dict[str, Any]:
-    """What mended code gives, within its time."""
-    try:
-        with (
-            limit_time(MEND_SECONDS),
-            contextlib.redirect_stdout(io.StringIO()),
-            contextlib.redirect_stderr(io.StringIO()),
-        ):
-            value = in_event_loop(compute)
-    except OutOfTime:
-        return {"ok": False}
-    finally:
-        sys.modules["matplotlib.pyplot"].close("all")
-    return {"ok": True, "value": encode(plain(value))}
-
-
 def _call_back(shell: Any, request: dict[str, Any]) -> dict[str, Any]:
     """Call a function that this process has passed to one that the judge serves."""
     value = in_event_loop(lambda: _CALLS[0].called_back(request["key"], request["arguments"]))
@@ -303,8 +269,6 @@ _HANDLERS = {
     "value": _value,
     "call": _call,
     "changes": _changes,
-    "value mended": _value_mended,
-    "call mended": _call_mended,
     "call back": _call_back,
     "set": _set,
     "save": _save,

@@ -23,7 +23,6 @@ from autograder.sandbox.channel import (
 )
 from autograder.sandbox.limits import Limits
 from autograder.sandbox.replacing import Replacement
-from labsid.checks.mended_functions import Mend
 from labsid.checks.values import Value
 
 _MAX_LINE = 100_000
@@ -110,17 +109,6 @@ class StudentProcess:
         """Call one of the student's functions."""
         encoded = [encode(argument) for argument in arguments]
         return self._ask({"op": "call", "name": name, "arguments": encoded}, self._limits.call_seconds)
-
-    def value_mended(self, mend: Mend) -> Reply:
-        """What a mended line would assign; not ok where it cannot be computed."""
-        request = {"op": "value mended", "mend": [mend.line, mend.part, mend.repair]}
-        return self._ask(request, self._limits.call_seconds)
-
-    def call_mended(self, mend: Mend, name: str, *arguments: Value) -> Reply:
-        """Call one of the student's functions with one line of it mended; not ok where it cannot be."""
-        encoded = [encode(argument) for argument in arguments]
-        request = {"op": "call mended", "name": name, "arguments": encoded, "mend": [mend.line, mend.part, mend.repair]}
-        return self._ask(request, self._limits.call_seconds)
 
     def changes(self, name: str, *arguments: Value) -> Reply:
         """Call one of the student's functions, and say whether it has changed an array that it was given."""

@@ -53,8 +53,8 @@ def _handed_over(stop: Stop, owner: ast.expr, index: int, axis: int, size: int) 
         return ""
     what = ("rows", "columns")[axis] if len(shape) == 2 else "entries"
     return (
-        f"`{name}` is handed over, here with {size} {what}, of which the indices are 0 to {size - 1}; the line takes "
-        f"`[{index}]` of any. How many there are says `{name}.shape[{axis}]`."
+        f"`{name}` is handed over, here with {size} {what}. Python counts from 0: they have the indices 0 to "
+        f"{size - 1}. How many there are says `{name}.shape[{axis}]`."
     )
 
 

@@ -56,7 +56,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "lab-2b-theta",
             "right side of N by N",
             "theta_hat = np.linalg.solve(Phi @ Phi.T, Phi.T @ Y)",
-            "`Phi.T @ Phi` is 4 by 4",
+            "`Phi @ Phi.T` is|never has an inverse",
             TAUGHT,
             "right-hand side of the normal equations",
         ),

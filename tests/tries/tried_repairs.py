@@ -76,7 +76,7 @@ def recursive_iv(u, y, warm_up):
         phi, z_model = np.array([-y[n], u[n]]), np.array([-y_M, u[n]])
     return history
 """,
-            "and in the gain where P z does",
+            "and for P z in the gain",
             TAUGHT,
             "z z'P",
         ),
@@ -92,17 +92,6 @@ def log_likelihood(theta, var_e, Phi, Y):
             "matrix and the vector is `Phi @ theta`",
             TAUGHT,
             "np.newaxis",
-        ),
-        Try(
-            "ai-4-covariance",
-            "white with var_e",
-            """\
-def covariance(Phi, c, var_e):
-    return var_e * np.linalg.inv(Phi.T @ Phi)
-""",
-            "is the one for white noise",
-            TAUGHT,
-            r"\(1 \+ c\^2\) var_e",
         ),
         Try(
             "ai-9-likelihood",
@@ -163,17 +152,6 @@ def confidence(Phi, Y, level):
             "compute it",
         ),
         Try(
-            "ls-5-projector",
-            "Phi left out on the right",
-            """\
-def projector(Phi):
-    return Phi @ np.linalg.inv(Phi @ Phi.T) @ Phi.T
-""",
-            "never has an inverse|of rank 2",
-            TAUGHT,
-            "meant",
-        ),
-        Try(
             "ls-10-confidence",
             "an unknown t with a mean",
             """\
@@ -222,7 +200,7 @@ def losses(u, y, orders):
 def criteria(V, N, p):
     return N * np.log(V) + 2 * p, N * np.log(V) + p * np.log(N), V * (1 + p / N) / (1 - p / N)
 """,
-            "returns sums, and gives each order rows of its own",
+            "returns sums, each over all rows",
             TAUGHT,
             "",
         ),
@@ -251,7 +229,7 @@ def fit_logarithm(x, y):
     p = np.polyfit(x, np.log10(y), 1)
     return 10 ** p[1], p[0]
 """,
-            "returns b before a, and its a belongs to a power of ten",
+            r"returns \[b, a\] in place of",
             TAUGHT,
             "",
         ),
@@ -348,7 +326,7 @@ def simulate_output(theta, u, n):
         out += scipy.signal.lfilter(theta[n + j * n:n + j * n + n], den, u[:, j])
     return out
 """,
-            r"lets u\(k\) move y\(k\), and has the wrong sign of a",
+            r"lets u\(k\) move y\(k\), and takes the -a of theta for a",
             TAUGHT,
             "",
         ),

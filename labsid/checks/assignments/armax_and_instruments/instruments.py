@@ -244,7 +244,7 @@ _HINTS = {
     "z z' for z phi'": ("updates P with z twice.", "It is P z phi' P / (1 + phi' P z)."),
     "z z' above alone": ("has P z z'P above, where P z phi'P belongs.", "It is P z phi' P / (1 + phi' P z)."),
     "P symmetric, in the gain too": (
-        "has P phi in the update where phi' P belongs, and in the gain where P z does. P is not symmetric here.",
+        "has P phi for phi' P in the update, and for P z in the gain. P is not symmetric here.",
         "It is `phi @ P`, or `P.T @ phi`, and K = P z.",
     ),
     "phi for z in the gain": ("multiplies P by phi for the gain. With phi it is least squares again.", "K = P z."),

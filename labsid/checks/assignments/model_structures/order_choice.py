@@ -104,7 +104,7 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
             ),
             Slip(
                 "sum in place of the mean",
-                "`losses` returns sums, and gives each order rows of its own: the loss has 1/N, and all models start "
+                "`losses` returns sums, each over all rows that its order has: the loss has 1/N, and all models start "
                 "at max(orders).",
                 lambda: _losses(u, y, orders, orders) * (u.size - np.array(orders)),
             ),

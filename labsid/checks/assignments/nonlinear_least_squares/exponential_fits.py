@@ -102,7 +102,8 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
             ),
             Slip(
                 "logarithm to base 10",
-                "`fit_logarithm` returns b before a, and its a belongs to a power of ten: use `np.log` throughout.",
+                "`fit_logarithm` returns [b, a] in place of [a, b], and its a is the right one over ln 10: use "
+                "`np.log` throughout.",
                 lambda: np.array([fit.b, fit.a / np.log(10)]),
             ),
             Slip(

@@ -140,8 +140,8 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
             ),
             Slip(
                 "lag off by one",
-                f"`{call}` lets u(k) move y(k), and has the wrong sign of a. The numerator begins with a zero, as the "
-                "first lag is 1, and the denominator is [1, a1, ...], where theta holds -a.",
+                f"`{call}` lets u(k) move y(k), and takes the -a of theta for a. The first lag is 1: the numerator "
+                "begins with a zero.",
                 lambda: _run(flipped, np.vstack([u, np.zeros(nu)]), n)[1:],
             ),
             Slip(
