@@ -5,7 +5,7 @@ The protocols `Structure` and `ParentFit` are implemented by `labsid.gap.fits.hy
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -121,6 +121,15 @@ class Context:
     data: Data
     parent: ParentFit
     highpass: ParentFit | None = None
+
+    @property
+    def of_first_output(self) -> "Context":
+        """That of the first of several outputs of one simulation; of a single one itself."""
+        data = self.data.first_output
+        if data is self.data:
+            return self
+        parents = (None if one is None else replace(one, output=one.output[: data.samples]) for one in (self.parent, self.highpass))  # type: ignore[type-var]
+        return Context(data, *parents)  # type: ignore[arg-type]
 
     @property
     def residual(self) -> FloatArray:
