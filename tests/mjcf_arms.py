@@ -36,6 +36,7 @@ NAMES = ("shoulder", "elbow", "wrist")
 LENGTHS, MASSES = (0.3, 0.25, 0.15), (0.9, 0.6, 0.3)
 DAMPINGS, ARMATURES = (0.12, 0.06, 0.03), (0.02, 0.01, 0.005)
 TORQUES = (1.5, 0.6, 0.15)  # N m: amplitudes of the commands of a motor
+ANGLES = (0.8, 0.8, 0.6)  # rad: of a servo
 GAINS = (14.0, 7.0, 2.5)  # N m/rad: of a servo
 
 
@@ -89,15 +90,36 @@ def measured(path: Path, seed: int, samples: int = 500, amplitude: float = 1.0, 
     return Record(t, u, y + NOISE * np.std(y) * rng.standard_normal(samples), TS, name="run")
 
 
+def behind_play(u: np.ndarray, width: float) -> np.ndarray:
+    """What follows a signal behind a play, from its middle on."""
+    out = np.empty(u.size)
+    at = u[0]
+    for k, x in enumerate(u):
+        at = min(max(at, x - 0.5 * width), x + 0.5 * width)
+        out[k] = at
+    return out
+
+
 def measured_chain(
-    path: Path, seed: int, samples: int = 500, amplitudes: tuple[float, ...] = TORQUES, **changes: float
+    path: Path,
+    seed: int,
+    samples: int = 500,
+    amplitudes: tuple[float, ...] = TORQUES,
+    late: int = 0,
+    play: float = 0.0,
+    **changes: float,
 ) -> Record:
-    """A record of the same for several joints; changes by names such as ``inside elbow:friction``."""
+    """A record of the same for several joints; changes by names such as ``inside elbow:friction``.
+
+    The command of the second joint acts `late` samples later than it is logged, and behind a `play` of this width.
+    """
     rig = player(path)
     count = len(rig.joints)
     u = np.column_stack([commands(100 * seed + i, samples, amplitudes[i]) for i in range(count)])
     t = TS * np.arange(samples)
-    y = rig.run(t, u, changes)
+    acting = u.copy()
+    acting[:, 1] = behind_play(np.concatenate([np.full(late, u[0, 1]), u[:, 1]])[:samples], play)
+    y = rig.run(t, acting, changes)
     rng = np.random.default_rng(1000 + seed)
     noisy = y + NOISE * np.std(y, axis=0) * rng.standard_normal(y.shape)
     inputs = tuple(one.actuator_name for one in rig.opened.joints)

@@ -16,7 +16,7 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
 from labsid.gap.fits.unstable_poles import MOST_CORRECTED
-from labsid.gap.joints.diagnosis import diagnose_joints
+from labsid.gap.joints.arm_diagnosis import diagnose_joints
 from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.model_file import export_model

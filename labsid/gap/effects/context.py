@@ -128,7 +128,10 @@ class Context:
         data = self.data.first_output
         if data is self.data:
             return self
-        parents = (None if one is None else replace(one, output=one.output[: data.samples]) for one in (self.parent, self.highpass))  # type: ignore[type-var]
+        parents = (
+            None if one is None else replace(one, output=one.output[: data.samples])
+            for one in (self.parent, self.highpass)
+        )  # type: ignore[type-var]
         return Context(data, *parents)  # type: ignore[arg-type]
 
     @property

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from labsid.gap.joints.joint_view import initial_states
+from labsid.gap.joints.views import initial_states, matching
+from labsid.gap.signals.preparation import prepare
 from labsid.gap.signals.roles import Signals
 from labsid.gap.simulations.model_check import check_output, contact_findings, limit_findings
 from labsid.lab.findings import Finding
@@ -51,3 +52,9 @@ def check_joints(signals: Signals, simulate: Simulator) -> list[Finding]:
             for finding in check_output(record, y[:, j], one, driven=place in joints.inputs)
         ]
     return found
+
+
+def check_record_of_joints(record: Record, simulate: Simulator) -> list[Finding]:
+    """The same of a record, whose signals are those of the model by name, or in their order."""
+    signals = prepare(record).signals
+    return check_joints(signals, matching(simulate, record, signals.outputs))

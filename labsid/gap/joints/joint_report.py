@@ -8,10 +8,11 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.joints.joint_search import AtJoint, Found
-from labsid.gap.joints.joint_view import ArmRecord
+from labsid.gap.joints.views import ArmRecord
 from labsid.gap.reports.layout import SCHEMA, listed_findings
 from labsid.gap.reports.location import most_uneven_signal, operating_map, share_by_frequency, share_by_time
 from labsid.gap.reports.traces import extreme_samples, figure_traces
+from labsid.gap.signals.combined_report import KEPT
 from labsid.gap.signals.preparation import Prepared
 from labsid.gap.signals.roles import Signals
 from labsid.gap.verdict.answer import Answer
@@ -76,7 +77,9 @@ def combine_joints(
     verdict = _verdict(parts, effects)
     record, outputs, scored = _compared(last)
     gap = _gap(last, record, outputs, scored)
-    worst = max(names, key=lambda name: gap["outputs"][name]["before"] / max(gap["outputs"][name]["noise_floor"], 1e-300))
+    worst = max(
+        names, key=lambda name: gap["outputs"][name]["before"] / max(gap["outputs"][name]["noise_floor"], 1e-300)
+    )
     j = names.index(worst)
     before, after = (last.at.view.outputs(output) for output in _on_record(last))
     e = np.where(signals.rows[:, j], signals.y[:, j] - before[:, j], 0.0)
@@ -103,8 +106,11 @@ def combine_joints(
             "output": worst,
             "outputs": _shares(gap),
         },
-        "gap": gap | {"holdout": last.report["gap"]["holdout"][:1] if last.holdout is None else []},
-        "noise": {name: {"sd": row["noise_floor"], "correlation_time": last.report["noise"]["correlation_time"]} for name, row in gap["outputs"].items()},
+        "gap": gap | {"holdout": _of_first(last)},
+        "noise": {
+            name: {"sd": row["noise_floor"], "correlation_time": last.report["noise"]["correlation_time"]}
+            for name, row in gap["outputs"].items()
+        },
         "reference": "outside" if any(part.report["reference"] == "outside" for part in parts) else "inside",
         "novelty": last.report["novelty"],
         "unexplained": last.report["unexplained"]
@@ -171,8 +177,8 @@ def _effects(
         for effect in part.report["effects"]:
             at_input = effect["path"] == "input" and "joint" not in effect
             signal = part.at.view.arm.signals.inputs[part.at.view.main] if at_input else None
-            inside = {} if effect["path"] == "output" else part.joint
-            found.append(effect | inside | {"signal": signal, "outputs": list(outputs), "probability": effect["probability"] * share})
+            placed = {"signal": signal, "outputs": list(outputs), "probability": effect["probability"] * share}
+            found.append(effect | placed)
     return found
 
 
@@ -195,7 +201,13 @@ def _ranking(arm: ArmRecord, found: Found, last: JointPart) -> list[dict[str, An
     own = [row | last.joint for row in last.report["ranking"]]
     listed = {(row["name"], row["joint"]) for row in own}
     trials = [
-        {"name": one.name, "joint": arm.joints.joints[one.joint].joint, "probability": 0.0, "rmse": float(np.sqrt(one.error)), "closed": None}
+        {
+            "name": one.name,
+            "joint": arm.joints.joints[one.joint].joint,
+            "probability": 0.0,
+            "rmse": float(np.sqrt(one.error)),
+            "closed": None,
+        }
         for one in found.trials
     ]
     return own + [row for row in trials if (row["name"], row["joint"]) not in listed]
@@ -251,7 +263,14 @@ def _gap(
     before, after = over_noise["before"], over_noise["after"]
     closed = closed_share(before**2, after**2, 1.0) if score.closed is not None else None
     ci95 = None if score.ci95 is None or part.holdout is not None else list(score.ci95)
-    return over_noise | {"closed": closed, "ci95": ci95, "over_sd": over_sd, "outputs": found, "mode": "free", "corrected": None}
+    return over_noise | {
+        "closed": closed,
+        "ci95": ci95,
+        "over_sd": over_sd,
+        "outputs": found,
+        "mode": "free",
+        "corrected": None,
+    }
 
 
 def _shares(gap: dict[str, Any]) -> dict[str, float]:
@@ -271,17 +290,27 @@ def _output(
     signals, main = arm.signals, _main(arm, j)
     u = signals.u[:, signals.inputs.index(main)]
     shown = np.where(signals.rows[:, j], signals.y[:, j], before)
-    found: dict[str, Any] = {
+    found: dict[str, Any] = {key: part.report[key] for key in KEPT if key in part.report} | {
         "main": main,
-        "verdict": part.report["verdict"],
-        "gap": gap,
+        "gap": gap | {"holdout": _of_first(part)},
         "traces": figure_traces(signals.t, u, shown, before, after, signals.rows[:, j]),
     }
     if part.holdout is not None:
         other, first, second, _ = part.holdout
         own = other.u[:, signals.inputs.index(main)]
-        found["holdout_traces"] = figure_traces(other.t, own, other.y[:, j], first[:, j], second[:, j], other.rows[:, j])
+        found["holdout_traces"] = figure_traces(
+            other.t, own, other.y[:, j], first[:, j], second[:, j], other.rows[:, j]
+        )
     return found
+
+
+def _of_first(part: JointPart) -> list[list[float]]:
+    """The stretches of time that are scored: the same in each output."""
+    if part.holdout is not None:
+        signals, _, _, scored = part.holdout
+        return [[float(signals.t[scored][0]), float(signals.t[-1])]]
+    end = float(part.at.view.arm.signals.t[-1]) + part.at.view.data.Ts
+    return [stretch for stretch in part.report["gap"]["holdout"] if stretch[0] < end]
 
 
 def _input_trace(signals: Signals, i: int) -> dict[str, list[float]]:
@@ -289,4 +318,3 @@ def _input_trace(signals: Signals, i: int) -> dict[str, list[float]]:
     u = signals.u[:, i]
     pick = extreme_samples([u])
     return {"t": signals.t[pick].tolist(), "u": u[pick].tolist()}
-

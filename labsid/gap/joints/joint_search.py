@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.effects.base import InputEffect
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.fits.linear_fits import fit_baseline
-from labsid.gap.joints.joint_view import ArmRecord, JointView, joint_view
+from labsid.gap.joints.views import ArmRecord, JointView, joint_view
 from labsid.gap.search.beam_search import Progress, candidates_on, residual_is_white
 from labsid.gap.search.candidates import is_compatible, trial_fits
 from labsid.gap.search.explanation import Explanation, explain
@@ -217,7 +217,9 @@ def _at(
 def _view(arm: ArmRecord, joint: int, found: Sequence[AtJoint]) -> JointView:
     """The record as seen at a joint, beside what was found at the others."""
     others = [one for one in found if one.view.joint != joint]
-    return joint_view(arm, joint, numbers_of(others), {one.view.main: one.command for one in others if one.changes_command})
+    return joint_view(
+        arm, joint, numbers_of(others), {one.view.main: one.command for one in others if one.changes_command}
+    )
 
 
 def numbers_of(found: Sequence[AtJoint]) -> Mapping[str, float]:

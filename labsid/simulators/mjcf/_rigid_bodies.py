@@ -10,8 +10,8 @@ from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
 COLUMNS = 19
-"""Of the array of links: parent, whether it slides, axis (3), anchor (3), mass, centre of mass (3), inertia about it (xx,
-yy, zz, xy, xz, yz) and default position."""
+"""Of the array of links: parent, whether it slides, axis (3), anchor (3), mass, centre of mass (3), inertia about it
+(xx, yy, zz, xy, xz, yz) and default position."""
 
 
 @compiled()

@@ -35,6 +35,11 @@ def describe(opened: OpenedModel) -> OneJoint | SeveralJoints:
     )
 
 
+def joints_in(described: OneJoint | SeveralJoints) -> tuple[OneJoint, ...]:
+    """The joints of a model."""
+    return (described,) if isinstance(described, OneJoint) else described.joints
+
+
 def _describe_joint(mujoco: Any, opened: OpenedModel, own: OpenedJoint, output: str) -> OneJoint:
     """A joint with its actuator; one of several without inertia and weight, which depend on the others."""
     model, at, joint = opened.model, own.actuator, own.joint

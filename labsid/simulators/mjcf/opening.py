@@ -113,7 +113,9 @@ def open_model(source: MjcfSource) -> OpenedModel:
     actuators = list(driven)
     places = tuple(next(i for i, one in enumerate(joints) if one.actuator == at) for at in actuators)
     outputs = tuple(_output(mujoco, model, source, name, joints) for name in _outputs(source, joints, places))
-    of_inputs, of_outputs = (",".join(names) for names in ([joints[i].actuator_name for i in places], [one.name for one in outputs]))
+    of_inputs, of_outputs = (
+        ",".join(names) for names in ([joints[i].actuator_name for i in places], [one.name for one in outputs])
+    )
     return OpenedModel(MjcfSource(path, of_inputs, of_outputs, source.trusted), model, joints, places, outputs)
 
 
@@ -150,8 +152,8 @@ def _driven(mujoco: Any, model: Any, source: MjcfSource) -> dict[int, int]:
         if joint in driven.values():
             of = names_of(mujoco, model, "joint")[joint]
             raise ValueError(
-                f"the joint {of} of {source.path} has {list(map(int, model.actuator_trnid[:, 0])).count(joint)} actuators; "
-                "a joint with one can be opened. Remove the others, or give the model as a function."
+                f"the joint {of} of {source.path} has more than one actuator, which cannot be opened. Remove "
+                "the others, or give the model as a function."
             )
         driven[at] = joint
     return driven

@@ -1,13 +1,13 @@
 """Play a model of MuJoCo with changes of its joints and actuators."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from copy import copy
 from typing import Any
 
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.mjcf.describing import describe, joint_of, spread, tip_of
+from labsid.simulators.mjcf.describing import describe, joint_of, joints_in, spread, tip_of
 from labsid.simulators.mjcf.one_joint import (
     FREE,
     STANDING_SOLIMP,
@@ -28,7 +28,7 @@ class Player:
     def __init__(self, opened: OpenedModel) -> None:
         self.mujoco, self.opened = import_mujoco(), opened
         self.one = describe(opened)
-        self.joints: tuple[OneJoint, ...] = (self.one,) if isinstance(self.one, OneJoint) else self.one.joints
+        self.joints = joints_in(self.one)
 
     def run(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         """Outputs for commands that are held between samples, shape (N,) for u of shape (N,), else (N, ny).
@@ -57,7 +57,7 @@ class Player:
             armature = numbers.get(f"{opened.joint_name}:armature", joints[place].armature)
             model.dof_armature[opened.joint] = armature + changes[place]["armature"]
             scale = numbers.get(f"{opened.link_name}:mass", joints[place].mass) / (joints[place].mass or 1.0)
-            change_link(mujoco, model, self.opened.model, opened.joint, scale, changes[place]["mass"])
+            _change_link(mujoco, model, self.opened.model, opened.joint, scale, changes[place]["mass"])
         data = mujoco.MjData(model)
         mujoco.mj_setConst(model, data)
         mujoco.mj_resetData(model, data)
@@ -78,8 +78,9 @@ class Player:
         timestep = joints[0].timestep
         steps = substeps(float(t[1] - t[0]) if t.size > 1 else timestep, timestep)
         applied = [
-            place for place, own in enumerate(changes) if any(own[name] for name in ("gravity_sin", "gravity_cos"))
-            or any(c[place, [42, 44, 45]])
+            place
+            for place, own in enumerate(changes)
+            if any(own[name] for name in ("gravity_sin", "gravity_cos")) or any(c[place, [42, 44, 45]])
         ]
         varied = [place for place, own in enumerate(changes) if own["transmitted"] or own["peak"]]
         motion, contacts = np.empty((len(u), len(joints), 3)), np.full(len(u), -1)
@@ -142,13 +143,14 @@ def _friction(data: Any, c: FloatArray, place: int) -> float:
     return float(held + c[11] * np.exp(-((float(data.qvel[place]) / c[12]) ** 2)))
 
 
-def change_link(mujoco: Any, model: Any, nominal: Any, joint: int, scale: float, at_tip: float) -> Sequence[int]:
-    """Scale the masses of the bodies of a link in a model, and add a mass to its end; the bodies that have changed."""
-    if scale == 1.0 and not at_tip:
-        return ()
+def changed_bodies(
+    mujoco: Any, nominal: Any, joint: int, scale: float, at_tip: float
+) -> Iterator[tuple[int, float, FloatArray, FloatArray]]:
+    """The bodies of a link with scaled masses and a mass at its end: index, mass, centre, inertia of shape (3, 3)."""
     tip, place = tip_of(mujoco, nominal, joint)
-    bodies = [body for body in range(1, nominal.nbody) if joint_of(nominal, body) == joint]
-    for body in bodies:
+    for body in range(1, nominal.nbody):
+        if joint_of(nominal, body) != joint:
+            continue
         mass, centre = scale * float(nominal.body_mass[body]), np.array(nominal.body_ipos[body])
         turn = np.zeros(9)
         mujoco.mju_quat2Mat(turn, nominal.body_iquat[body])
@@ -159,11 +161,18 @@ def change_link(mujoco: Any, model: Any, nominal: Any, joint: int, scale: float,
             middle = (mass * centre + at_tip * place) / whole
             inertia = inertia + mass * spread(centre - middle) + at_tip * spread(place - middle)
             mass, centre = whole, middle
+        yield body, mass, centre, inertia
+
+
+def _change_link(mujoco: Any, model: Any, nominal: Any, joint: int, scale: float, at_tip: float) -> None:
+    """Scale the masses of a link, and add a mass to its end."""
+    if scale == 1.0 and not at_tip:
+        return
+    for body, mass, centre, inertia in changed_bodies(mujoco, nominal, joint, scale, at_tip):
         moments, vectors, quat = np.zeros(3), np.zeros(9), np.zeros(4)
         mujoco.mju_eig3(moments, vectors, quat, inertia.ravel())
         model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = mass, centre, moments
         model.body_iquat[body], model.body_sameframe[body] = quat, 0
-    return bodies
 
 
 def _change(

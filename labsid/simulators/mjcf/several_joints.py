@@ -105,6 +105,14 @@ class SeveralJoints:
         """Where effects are put, in words."""
         return f"the joints {', '.join(one.joint for one in self.joints)}"
 
+    @property
+    def described(self) -> tuple[str, ...]:
+        """What each actuator moves, and what each output is, in words."""
+        moved = [self.joints[place] for place in self.inputs]
+        says = [f"{one.actuator} ({one.kind}) moves the joint {one.joint}" for one in moved]
+        pairs = zip(self.names, self.outputs, strict=True)
+        return (*says, *(f"{name} is the {what} of {self.joints[place].place}" for name, (place, what) in pairs))
+
     def run(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         """Outputs for commands that are held between samples, shape (N, ny).
 

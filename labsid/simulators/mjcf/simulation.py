@@ -14,7 +14,10 @@ from labsid.simulators.simulator import Simulator
 MOST = 1e9
 FREE_SIGN = (":springref", ":stiffness", ":cubic")  # numbers that may be negative
 CONTACTS = PREFIX + "contacts"
-"""Among the numbers of a run: the output is the pair of geoms in contact at each sample, or -1; with several outputs that of each is the same."""
+"""Among the numbers of a run: the output is the pair of geoms in contact at each sample, or -1.
+
+With several outputs each of them is.
+"""
 
 
 def open_mjcf(source: MjcfSource) -> Simulator:
@@ -31,16 +34,28 @@ def open_mjcf(source: MjcfSource) -> Simulator:
     def run(t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         if CONTACTS in numbers:
             pairs = np.asarray(player.play(t, u, numbers)[1], float)
-            return pairs if isinstance(player.one, OneJoint) else np.repeat(pairs[:, None], len(player.one.names), axis=1)
+            return (
+                pairs if isinstance(player.one, OneJoint) else np.repeat(pairs[:, None], len(player.one.names), axis=1)
+            )
         return player.run(t, u, numbers)
 
     nominal = player.one.nominal()
     ranges = {name: (0.0, MOST) for name, value in nominal.items() if value >= 0.0 and not name.endswith(FREE_SIGN)}
     label = f"{source.path.name}:{opened.source.actuator}:{opened.source.output}"
-    signals = {} if isinstance(player.one, OneJoint) else {
-        "inputs": tuple(opened.joints[place].actuator_name for place in opened.inputs),
-        "outputs": player.one.names,
-    }
+    signals = (
+        {}
+        if isinstance(player.one, OneJoint)
+        else {
+            "inputs": tuple(opened.joints[place].actuator_name for place in opened.inputs),
+            "outputs": player.one.names,
+        }
+    )
     return Simulator(
-        run, label, nominal, ranges=ranges, source=str(opened.source), joint=player.one, **signals  # type: ignore[arg-type]
+        run,
+        label,
+        nominal,
+        ranges=ranges,
+        source=str(opened.source),
+        joint=player.one,
+        **signals,  # type: ignore[arg-type]
     )

@@ -8,21 +8,20 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.fits.fitting import Fit
+from labsid.gap.joints.arm_simulation import MendedArm, mended_arm
 from labsid.gap.joints.joint_check import check_joints
 from labsid.gap.joints.joint_report import JointPart, combine_joints
 from labsid.gap.joints.joint_search import AtJoint, find_at_joints, numbers_of
-from labsid.gap.joints.joint_view import arm_record, joint_view
-from labsid.gap.joints.mended_arm import MendedArm, mended_arm
+from labsid.gap.joints.views import arm_record, joint_view, matching
 from labsid.gap.record.clock import clock_findings
 from labsid.gap.reports.report import build_report
 from labsid.gap.search.beam_search import Progress
 from labsid.gap.signals.preparation import Prepared, prepare, prepare_holdout
 from labsid.gap.signals.result import SignalsDiagnosis
-from labsid.gap.system_pairs import in_order
+from labsid.gap.signals.signals_replay import SignalsReplay, scored_replay
 from labsid.gap.verdict.answer import answer_from
 from labsid.records.record import Record
 from labsid.simulators.meter import SEARCH_SHARE
-from labsid.simulators.mjcf.several_joints import SeveralJoints
 from labsid.simulators.simulator import Simulator
 
 
@@ -32,11 +31,11 @@ class JointsDiagnosis(SignalsDiagnosis):
 
     Attributes
     ----------
-    arm : MendedArm or None
+    mended : MendedArm or None
         The model with the effects found.
     """
 
-    arm: MendedArm | None = None
+    mended: MendedArm | None = None
 
 
 def diagnose_joints(
@@ -85,26 +84,6 @@ def diagnose_joints(
     return JointsDiagnosis(report, {}, None, mended)
 
 
-def matching(simulate: Simulator, record: Record, kept: Sequence[str]) -> Simulator:
-    """The simulator with its signals in the order of those of a record."""
-    ordered = in_order(simulate, record.inputs, record.outputs, kept)
-    joints = simulate.joint
-    assert isinstance(joints, SeveralJoints)
-    inputs = [simulate.inputs.index(name) for name in record.inputs] if set(simulate.inputs) == set(record.inputs) else None
-    of = dict(zip(record.outputs, _places(simulate.outputs, record.outputs), strict=True))
-    changed = replace(
-        joints,
-        inputs=joints.inputs if inputs is None else tuple(joints.inputs[i] for i in inputs),
-        outputs=tuple(joints.outputs[of[name]] for name in kept),
-        names=tuple(kept),
-    )
-    return replace(ordered, joint=changed)
-
-
-def _places(names: Sequence[str], wanted: Sequence[str]) -> list[int]:
-    return [names.index(name) for name in wanted] if set(names) == set(wanted) else list(range(len(wanted)))
-
-
 def _part(one: AtJoint, seed: int, progress: Progress | None) -> JointPart:
     """The report of the joined outputs, as seen at a joint."""
     rng = np.random.default_rng(seed)
@@ -131,8 +110,19 @@ def _zeros(one: AtJoint) -> FloatArray:
     return mended_arm([alone], {}, RecordStart(base.slowest_rates)).zeros
 
 
-def play_joints(simulate: Simulator, record: Record) -> tuple[FloatArray, RecordStart]:
-    """Outputs of a model of several joints on a record, and which samples its start is estimated from."""
+def replay_joints(simulate: Simulator, record: Record) -> SignalsReplay:
+    """Run a model of several joints with the commands of a record; first samples determine its initial state.
+
+    Parameters
+    ----------
+    simulate : Simulator
+    record : Record
+
+    Raises
+    ------
+    ValueError
+        If it has other signals or diverges.
+    """
     prepared = prepare(record)
     signals = prepared.signals
     ordered = matching(simulate, record, signals.outputs)
@@ -143,4 +133,4 @@ def play_joints(simulate: Simulator, record: Record) -> tuple[FloatArray, Record
     start = RecordStart(fit.slowest_rates)
     noise = np.array([scale.unit for scale in arm.scales])
     mended = MendedArm(arm.simulator, {}, (), noise, np.zeros(noise.size), start)
-    return mended.simulate(signals), start
+    return scored_replay(record, mended.simulate(signals), start)

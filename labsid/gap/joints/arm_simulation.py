@@ -9,7 +9,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.joints.joint_search import AtJoint
-from labsid.gap.joints.joint_view import initial_states
+from labsid.gap.joints.views import initial_states
 from labsid.gap.model_file import minimize_state
 from labsid.gap.record.data import Scale
 from labsid.gap.signals.roles import Signals

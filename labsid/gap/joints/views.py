@@ -4,7 +4,7 @@ The command of the joint's actuator is the input, the other commands act as they
 units of its noise, so that one score holds for all of them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -23,6 +23,7 @@ from labsid.gap.record.data import Data, Scale, scaled
 from labsid.gap.signals.roles import Signals
 from labsid.gap.simulations.baseline import Baseline, check_bounded
 from labsid.gap.simulations.opened import fit_as_it_is, initial_state, make_port, sizes_of_numbers
+from labsid.gap.system_pairs import in_order
 from labsid.records.record import Record
 from labsid.simulators.meter import BudgetSpentError
 from labsid.simulators.mjcf.one_joint import OneJoint, prefix_of
@@ -30,7 +31,9 @@ from labsid.simulators.mjcf.several_joints import SeveralJoints
 from labsid.simulators.simulator import Simulator, SimulatorError
 
 BRIDGE = 20  # samples between two outputs: more than the noise model looks back
-SAME = 1e-3  # of the range of an output: largest difference of the compiled loop; MuJoCo's solver leaves 1e-4 in friction
+SAME = (
+    1e-3  # of the range of an output: largest difference of the compiled loop; MuJoCo's solver leaves 1e-4 in friction
+)
 NOISELESS = 1e-6  # of the standard deviation of an output: the least noise that it is counted in
 
 
@@ -128,6 +131,28 @@ def arm_record(signals: Signals, simulate: Simulator) -> ArmRecord:
     return ArmRecord(signals, simulate, joints, start, motion, scales)
 
 
+def matching(simulate: Simulator, record: Record, kept: Sequence[str]) -> Simulator:
+    """The simulator with its signals in the order of those of a record."""
+    ordered = in_order(simulate, record.inputs, record.outputs, kept)
+    joints = simulate.joint
+    assert isinstance(joints, SeveralJoints)
+    inputs = (
+        [simulate.inputs.index(name) for name in record.inputs] if set(simulate.inputs) == set(record.inputs) else None
+    )
+    of = dict(zip(record.outputs, _places(simulate.outputs, record.outputs), strict=True))
+    changed = replace(
+        joints,
+        inputs=joints.inputs if inputs is None else tuple(joints.inputs[i] for i in inputs),
+        outputs=tuple(joints.outputs[of[name]] for name in kept),
+        names=tuple(kept),
+    )
+    return replace(ordered, joint=changed)
+
+
+def _places(names: Sequence[str], wanted: Sequence[str]) -> list[int]:
+    return [names.index(name) for name in wanted] if set(names) == set(wanted) else list(range(len(wanted)))
+
+
 def initial_states(joints: SeveralJoints, signals: Signals) -> dict[str, float]:
     """Positions and speeds of the joints at the first sample, as far as outputs show them."""
     found: dict[str, float] = {}
@@ -187,7 +212,9 @@ def joint_view(arm: ArmRecord, joint: int, fixed: Mapping[str, float], commands:
     plain, start = _structure(arm, replace(arm.simulator, free=()), joint, data, main, order, signals.u)
     simulate = replace(arm.simulator, nominal=arm.simulator.nominal | dict(fixed))
     structure, begun = _structure(arm, simulate, joint, data, main, order, inputs)
-    return JointView(arm, joint, main, order, data, Baseline(partial(fit_as_it_is, plain, start), structure, start=begun))
+    return JointView(
+        arm, joint, main, order, data, Baseline(partial(fit_as_it_is, plain, start), structure, start=begun)
+    )
 
 
 def _joined(arm: ArmRecord, main: int, order: tuple[int, ...]) -> Data:
@@ -231,7 +258,9 @@ def _structure(
         """All outputs for the joined input, the first one for any other; NaN where the simulation fails."""
         whole = w.size == data.samples
         command = np.asarray(data.u_scale.back(w[: len(signals)] if whole else w))
-        u = np.column_stack([command if i == main else extended(inputs[:, i], command.size) for i in range(inputs.shape[1])])
+        u = np.column_stack(
+            [command if i == main else extended(inputs[:, i], command.size) for i in range(inputs.shape[1])]
+        )
         t = np.asarray(signals.t[0] + signals.Ts * np.arange(command.size), np.float64)
         try:
             y = simulate(t, u, numbers)
