@@ -335,7 +335,7 @@ def check_simulation(
     trust: Trust = False,
 ) -> None:
     """Check whether a record and a model of MuJoCo or a class speak of the same thing. Exit status 1 if not."""
-    from labsid.gap.joints.joint_check import check_record_of_joints
+    from labsid.gap.joints.joint_check import check_record_of_joints, determined_of_joints
     from labsid.gap.simulations.model_check import check_model
     from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.record import read_record
@@ -363,6 +363,8 @@ def check_simulation(
     print(f"{len(loaded)} samples; {moves or f'effects act at {joint.place}'}")
     for finding in findings:
         print(f"{finding.level}: {finding.text}")
+    for text in determined_of_joints(loaded, opened) if isinstance(joint, SeveralJoints) else ():
+        print(text)
     if not findings:
         print(f"The record and the model agree in sign, units{', time and limits' if is_joint else ' and time'}.")
     raise typer.Exit(int(any(finding.level == "warning" for finding in findings)))

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
-from labsid.gap.fits.fitting import Fit
 from labsid.gap.joints.arm_simulation import MendedArm, mended_arm
 from labsid.gap.joints.joint_check import check_joints
+from labsid.gap.joints.joint_numbers import numbers_by_joint
 from labsid.gap.joints.joint_report import JointPart, combine_joints
-from labsid.gap.joints.joint_search import AtJoint, find_at_joints, numbers_of
+from labsid.gap.joints.joint_search import AtJoint, find_at_joints
 from labsid.gap.joints.views import arm_record, joint_view, matching
 from labsid.gap.record.clock import clock_findings
 from labsid.gap.reports.report import build_report
@@ -73,15 +72,16 @@ def diagnose_joints(
     simulate.meter.begin(evaluations)
     with simulate.meter.searching(SEARCH_SHARE):
         arm = arm_record(prepared.signals, simulate)
+        numbers = numbers_by_joint(arm)
         found = find_at_joints(arm, progress=progress)
     parts = [_part(one, seed, progress) for one in found.at]
     start = RecordStart(found.at[-1].explanation.path[0].slowest_rates)
-    named = [one for one, part in zip(found.at, parts, strict=True) if part.report["effects"]]
-    mended = mended_arm(found.at, numbers_of(named), start)
+    named = [part.at for part in parts if part.report["effects"]]
+    mended = mended_arm(named, parts[-1].at, start)
     if other is not None:
-        parts = _on_holdout(parts, found.at, mended, other, start)
+        parts = _on_holdout(parts, mended, other, start)
     report = combine_joints(prepared, arm, found, parts, simulate.meter.counts())
-    return JointsDiagnosis(report, {}, None, mended)
+    return JointsDiagnosis(report | {"identifiability": numbers}, {}, None, mended)
 
 
 def _part(one: AtJoint, seed: int, progress: Progress | None) -> JointPart:
@@ -90,24 +90,16 @@ def _part(one: AtJoint, seed: int, progress: Progress | None) -> JointPart:
     record, base = one.view.record, one.view.base
     answer = answer_from(record, one.explanation, base, None, rng, progress)
     report = build_report(record, answer, base, rng)
-    return JointPart(one, answer, report)
+    return JointPart(replace(one, explanation=answer.explanation), answer, report)
 
 
-def _on_holdout(
-    parts: Sequence[JointPart], found: Sequence[AtJoint], mended: MendedArm, other: Prepared, start: RecordStart
-) -> list[JointPart]:
+def _on_holdout(parts: Sequence[JointPart], mended: MendedArm, other: Prepared, start: RecordStart) -> list[JointPart]:
     """The parts with outputs on another record, by the model as it is and by the mended one."""
-    plain = replace(mended, numbers={}, commands=(), zeros=_zeros(found[-1]))
-    outputs = [one.simulate(other.signals) for one in (plain, mended)]
+    last = parts[-1]
+    as_it_is = replace(last.at, explanation=replace(last.at.explanation, path=(last.answer.before,)))
+    outputs = [one.simulate(other.signals) for one in (mended_arm([], as_it_is, start), mended)]
     scored = np.arange(len(other.signals)) >= start.samples(len(other.signals))
     return [replace(part, holdout=(other.signals, outputs[0], outputs[1], scored)) for part in parts]
-
-
-def _zeros(one: AtJoint) -> FloatArray:
-    """Zeros of the sensors for the model as it is."""
-    base: Fit = one.view.base.before(one.view.data)  # type: ignore[misc]
-    alone = replace(one, explanation=replace(one.explanation, path=(base,)))
-    return mended_arm([alone], {}, RecordStart(base.slowest_rates)).zeros
 
 
 def replay_joints(simulate: Simulator, record: Record) -> SignalsReplay:

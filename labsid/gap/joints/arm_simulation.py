@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.record_start import RecordStart
 from labsid.gap.fits.hypothesis import Hypothesis
-from labsid.gap.joints.joint_search import AtJoint
+from labsid.gap.joints.joint_search import AtJoint, numbers_of
 from labsid.gap.joints.views import initial_states
 from labsid.gap.model_file import minimize_state
 from labsid.gap.record.data import Scale
@@ -106,9 +106,18 @@ class MendedArm:
         return output(state, len(signals))
 
 
-def mended_arm(found: Sequence[AtJoint], numbers: Mapping[str, float], start: RecordStart) -> MendedArm:
-    """The model with what was found at its joints."""
-    last = found[-1]
+def mended_arm(named: Sequence[AtJoint], last: AtJoint, start: RecordStart) -> MendedArm:
+    """The model with the effects that are named.
+
+    Parameters
+    ----------
+    named : sequence of AtJoint
+        The joints with effects.
+    last : AtJoint
+        The view whose fit tells the zeros of the sensors.
+    start : RecordStart
+        Which samples of a record determine its initial state.
+    """
     view, fit, arm = last.view, last.fit, last.view.arm
     offsets = np.zeros(len(arm.scales))
     additive = fit.gains[fit.gains.size - sum(effect.width for effect in fit.hypothesis.additive) :]
@@ -118,11 +127,11 @@ def mended_arm(found: Sequence[AtJoint], numbers: Mapping[str, float], start: Re
         offsets[j] = arm.scales[j].unit * unit * (fit.gains[1] + further)
     commands = tuple(
         ChangedCommand(one.view.main, _alone(one), _theta_alone(one), one.view.data.u_scale)
-        for one in found
+        for one in named
         if one.changes_command
     )
     noise = np.array([scale.unit for scale in arm.scales])
-    return MendedArm(replace(arm.simulator, free=()), dict(numbers), commands, noise, offsets, start)
+    return MendedArm(replace(arm.simulator, free=()), dict(numbers_of(named)), commands, noise, offsets, start)
 
 
 def _alone(one: AtJoint) -> Hypothesis:

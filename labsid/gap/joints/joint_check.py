@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from labsid.gap.joints.views import initial_states, matching
+from labsid.gap.joints.joint_numbers import numbers_by_joint, sentences_by_joint
+from labsid.gap.joints.views import arm_record, initial_states, matching
 from labsid.gap.signals.preparation import prepare
 from labsid.gap.signals.roles import Signals
 from labsid.gap.simulations.model_check import check_output, contact_findings, limit_findings
@@ -58,3 +59,10 @@ def check_record_of_joints(record: Record, simulate: Simulator) -> list[Finding]
     """The same of a record, whose signals are those of the model by name, or in their order."""
     signals = prepare(record).signals
     return check_joints(signals, matching(simulate, record, signals.outputs))
+
+
+def determined_of_joints(record: Record, simulate: Simulator) -> list[str]:
+    """Which numbers of each joint a record determines, in sentences."""
+    signals = prepare(record).signals
+    arm = arm_record(signals, matching(simulate, record, signals.outputs))
+    return sentences_by_joint(numbers_by_joint(arm))

@@ -224,4 +224,5 @@ def _view(arm: ArmRecord, joint: int, found: Sequence[AtJoint]) -> JointView:
 
 def numbers_of(found: Sequence[AtJoint]) -> Mapping[str, float]:
     """All numbers of the simulation that differ from the model."""
-    return {name: value for one in found if one.found for name, value in one.numbers.items()}
+    changed = (one for one in found if one.found or one.fit.hypothesis.plant.free)
+    return {name: value for one in changed for name, value in one.numbers.items()}
