@@ -476,17 +476,18 @@ def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
 def _write_simulation(path: Path, diagnosed: "Diagnosis | SignalsDiagnosis") -> None:
     """Write an exported simulation in the form that the name of its file asks for."""
     from labsid._files import write_json
+    from labsid.gap.reports.result import Diagnosis
 
     kind = path.suffix.lower()
     if kind in (".xml", ".mjcf"):
         from labsid.gap.joints.arm_diagnosis import JointsDiagnosis
         from labsid.gap.joints.mjcf_export import write_mended_model
-        from labsid.gap.reports.result import Diagnosis
 
         assert isinstance(diagnosed, Diagnosis | JointsDiagnosis)
         for line in write_mended_model(path, diagnosed):
             print(line)
         return
+    assert isinstance(diagnosed, Diagnosis)
     content = diagnosed.model.to_json_dict()
     if kind == ".py":
         from labsid.gap.simulations.python_export import write_python_module

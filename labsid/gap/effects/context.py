@@ -128,11 +128,11 @@ class Context:
         data = self.data.first_output
         if data is self.data:
             return self
-        parents = (
-            None if one is None else replace(one, output=one.output[: data.samples])
-            for one in (self.parent, self.highpass)
-        )  # type: ignore[type-var]
-        return Context(data, *parents)  # type: ignore[arg-type]
+        return Context(
+            data,
+            _shortened(self.parent, data.samples),
+            None if self.highpass is None else _shortened(self.highpass, data.samples),
+        )
 
     @property
     def residual(self) -> FloatArray:
@@ -195,6 +195,12 @@ class Context:
     def highpass_rates(self) -> tuple[float, float]:
         """c and k of the high-pass fit, which drifts and jumps bias less."""
         return (self.highpass or self.parent).rates
+
+
+def _shortened(fit: ParentFit, samples: int) -> ParentFit:
+    """A fit with the first samples of its output."""
+    shorter: ParentFit = replace(fit, output=fit.output[:samples])  # type: ignore[type-var]
+    return shorter
 
 
 def unit_step_response(hypothesis: Structure, theta: FloatArray, gains: FloatArray, samples: int) -> FloatArray:

@@ -1,7 +1,7 @@
 """Diagnose a record with a model of several joints."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -30,11 +30,11 @@ class JointsDiagnosis(SignalsDiagnosis):
 
     Attributes
     ----------
-    mended : MendedArm or None
+    mended : MendedArm
         The model with the effects found.
     """
 
-    mended: MendedArm | None = None
+    mended: MendedArm = field(kw_only=True)
 
 
 def diagnose_joints(
@@ -81,7 +81,7 @@ def diagnose_joints(
     if other is not None:
         parts = _on_holdout(parts, mended, other, start)
     report = combine_joints(prepared, arm, found, parts, simulate.meter.counts())
-    return JointsDiagnosis(report | {"identifiability": numbers}, {}, None, mended)
+    return JointsDiagnosis(report | {"identifiability": numbers}, {}, None, mended=mended)
 
 
 def _part(one: AtJoint, seed: int, progress: Progress | None) -> JointPart:

@@ -12,7 +12,7 @@ from labsid.gap.reports.sentences import number_sentences
 def numbers_by_joint(arm: ArmRecord) -> dict[str, list[dict[str, Any]]]:
     """What all outputs together say of the numbers of a joint, its link and its actuator, at their nominal values.
 
-    The numbers of one joint are free at a time.
+    The numbers of one joint are free at a time, without those that are zero: the model has them not.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def numbers_by_joint(arm: ArmRecord) -> dict[str, list[dict[str, Any]]]:
     """
     found: dict[str, list[dict[str, Any]]] = {}
     for place, one in enumerate(arm.joints.joints):
-        names = tuple(one.nominal())
+        names = tuple(name for name, value in one.nominal().items() if value)
         view = joint_view(replace(arm, simulator=replace(arm.simulator, free=names)), place, {}, {})
         problem = Problem(view.data, view.base.structure)
         assert view.base.start is not None

@@ -9,6 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._files import write_file
 from labsid.gap.dynamics.inside_parts import IN_TIME
+from labsid.gap.effects.base import InputEffect
 from labsid.gap.effects.inside import Inside
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.joints.arm_diagnosis import JointsDiagnosis
@@ -17,7 +18,7 @@ from labsid.gap.reports.effect_texts import noun, parameter_label, parameter_val
 from labsid.gap.reports.inside_texts import inside_clause
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.simulations.python_export import write_python_module
-from labsid.simulators.mjcf.describing import describe, joints_in
+from labsid.simulators.mjcf.describing import describe_model, joints_in
 from labsid.simulators.mjcf.one_joint import FREE, STANDING_SOLIMP, STANDING_SOLREF, OneJoint, changes_in
 from labsid.simulators.mjcf.opening import OpenedModel, import_mujoco, open_model
 from labsid.simulators.mjcf.playing import changed_bodies
@@ -47,14 +48,20 @@ def write_mended_model(path: Path, found: Diagnosis | JointsDiagnosis) -> list[s
         If the simulation is none, or its files lie in another folder.
     """
     several = isinstance(found, JointsDiagnosis)
-    text = found.mended.simulator.source if several else found.model.hypothesis.plant.simulation.source
-    source = parse_mjcf(text)
-    if source is None or (not several and found.model.hypothesis.plant.simulation.port is None):
+    if isinstance(found, JointsDiagnosis):
+        source = parse_mjcf(found.mended.simulator.source)
+    else:
+        simulation = found.model.hypothesis.plant.simulation
+        source = None if simulation.port is None else parse_mjcf(simulation.source)
+    if source is None:
         raise ValueError("--export FILE.xml needs a model of MuJoCo as the simulation. Give --sim FILE.xml.")
     opened = open_model(source)
-    joints = joints_in(describe(opened))
+    joints = joints_in(describe_model(opened))
     spec = import_mujoco().MjSpec.from_file(str(source.path))
-    numbers, commands, in_time = _changes_of_several(found, opened) if several else _changes_of_one(found)
+    if isinstance(found, JointsDiagnosis):
+        numbers, commands, in_time = _changes_of_several(found, opened)
+    else:
+        numbers, commands, in_time = _changes_of_one(found)
     left: dict[str, None] = {}
     for place, one in enumerate(joints if numbers else ()):
         left |= dict.fromkeys(_change_joint(spec, opened, place, one, numbers))
@@ -74,7 +81,7 @@ def write_mended_model(path: Path, found: Diagnosis | JointsDiagnosis) -> list[s
     module = path.with_suffix(".py")
     if set(left) <= {*LAWS, *(WEIGHT if several else ())}:
         write_file(module, _law_module(path, opened, joints, numbers).encode())
-    elif several:
+    elif isinstance(found, JointsDiagnosis):
         return [*said, f"It is without {', '.join(left)}, which MJCF has not, or which belongs to this record only."]
     else:
         write_python_module(module, found.model.to_json_dict())
@@ -162,7 +169,7 @@ def _change_gravity(spec: Any, mujoco: Any, opened: OpenedModel, wanted: tuple[f
     axes, torques = np.eye(3), []
     for axis in axes:
         model.opt.gravity[:] = axis
-        torques.append(joints_in(describe(opened))[0].gravity[:2])
+        torques.append(joints_in(describe_model(opened))[0].gravity[:2])
     model.opt.gravity[:] = before
     matrix = np.array(torques).T
     if np.linalg.matrix_rank(matrix, SMALL) < 2:
@@ -192,6 +199,7 @@ def _change_actuator(
             actuator.delay = max(delay, 0.0)
             actuator.nsample = int(np.ceil(delay / one.timestep)) + HISTORY
         elif effect.name == "input-saturation" and effect.variant in ("low", "high", "both", ""):
+            assert isinstance(effect, InputEffect)
             ends = np.asarray(effect.apply(np.array([-1e9, 1e9]), own, 2))
             low, high = np.asarray(scale.back(ends))
             actuator.ctrllimited = 1

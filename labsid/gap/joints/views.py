@@ -22,7 +22,7 @@ from labsid.gap.fits.noise_model import noise_of
 from labsid.gap.record.data import Data, Scale, scaled
 from labsid.gap.signals.roles import Signals
 from labsid.gap.simulations.baseline import Baseline, check_bounded
-from labsid.gap.simulations.opened import fit_as_it_is, initial_state, make_port, sizes_of_numbers
+from labsid.gap.simulations.opened import LEAST_UNIT, fit_as_it_is, initial_state, make_port, sizes_of_numbers
 from labsid.gap.system_pairs import in_order
 from labsid.records.record import Record
 from labsid.simulators.meter import BudgetSpentError
@@ -220,7 +220,8 @@ def joint_view(arm: ArmRecord, joint: int, fixed: Mapping[str, float], commands:
 def _joined(arm: ArmRecord, main: int, order: tuple[int, ...]) -> Data:
     """The outputs end to end, mirrored between two of them."""
     signals = arm.signals
-    u, y, rows, pieces = [], [], [], []
+    u, y, rows = [], [], []
+    pieces: list[tuple[int, int]] = []
     at = 0
     for j in order:
         measured = np.asarray(arm.scales[j].of(signals.y[:, j]))
@@ -311,8 +312,8 @@ def _port(arm: ArmRecord, joint: int, data: Data, own: Data, output: int) -> Ins
     others = {}
     for place, one in enumerate(joints.joints):
         if place != joint:
-            spread, speed = np.std(arm.motion[:, place, 0]), np.sqrt(np.mean(arm.motion[:, place, 1] ** 2))
-            others[one.joint] = (float(max(spread, 1e-9)), float(max(speed, 1e-9)))
+            spread, speed = (float(np.std(arm.motion[:, place, column])) for column in (0, 1))
+            others[one.joint] = (max(spread, LEAST_UNIT), max(speed, LEAST_UNIT))
     centre = scale.centre + scale.unit * data.y_scale.centre
     return replace(
         port,

@@ -182,14 +182,14 @@ def play_compiled(
     drive = np.zeros(n)
     bias, a, e, resting = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     mass, work = np.zeros((n, n)), np.zeros((n, n))
-    scratch, constraints = np.zeros((n, 27)), np.zeros((n, 7))
+    scratch, room, constraints = np.zeros((n, 27)), np.zeros((10, 9)), np.zeros((n, 7))
     alone = np.empty(n)  # inertia of a joint that constraints are scaled by: at the model's default position
     for i in range(n):
         alone[i] = c[i, 0]
     if n > 1:
         for i in range(n):
             resting[i] = links[i, 18]
-        inertia_and_bias(resting, np.zeros(n), links, gravity, scratch, mass, bias)
+        inertia_and_bias(resting, np.zeros(n), links, gravity, scratch, room, mass, bias)
         for i in range(n):
             mass[i, i] += c[i, 0]
         for i in range(n):
@@ -267,7 +267,7 @@ def play_compiled(
                     whole += h * (c[0, 1] + 2.0 * c[0, 2] * abs(v[0]))
                 v[0] += h * (smooth[0] + push) / whole
             else:
-                inertia_and_bias(q, v, links, gravity, scratch, mass, bias)
+                inertia_and_bias(q, v, links, gravity, scratch, room, mass, bias)
                 for i in range(n):
                     mass[i, i] += c[i, 0]
                     smooth[i] -= bias[i]

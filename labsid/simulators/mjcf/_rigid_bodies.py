@@ -58,6 +58,7 @@ def inertia_and_bias(
     links: FloatArray,
     gravity: FloatArray,
     state: FloatArray,
+    room: FloatArray,
     mass: FloatArray,
     bias: FloatArray,
 ) -> None:
@@ -72,6 +73,8 @@ def inertia_and_bias(
     state : ndarray, shape (n, 27)
         For each link: R (9), p (3), axis (3), anchor (3), angular speed (3) and acceleration (3), and the acceleration
         of the anchor (3).
+    room : ndarray, shape (10, 9)
+        For intermediate vectors: allocating them takes as long as the rest.
     mass : ndarray, shape (n, n)
     bias : ndarray, shape (n,)
         Both are overwritten.
@@ -79,9 +82,9 @@ def inertia_and_bias(
     n = q.size
     mass[:, :] = 0.0
     bias[:] = 0.0
-    offset, swing, arm, centre = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    force, torque, ahead, behind = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    turn, spread = np.empty(9), np.empty(9)
+    offset, swing, arm, centre = room[0], room[1], room[2], room[3]
+    force, torque, ahead, behind = room[4], room[5], room[6], room[7]
+    turn, spread = room[8], room[9]
     for i in range(n):
         parent = int(links[i, 0])
         own = state[i]

@@ -10,7 +10,7 @@ from labsid.simulators.mjcf.opening import OpenedJoint, OpenedModel, import_mujo
 from labsid.simulators.mjcf.several_joints import Links, SeveralJoints
 
 
-def describe(opened: OpenedModel) -> OneJoint | SeveralJoints:
+def describe_model(opened: OpenedModel) -> OneJoint | SeveralJoints:
     """The model as numbers.
 
     Raises

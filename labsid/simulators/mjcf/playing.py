@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.mjcf.describing import describe, joint_of, joints_in, spread, tip_of
+from labsid.simulators.mjcf.describing import describe_model, joint_of, joints_in, spread, tip_of
 from labsid.simulators.mjcf.one_joint import (
     FREE,
     STANDING_SOLIMP,
@@ -27,7 +27,7 @@ class Player:
 
     def __init__(self, opened: OpenedModel) -> None:
         self.mujoco, self.opened = import_mujoco(), opened
-        self.one = describe(opened)
+        self.one = describe_model(opened)
         self.joints = joints_in(self.one)
 
     def run(self, t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:

@@ -43,7 +43,7 @@ def test_the_joint_with_friction_is_named(found: JointsDiagnosis) -> None:
     assert (effect["name"], effect["joint"], effect["actuator"]) == ("coulomb-friction", "elbow", "elbow-motor")
     assert effect["probability"] > 0.8
     assert effect["parameters"]["friction"]["value"] == pytest.approx(0.08, rel=0.02)
-    assert "At the joint elbow, dry friction of" in str(found)
+    assert "at the joint elbow, dry friction of" in str(found)
     gap = found.report["gap"]["outputs"]
     assert all(gap[name]["closed"] > 0.95 for name in ("shoulder", "elbow"))
     assert "coulomb-friction at elbow" in repr(found)
@@ -105,7 +105,8 @@ def test_the_numbers_of_each_joint_that_a_record_determines(model: Path) -> None
         (lambda r: (r.u, r.y), ""),
     ],
 )
-def test_what_does_not_fit_is_said_by_output(change, words: str, model: Path) -> None:  # type: ignore[no-untyped-def]
+def test_what_does_not_fit_is_said_by_output(change, words: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    model = written(tmp_path / "arm.xml", chain(2, "position"))
     record = measured_chain(model, 5, 500)
     u, y = change(record)
     changed = Record(record.t, u, y, record.Ts, inputs=record.inputs, outputs=record.outputs)
