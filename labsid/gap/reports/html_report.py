@@ -31,6 +31,7 @@ from labsid.gap.reports.page_parts import (
     input_file,
     load_template,
     overview,
+    simulation_sentence,
 )
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
@@ -84,7 +85,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "sentence": sentences.verdict_sentence(report),
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),
-        "simulation": _simulation(report),
+        "simulation": simulation_sentence(report),
         "unit": report.get("units", {}).get("y", "units of y"),
         "stabilised": report["gap"].get("mode") == "stabilised",
         "gap": sentences.gap_sentence(report),
@@ -114,15 +115,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "look": sentences.look_sentence(report),
         "limits": _limits(report),
     }
-
-
-def _simulation(report: dict[str, Any]) -> str:
-    """The simulation that was compared with the record."""
-    if not report["simulation"]["given"]:
-        return "No simulation was given, so a linear model fitted to the record takes its place."
-    if report["simulation"].get("output") is not None or report["simulation"]["output_only"]:
-        return "Only the output of your simulation was given."
-    return "The record is compared with the simulation that you gave, unchanged."
 
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:

@@ -109,7 +109,8 @@ def place_of(effect: dict[str, Any]) -> str:
     if effect.get("from"):
         return f"from {effect['from']} to {effect['to']}"
     outputs = joined(effect["outputs"])
-    return f"at {effect['signal']}, seen in {outputs}" if effect["signal"] else f"seen in {outputs}"
+    where = effect["signal"] or effect.get("joint")
+    return f"at {where}, seen in {outputs}" if where else f"seen in {outputs}"
 
 
 def _at(signal: str | None) -> str:
