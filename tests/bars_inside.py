@@ -1,21 +1,40 @@
-"""Effects planted in arms of one joint in MuJoCo, their models without them: what is named, and the second record.
+"""Effects planted in arms in MuJoCo, their models without them: what is named and where, and the second record.
 
 python tests/bars_inside.py [ACTUATOR[:EFFECT] ...]        (position, velocity, torque; all by default)
+python tests/bars_inside.py 2|3[:ACTUATOR[:EFFECT]] ...     (arms of two and three joints, position and torque)
 """
 
 import sys
 import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
 
 import numpy as np
-from mjcf_arms import AMPLITUDES, MOTOR, NOISE, SERVO, SPEED, arm, measured, written
+from mjcf_arms import (
+    AMPLITUDES,
+    ANGLES,
+    MOTOR,
+    NAMES,
+    NOISE,
+    SERVO,
+    SPEED,
+    TORQUES,
+    arm,
+    chain,
+    measured,
+    measured_chain,
+    written,
+)
 
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.signals.preparation import prepare
 from labsid.simulators.process import open_in_process
 
 ACTUATORS = {"position": SERVO, "velocity": SPEED, "torque": MOTOR}
 SAMPLES = 1500
+START = 50  # samples that determine the initial state
 PLANTED: dict[str, tuple[str | None, dict[str, float]]] = {
     "nothing": (None, {}),
     "friction": ("coulomb-friction", {"friction": 0.12}),
@@ -37,26 +56,123 @@ PLANTED: dict[str, tuple[str | None, dict[str, float]]] = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class AtJoints:
+    """Effects in an arm of several joints.
+
+    Attributes
+    ----------
+    truth : set of (str, str)
+        Names, and the joint or the actuator of each.
+    changes : dict
+        By names such as ``elbow:friction``.
+    late, play : float
+        Samples by which the command of the elbow acts late, and width of the play in it.
+    only : str
+        Kind of actuator that shows it.
+    """
+
+    truth: frozenset[tuple[str, str]] = frozenset()
+    changes: dict[str, float] = field(default_factory=dict)
+    late: int = 0
+    play: float = 0.0
+    only: str = ""
+
+
+def _one(name: str, joint: str, only: str = "", **changes: float) -> AtJoints:
+    return AtJoints(frozenset({(name, joint)}), {f"{joint}:{key}": x for key, x in changes.items()}, only=only)
+
+
+AT_JOINTS: dict[str, AtJoints] = {
+    "nothing": AtJoints(),
+    "friction": _one("coulomb-friction", "elbow", friction=0.08),
+    "friction before": _one("coulomb-friction", "shoulder", friction=0.15),
+    "damping": _one("parameter-mismatch", "elbow", damping=0.05),
+    "armature": _one("parameter-mismatch", "elbow", armature=0.02),
+    "gravity": _one("gravity", "shoulder", gravity_sin=0.8),
+    "payload": _one("parameter-mismatch", "elbow", mass=0.2),
+    "stop": _one("end-stop", "elbow", high=0.4),
+    "force limit": _one("force-limit", "elbow", only="position", limit=0.8),
+    "delay": AtJoints(frozenset({("input-delay", "elbow")}), late=3),
+    "play": AtJoints(frozenset({("input-backlash", "elbow")}), play=0.2),
+    "friction and damping": AtJoints(
+        frozenset({("coulomb-friction", "elbow"), ("parameter-mismatch", "shoulder")}),
+        {"elbow:friction": 0.08, "shoulder:damping": 0.15},
+    ),
+}
+
+
 def main() -> None:
-    wanted = sys.argv[1:] or list(ACTUATORS)
-    right = count = 0
+    wanted = sys.argv[1:]
+    several = [one for one in wanted if one[0] in "23"] if wanted else ["2", "3"]
     with tempfile.TemporaryDirectory() as folder:
-        for kind, actuator in ACTUATORS.items():
-            model = written(Path(folder) / f"{kind}.xml", arm(actuator))
-            for what, (name, changes) in PLANTED.items():
-                if not {kind, f"{kind}:{what}"} & set(wanted) or (what == "force limit" and kind == "torque"):
+        alone = [one for one in wanted if one not in several] if wanted else list(ACTUATORS)
+        for title, rows in (
+            ("one joint", one_joint(Path(folder), alone)),
+            ("several joints", several_joints(Path(folder), several)),
+        ):
+            found = list(rows)
+            if found:
+                errors = [error for _, error in found]
+                right = sum(named for named, _ in found)
+                print(f"{title}: {right} of {len(found)} named; largest error on a second record {max(errors):.3f}")
+
+
+def one_joint(folder: Path, wanted: list[str]) -> Iterator[tuple[bool, float]]:
+    """Whether the effect is named, and the error of the mended model on a second record over the noise."""
+    for kind, actuator in ACTUATORS.items():
+        model = written(folder / f"{kind}.xml", arm(actuator))
+        for what, (name, changes) in PLANTED.items():
+            if not {kind, f"{kind}:{what}"} & set(wanted) or (what == "force limit" and kind == "torque"):
+                continue
+            first, second = (measured(model, n, SAMPLES, AMPLITUDES[actuator], **changes) for n in (1, 2))
+            begun = process_time()
+            found = diagnose(first, open_in_process(str(model)))
+            seconds = process_time() - begun
+            y = found.model.simulate(second.u, second.y, of_record=True)  # load and wave act at the same times
+            error = np.sqrt(np.mean((y - second.y)[START:] ** 2)) / (NOISE * np.std(second.y))
+            named = [(e["name"], e.get("joint"), round(e["probability"], 2)) for e in found.report["effects"]]
+            print(f"{kind:9s}{what:23s}{named}  second record {error:.3f}  {seconds:.1f} s", flush=True)
+            yield [one[0] for one in named] == ([] if name is None else [name]), float(error)
+
+
+def several_joints(folder: Path, wanted: list[str]) -> Iterator[tuple[bool, float]]:
+    """The same for arms of two and three joints: effects with their joints, and the largest error of an output."""
+    for count in (2, 3):
+        for kind, amplitudes in (("torque", TORQUES), ("position", ANGLES)):
+            model = written(folder / f"{count}{kind}.xml", chain(count, {"torque": "motor"}.get(kind, kind)))
+            for what, planted in AT_JOINTS.items():
+                names = {f"{count}", f"{count}:{kind}", f"{count}:{kind}:{what}"}
+                if not names & set(wanted) or planted.only not in ("", kind):
                     continue
-                first, second = (measured(model, n, SAMPLES, AMPLITUDES[actuator], **changes) for n in (1, 2))
+                first, second = (
+                    measured_chain(
+                        model,
+                        n,
+                        SAMPLES,
+                        amplitudes,
+                        planted.late,
+                        planted.play * amplitudes[1],
+                        **{f"inside {name}": x for name, x in planted.changes.items()},
+                    )
+                    for n in (1, 2)
+                )
                 begun = process_time()
                 found = diagnose(first, open_in_process(str(model)))
                 seconds = process_time() - begun
-                y = found.model.simulate(second.u, second.y, of_record=True)  # load and wave act at the same times
-                error = np.sqrt(np.mean((y - second.y)[50:] ** 2)) / (NOISE * np.std(second.y))
-                named = [(e["name"], e.get("joint"), round(e["probability"], 2)) for e in found.report["effects"]]
-                right += [one[0] for one in named] == ([] if name is None else [name])
-                count += 1
-                print(f"{kind:9s}{what:23s}{named}  second record {error:.3f}  {seconds:.1f} s", flush=True)
-    print(f"{right} of {count} named")
+                y = found.mended.simulate(prepare(second).signals, of_record=True)
+                error = np.sqrt(np.mean((y - second.y)[START:] ** 2, axis=0)) / (NOISE * np.std(second.y, axis=0))
+                joints = {one: next(name for name in NAMES if one.startswith(name)) for one in first.inputs}
+                named = {
+                    (e["name"], e.get("joint") or joints[e["signal"]]): round(e["probability"], 2)
+                    for e in found.report["effects"]
+                }
+                print(
+                    f"{count} {kind:9s}{what:23s}{named}  second record {error.max():.3f}  {seconds:.0f} s "
+                    f"{found.report['simulation']['evaluations']['runs']} runs",
+                    flush=True,
+                )
+                yield set(named) == planted.truth, float(error.max())
 
 
 if __name__ == "__main__":

@@ -32,6 +32,39 @@ def arm(actuator: str = SERVO, joint: str = 'damping="0.05" armature="0.01"', op
 """
 
 
+NAMES = ("shoulder", "elbow", "wrist")
+LENGTHS, MASSES = (0.3, 0.25, 0.15), (0.9, 0.6, 0.3)
+DAMPINGS, ARMATURES = (0.12, 0.06, 0.03), (0.02, 0.01, 0.005)
+TORQUES = (1.5, 0.6, 0.15)  # N m: amplitudes of the commands of a motor
+ANGLES = (0.8, 0.8, 0.6)  # rad: of a servo
+GAINS = (14.0, 7.0, 2.5)  # N m/rad: of a servo
+
+
+def chain(count: int, kind: str = "motor", option: str = "") -> str:
+    """An arm of two or three links that hangs down, its last joint across the plane of the others."""
+    body = ""
+    for i in reversed(range(count)):
+        at = f"0 0 {-LENGTHS[i - 1]}" if i else "0 0 0"
+        axis = "1 0 0" if i == 2 else "0 1 0"
+        body = f"""<body name="link{i + 1}" pos="{at}">
+      <joint name="{NAMES[i]}" axis="{axis}" damping="{DAMPINGS[i]}" armature="{ARMATURES[i]}"/>
+      <geom type="capsule" fromto="0 0 0 0.02 0 {-LENGTHS[i]}" size="0.02" mass="{MASSES[i]}"
+            contype="0" conaffinity="0"/>
+      {body}
+    </body>"""
+    actuators = {
+        "motor": '<motor name="{0}-motor" joint="{0}"/>',
+        "position": '<position name="{0}-servo" joint="{0}" kp="{1}" kv="{2}"/>',
+    }[kind]
+    driven = "".join(actuators.format(NAMES[i], GAINS[i], 0.04 * GAINS[i]) for i in range(count))
+    return f"""<mujoco>
+  <option timestep="0.002" integrator="implicitfast" {option}/>
+  <worldbody>{body}</worldbody>
+  <actuator>{driven}</actuator>
+</mujoco>
+"""
+
+
 def written(path: Path, text: str) -> Path:
     """The file, with this text in it."""
     path.write_text(text, encoding="utf-8")
@@ -55,3 +88,39 @@ def measured(path: Path, seed: int, samples: int = 500, amplitude: float = 1.0, 
     y = player(path).run(t, u, {PREFIX + name: value for name, value in changes.items()})
     rng = np.random.default_rng(1000 + seed)
     return Record(t, u, y + NOISE * np.std(y) * rng.standard_normal(samples), TS, name="run")
+
+
+def behind_play(u: np.ndarray, width: float) -> np.ndarray:
+    """What follows a signal behind a play, from its middle on."""
+    out = np.empty(u.size)
+    at = u[0]
+    for k, x in enumerate(u):
+        at = min(max(at, x - 0.5 * width), x + 0.5 * width)
+        out[k] = at
+    return out
+
+
+def measured_chain(
+    path: Path,
+    seed: int,
+    samples: int = 500,
+    amplitudes: tuple[float, ...] = TORQUES,
+    late: int = 0,
+    play: float = 0.0,
+    **changes: float,
+) -> Record:
+    """A record of the same for several joints; changes by names such as ``inside elbow:friction``.
+
+    The command of the second joint acts `late` samples later than it is logged, and behind a `play` of this width.
+    """
+    rig = player(path)
+    count = len(rig.joints)
+    u = np.column_stack([commands(100 * seed + i, samples, amplitudes[i]) for i in range(count)])
+    t = TS * np.arange(samples)
+    acting = u.copy()
+    acting[:, 1] = behind_play(np.concatenate([np.full(late, u[0, 1]), u[:, 1]])[:samples], play)
+    y = rig.run(t, acting, changes)
+    rng = np.random.default_rng(1000 + seed)
+    noisy = y + NOISE * np.std(y, axis=0) * rng.standard_normal(y.shape)
+    inputs = tuple(one.actuator_name for one in rig.opened.joints)
+    return Record(t, u, noisy, TS, name="run", inputs=inputs, outputs=NAMES[:count])

@@ -27,8 +27,8 @@ gap = typer.Typer(
 
 _OUTPUT_OPTIONS = ("json_file", "html", "export", "why")
 
-Inputs = Annotated[str | None, typer.Option(metavar="NAME", help="The actuator of FILE.xml, or columns.")]
-Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="The joint or sensor of FILE.xml, or columns.")]
+Inputs = Annotated[str | None, typer.Option(metavar="NAME", help="Actuators of FILE.xml, or columns.")]
+Outputs = Annotated[str | None, typer.Option(metavar="NAME", help="Joints or sensors of FILE.xml, or columns.")]
 MatchText = Annotated[
     str | None,
     typer.Option(
@@ -98,7 +98,8 @@ def diagnose(
 ) -> None:
     """Locate the gap and find its cause. Reports the share of the gap that a correction closes.
 
-    With --sim FILE.xml, --inputs and --outputs name its actuator and its joint or sensor.
+    With --sim FILE.xml, --inputs and --outputs name its actuators, and its joints or sensors. Several of them are also
+    the columns of the record.
     """
     from labsid._cores import available_cores
     from labsid._files import check_writable, write_json
@@ -107,6 +108,7 @@ def diagnose(
     from labsid.gap.reports.quantities import with_units
     from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.record import read_record
+    from labsid.simulators.mjcf.sources import is_mjcf
     from labsid.simulators.sources import source_file
 
     written = [path for path in (json_file, html, export) if path is not None]
@@ -117,6 +119,7 @@ def diagnose(
         from labsid.gap.simulations.fmu_export import check_fmu_export
 
         check_fmu_export()
+    is_model = sim is not None and is_mjcf(str(sim))
     how, ports = _read_as(how, sim, trust)
     excluded = [_time_range(text) for text in exclude or ()]
     how_matched = _matcher(match)
@@ -125,8 +128,8 @@ def diagnose(
     if holdout is not None:
         other_record = how_matched(read_record(holdout, replace(how, columns=holdout_columns or how.columns)))
     several = any(record.several for record in loaded)
-    if several and export is not None and export.suffix.lower() not in (".json", ".py"):
-        raise ValueError(f"a simulation of several signals is exported as .json or .py; got {export}.")
+    if several and export is not None:
+        _check_export_of_several(export, sim)
     stated = None if units is None or several else _units(units)
     if units is not None and several:
         loaded = [_with_signal_units(record, units) for record in loaded]
@@ -159,7 +162,7 @@ def diagnose(
 
         print(format_why(diagnosed.why))
     if export is not None:  # last: of a simulated output that no model reproduces there is no simulation to write
-        if isinstance(diagnosed, diagnosis.Diagnosis):
+        if isinstance(diagnosed, diagnosis.Diagnosis) or is_model:
             _write_simulation(export, diagnosed)
         else:
             _write_system(export, diagnosed)
@@ -282,11 +285,13 @@ def simulate(
 
     These are two of its slowest time constants, at least 50 samples and at most a quarter of the record.
     """
+    from labsid.gap.joints.arm_diagnosis import replay_joints
     from labsid.gap.record.clock import clock_findings
     from labsid.gap.signals.signals_replay import exported_system, names_in, replay_signals, write_signals_replay
     from labsid.gap.simulations.simulation_files import replay, write_replay
     from labsid.records.record import between_outputs, read_record
     from labsid.simulators.mjcf.sources import is_mjcf
+    from labsid.simulators.process import open_in_process
 
     content = None
     if not is_mjcf(str(model)) and (inputs is None) == (outputs is None):  # the columns of a record
@@ -294,15 +299,21 @@ def simulate(
         named = (None, None) if content is None else names_in(content)
         how = replace(how, inputs=inputs or named[0], outputs=outputs or named[1])
         inputs = outputs = None
+    ports = _ports(inputs, outputs, trust)
+    if is_mjcf(str(model)) and ports.several:
+        how = replace(how, inputs=inputs, outputs=outputs)
     loaded = between_outputs(_matcher(match)(read_record(record, how)))
     if loaded.several or content is not None:
-        replayed = replay_signals(model, loaded)
+        if is_mjcf(str(model)):
+            replayed = replay_joints(open_in_process(ports.of(model)), loaded)
+        else:
+            replayed = replay_signals(model, loaded)
         if out is not None:
             write_signals_replay(out, loaded, replayed.y)
         errors = ", ".join(f"{name} {error:.6g}" for name, error in zip(loaded.outputs, replayed.rmse, strict=True))
         print(f"{len(loaded)} samples, free run: rmse {errors} after the first {replayed.start} samples")
         return
-    played = replay(model, loaded, _ports(inputs, outputs, trust))
+    played = replay(model, loaded, ports)
     if out is not None:
         write_replay(out, loaded, played.y)
     mode = "corrected by the measured output" if played.stabilised else "free run"
@@ -324,25 +335,36 @@ def check_simulation(
     trust: Trust = False,
 ) -> None:
     """Check whether a record and a model of MuJoCo or a class speak of the same thing. Exit status 1 if not."""
+    from labsid.gap.joints.joint_check import check_record_of_joints, determined_of_joints
     from labsid.gap.simulations.model_check import check_model
     from labsid.gap.simulations.simulation_files import load_simulation
     from labsid.records.record import read_record
+    from labsid.simulators.mjcf.several_joints import SeveralJoints
     from labsid.simulators.mjcf.sources import is_mjcf
     from labsid.simulators.simulator import Simulator
 
     if not is_mjcf(str(sim)) and ".py" not in str(sim):
         raise ValueError(f"--sim must be a model of MuJoCo, FILE.xml, or a class, FILE.py:CLASS; got {sim}.")
+    ports = _ports(inputs, outputs, trust)
+    if ports.several:
+        how = replace(how, inputs=inputs, outputs=outputs)
     loaded = _matcher(match)(read_record(record, how))
-    opened = load_simulation(sim, loaded, False, _ports(inputs, outputs, trust))
+    opened = load_simulation(sim, loaded, False, ports)
     assert isinstance(opened, Simulator)
     if opened.joint is None:
         raise ValueError(f"--sim must be a model of MuJoCo or a class with reset and step; {sim} is a function.")
-    findings = check_model(loaded, opened)
     joint, is_joint = opened.joint, is_mjcf(str(sim))
-    moves = f"{joint.actuator} ({joint.kind}) moves {joint.place}, y is its {joint.output}" if is_joint else ""
+    if isinstance(joint, SeveralJoints):
+        findings = check_record_of_joints(loaded, opened)
+        moves = "; ".join(joint.described)
+    else:
+        findings = check_model(loaded, opened)
+        moves = f"{joint.actuator} ({joint.kind}) moves {joint.place}, y is its {joint.output}" if is_joint else ""
     print(f"{len(loaded)} samples; {moves or f'effects act at {joint.place}'}")
     for finding in findings:
         print(f"{finding.level}: {finding.text}")
+    for text in determined_of_joints(loaded, opened) if isinstance(joint, SeveralJoints) else ():
+        print(text)
     if not findings:
         print(f"The record and the model agree in sign, units{', time and limits' if is_joint else ' and time'}.")
     raise typer.Exit(int(any(finding.level == "warning" for finding in findings)))
@@ -397,7 +419,18 @@ def _read_as(how: "Reading", sim: Path | None, trust: bool) -> "tuple[Reading, P
 
     if sim is None or not is_mjcf(str(sim)):
         return how, _ports(None, None, trust)
-    return replace(how, inputs=None, outputs=None), _ports(how.inputs, how.outputs, trust)
+    ports = _ports(how.inputs, how.outputs, trust)
+    return (how if ports.several else replace(how, inputs=None, outputs=None)), ports
+
+
+def _check_export_of_several(export: Path, sim: Path | None) -> None:
+    """Reject a file that a simulation of several signals is not exported to."""
+    from labsid.simulators.mjcf.sources import is_mjcf
+
+    kinds = (".xml", ".mjcf") if sim is not None and is_mjcf(str(sim)) else (".json", ".py")
+    if export.suffix.lower() not in kinds:
+        what = "a model of several joints" if ".xml" in kinds else "a simulation of several signals"
+        raise ValueError(f"{what} is exported as {' or '.join(kinds)}; got {export}.")
 
 
 def _with_signal_units(record: "Record", text: str) -> "Record":
@@ -440,17 +473,21 @@ def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
         write_json(path, found.system.to_json_dict())
 
 
-def _write_simulation(path: Path, diagnosed: "Diagnosis") -> None:
+def _write_simulation(path: Path, diagnosed: "Diagnosis | SignalsDiagnosis") -> None:
     """Write an exported simulation in the form that the name of its file asks for."""
     from labsid._files import write_json
+    from labsid.gap.reports.result import Diagnosis
 
     kind = path.suffix.lower()
     if kind in (".xml", ".mjcf"):
-        from labsid.gap.reports.mjcf_export import write_mended_model
+        from labsid.gap.joints.arm_diagnosis import JointsDiagnosis
+        from labsid.gap.joints.mjcf_export import write_mended_model
 
+        assert isinstance(diagnosed, Diagnosis | JointsDiagnosis)
         for line in write_mended_model(path, diagnosed):
             print(line)
         return
+    assert isinstance(diagnosed, Diagnosis)
     content = diagnosed.model.to_json_dict()
     if kind == ".py":
         from labsid.gap.simulations.python_export import write_python_module

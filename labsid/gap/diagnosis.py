@@ -17,6 +17,7 @@ from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.identifiability import assess
 from labsid.gap.fits.number_search import search_numbers
 from labsid.gap.fits.unstable_poles import MOST_CORRECTED
+from labsid.gap.joints.arm_diagnosis import diagnose_joints
 from labsid.gap.limits.planning import planned_record, with_planted
 from labsid.gap.limits.smallest_sizes import find_smallest_sizes
 from labsid.gap.model_file import export_model
@@ -46,6 +47,8 @@ from labsid.gap.verdict.why import explain_verdict
 from labsid.records.record import Record
 from labsid.records.several_signals import one_signal_each
 from labsid.simulators.meter import SEARCH_SHARE, RunMeter
+from labsid.simulators.mjcf.several_joints import SeveralJoints
+from labsid.simulators.simulator import Simulator
 
 LIMITS_SCHEMA = "labsid.gap.limits/1"
 CHANGED_RIG = (
@@ -121,6 +124,19 @@ def diagnose(
     BLAS runs on one thread, and as before afterwards: the matrices are small, and sums then have one order.
     """
     records = [record] if isinstance(record, Record) else record
+    if isinstance(simulation, Simulator) and isinstance(simulation.joint, SeveralJoints):
+        _check_several_signals(records, True, evaluations, why)
+        with _on_one_thread(progress) as said:
+            return diagnose_joints(
+                records[0],
+                simulation,
+                free=free,
+                holdout=holdout,
+                exclude=exclude,
+                seed=seed,
+                evaluations=evaluations,
+                progress=said if said is None else _with_runs(said, simulation.meter),
+            )
     if any(run.several for run in records):
         _check_several_signals(records, simulation is not None, evaluations, why)
         with _on_one_thread(progress) as said, on_cores(jobs if simulation is None else 1):

@@ -249,7 +249,7 @@ class ExportedModel:
         grid = (np.append(np.clip(state + offset, lower, upper), linear) for offset in offsets)
         start = min(grid, key=lambda x: _power(error(x)))
         free = np.full(len(in_gains), np.inf)
-        return with_state(_minimized(error, start, np.append(lower, -free), np.append(upper, free)))
+        return with_state(minimize_state(error, start, np.append(lower, -free), np.append(upper, free)))
 
     def _unknown_samples(self, u: FloatArray) -> int:
         """Samples in which the dynamics are driven by what was before the record: in a delay, or on the way of an
@@ -329,7 +329,7 @@ def _power(e: FloatArray) -> float:
     return float(e @ e) if np.isfinite(e).all() else np.inf
 
 
-def _minimized(
+def minimize_state(
     error: Callable[[FloatArray], FloatArray], x: FloatArray, lower: FloatArray, upper: FloatArray
 ) -> FloatArray:
     """Minimize the sum of squares of `error` from x, within bounds, by Levenberg-Marquardt."""

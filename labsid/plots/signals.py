@@ -173,7 +173,8 @@ def effects_at(report: dict[str, Any], signal: str, kind: str) -> list[dict[str,
 def effect_title(effect: dict[str, Any]) -> str:
     """``Cause: dead zone``, with its place if it acts at no signal."""
     word = "Cause" if effect["probability"] >= SURE else "Possible cause"
-    place = "" if effect["signal"] else PLACES.get(effect["path"], "")
+    place = f" at {effect['joint']}" if effect.get("joint") else PLACES.get(effect["path"], "")
+    place = "" if effect["signal"] else place
     return f"{word}: {effect.get('title', effect['name'])}{place}"
 
 

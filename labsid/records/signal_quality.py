@@ -14,6 +14,7 @@ MOSTLY_NEW = 0.99  # of the readings, that occur once where no lattice makes the
 MOST_BY_CHANCE = 0.1  # repeats of a record
 ISOLATED = 15.0  # robust standard deviations from the middle of the samples beside it: a spike
 BACK = 0.3  # of its height: the samples beside a spike differ by less
+MIN_CROWDED = 4.0  # samples at a limit over those one converter step before it; a smooth extreme has at most 2.4
 QUIET_INPUT = 0.05  # of the range of the input, which moves by less where it does not cause a spike
 SPIKES = 0.01  # of the samples; more of them are the course of the output
 
@@ -105,8 +106,9 @@ def stuck_at_extreme(x: FloatArray, extreme: float) -> tuple[int, int]:
     Returns
     -------
     samples, longest : int
-        Their number and the longest run of them; both 0 if no run is of five samples or more, or if the signal
-        slows down before it, as it does when it settles.
+        Their number and the longest run of them; both 0 if no run is of five samples or more, if the signal
+        slows down before it, as it does when it settles, or if it lies on a lattice, on which a smooth extreme
+        repeats one value, and is not far more often there than one step before.
     """
     starts, lengths = runs(x)
     at_extreme = x[starts] == extreme
@@ -114,7 +116,16 @@ def stuck_at_extreme(x: FloatArray, extreme: float) -> tuple[int, int]:
     long = np.flatnonzero(at_extreme & (lengths >= 5))
     if not any(_hits_a_stop(x, starts, int(run)) for run in long):
         return 0, 0
-    return int(lengths[at_extreme].sum()), longest
+    samples = int(lengths[at_extreme].sum())
+    if (step := lattice_step(x)) is not None and samples < MIN_CROWDED * _one_step_before(x, extreme, step):
+        return 0, 0
+    return samples, longest
+
+
+def _one_step_before(x: FloatArray, extreme: float, step: float) -> int:
+    """Number of samples one step of the lattice from an extreme."""
+    distance = np.abs(x - extreme)
+    return int(np.sum((distance > 0.5 * step) & (distance < 1.5 * step)))
 
 
 def _hits_a_stop(x: FloatArray, starts: np.ndarray, run: int) -> bool:

@@ -1,7 +1,7 @@
 """Changes inside a simulation that opens: at its joint and at its actuator."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -120,6 +120,12 @@ class InsidePort:
         Changes that cannot be made.
     takes_speed : bool
         Whether the initial speed can be chosen.
+    prefix : str
+        Ahead of the names of its changes among the numbers of the simulation.
+    others : dict
+        By name of each other joint of a model of several: sizes of its initial position and speed.
+    samples : int, optional
+        Of the output that it reads, the first of several; None of a single one.
     """
 
     joint: str
@@ -138,6 +144,9 @@ class InsidePort:
     stepper: str = ""
     unable: tuple[str, ...] = ()
     takes_speed: bool = True
+    prefix: str = PREFIX
+    others: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    samples: int | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
         """All but the forces along the record."""
@@ -151,7 +160,8 @@ class InsidePort:
     def states(self, changes: Iterable[str]) -> tuple[Parameter, ...]:
         """Parameters of the initial state."""
         own = STATES if self.takes_speed else STATES[:1]
-        return (*own, STATE_OF_ACTUATOR) if self.has_state or "lag" in changes else own
+        further = tuple(replace(state, name=f"{state.name} {name}") for name in self.others for state in STATES)
+        return (*own, *((STATE_OF_ACTUATOR,) if self.has_state or "lag" in changes else ()), *further)
 
     def makes(self, changes: Iterable[str]) -> bool:
         """Whether all of these changes can be made."""
@@ -171,12 +181,20 @@ class InsidePort:
         """Numbers of the simulation for the parameters of these changes, and of the initial state behind them."""
         parts = [part for change in changes for part in PARTS[change]]
         values = list(theta)
-        found = {PREFIX + part.change: self.value(part, x) for part, x in zip(parts, values, strict=False)}
+        found = {self.prefix + part.change: self.value(part, x) for part, x in zip(parts, values, strict=False)}
         states = values[len(parts) : len(parts) + len(self.states(changes))]
         for state, value in zip(self.states(changes), states, strict=True):
-            name, unit = STATE_NUMBERS[state.name]
-            found[PREFIX + name] = value * self.units[unit]
+            name, size = self.state_number(state)
+            found[name] = value * size
         return found
+
+    def state_number(self, state: Parameter) -> tuple[str, float]:
+        """The number of the simulation for a parameter of the initial state, and its size."""
+        kind, _, other = state.name.partition(" ")
+        name, unit = STATE_NUMBERS[kind]
+        if other:
+            return f"{PREFIX}{other}:{name}", self.others[other][unit == "speed"]
+        return self.prefix + name, self.units[unit]
 
     def unit_of(self, what: str) -> str:
         """Unit in words: "torque", "damping", "inertia", "stiffness", "position" or "mass"."""

@@ -254,8 +254,9 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit
     z0 = min(max(z0, stops[0]), stops[1])
     limit = own.get("limit", np.inf), sprung_share(plant, own), damped_share(plant, own)
-    joint = (*limit, own.get("torque", 0.0), turn, own.get("angle", 0.0), own.get("load_share", 0.0), bristles)
-    joint += (own.get("driven_share", 0.0) if plant.friction == "drive" else _states.ALL_FORCES,)
+    given = own.get("driven_share", 0.0) if plant.friction == "drive" else _states.ALL_FORCES
+    weight = own.get("torque", 0.0), turn, own.get("angle", 0.0)
+    joint = (*limit, *weight, own.get("load_share", 0.0), bristles, given)
     return (
         _states.simulate_mass(
             drive, c, k, friction, cubic, z0, v0, substeps, late, *loads, pace, law, drag, stops, joint

@@ -5,7 +5,7 @@ The protocols `Structure` and `ParentFit` are implemented by `labsid.gap.fits.hy
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -123,6 +123,18 @@ class Context:
     highpass: ParentFit | None = None
 
     @property
+    def of_first_output(self) -> "Context":
+        """That of the first of several outputs of one simulation; of a single one itself."""
+        data = self.data.first_output
+        if data is self.data:
+            return self
+        return Context(
+            data,
+            _shortened(self.parent, data.samples),
+            None if self.highpass is None else _shortened(self.highpass, data.samples),
+        )
+
+    @property
     def residual(self) -> FloatArray:
         """Residual of the parent, zero on the rows that do not count."""
         return np.where(self.data.rows, self.data.y - self.parent.output, 0.0)
@@ -183,6 +195,12 @@ class Context:
     def highpass_rates(self) -> tuple[float, float]:
         """c and k of the high-pass fit, which drifts and jumps bias less."""
         return (self.highpass or self.parent).rates
+
+
+def _shortened(fit: ParentFit, samples: int) -> ParentFit:
+    """A fit with the first samples of its output."""
+    shorter: ParentFit = replace(fit, output=fit.output[:samples])  # type: ignore[type-var]
+    return shorter
 
 
 def unit_step_response(hypothesis: Structure, theta: FloatArray, gains: FloatArray, samples: int) -> FloatArray:

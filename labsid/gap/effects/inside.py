@@ -217,8 +217,8 @@ class EndStop(Inside):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Stops at the ends of the motion, and 5 and 20 % of its range within them."""
-        port = port_of(context.parent)
-        position = np.asarray(context.data.y_scale.back(context.data.y[context.data.rows])) if port.reads else None
+        port, data = port_of(context.parent), context.data.first_output
+        position = port.position_of(data.y[data.rows]) if port.reads else None
         if position is None:
             return [{f"stop_{side}": sign * at for side, sign in self._sides()} for at in (0.9, 0.6, 0.3)]
         low, high = np.quantile((position - port.place) / port.units["place"], (0.005, 0.995))
@@ -238,7 +238,7 @@ class EndStop(Inside):
         new = [name for name in ("low", "high") if name in now.inside and name not in before.inside]
         if port is None or len(new) != 1 or not {"low", "high"} & set(before.inside) or not port.reads:
             return
-        y = port.position_of(fit.output)
+        y = port.position_of(fit.output[: port.samples])
         at = np.quantile(y, 0.02 if new[0] == "low" else 0.98)
         theta[hypothesis.slices["plant"].start + now.index(f"stop_{new[0]}")] = (at - port.place) / port.units["place"]
 
@@ -247,11 +247,12 @@ class EndStop(Inside):
         port = port_of(fit)
         if not port.reads:
             return np.zeros(fit.data.samples, bool)
-        position = port.position_of(fit.output - fit.gains[1])
+        own = fit.data.first_output.samples
+        position = port.position_of(fit.output[:own] - fit.gains[1])
         depth = STOP_DEPTH * float(np.ptp(position))
         at = np.zeros(fit.data.samples, bool)
         for side, sign in self._sides():
-            at |= sign * (position - in_units(fit, side)[0]) > -depth
+            at[:own] |= sign * (position - in_units(fit, side)[0]) > -depth
         return at
 
     def is_plausible(self, fit: Fitted) -> bool:
@@ -315,7 +316,7 @@ class Load(Inside, StepLoad):
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Onsets at which a load step reduces the residual most, of either sign."""
-        return load_starts(context)
+        return load_starts(context.of_first_output)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`onset` in seconds, and `torque`."""
@@ -337,7 +338,7 @@ class Wave(Inside):
         """The highest narrow peaks in the spectrum of the residual, of two phases."""
         return [
             {"cycles": at, "shake_cos": cosine, "shake_sin": sine}
-            for at in residual_cycles(context)
+            for at in residual_cycles(context.of_first_output)
             for cosine, sine in ((0.1, 0.0), (0.0, 0.1), (-0.1, 0.0), (0.0, -0.1))
         ]
 

@@ -55,8 +55,13 @@ class Data:
         Converter step in the scaled output; zero where there is none.
     pieces : tuple of (int, int)
         With several records, joined end to end: first sample of each and the one after its last; else empty.
+    beside : tuple of (int, int)
+        With several outputs of one simulation, joined end to end: first sample of each and the one after its last; else
+        empty. The first one is that of the joint at which effects are searched.
     at_input : bool
         Whether the search tries effects at the input only.
+    tried : frozenset of str
+        Names of the effects that the search tries; all if empty.
     at : ndarray of int, shape (M,), optional
         The samples with a reading of a slow sensor; by default all.
     stride : int
@@ -77,7 +82,9 @@ class Data:
     by_free_run: bool = False
     lattice: float = 0.0
     pieces: tuple[tuple[int, int], ...] = ()
+    beside: tuple[tuple[int, int], ...] = ()
     at_input: bool = False
+    tried: frozenset[str] = frozenset()
     at: np.ndarray | None = None
     stride: int = 1
     lags: int = field(init=False, repr=False)
@@ -91,6 +98,22 @@ class Data:
     def samples(self) -> int:
         """N."""
         return int(self.u.size)
+
+    @property
+    def times(self) -> np.ndarray:
+        """The number of each sample in its output, shape (N,); of one between two outputs 0."""
+        found = np.zeros(self.samples, int)
+        for start, stop in self.beside or ((0, self.samples),):
+            found[start:stop] = np.arange(stop - start)
+        return found
+
+    @property
+    def first_output(self) -> "Data":
+        """The first of several outputs of one simulation; of a single one the record as it is."""
+        if not self.beside:
+            return self
+        own = slice(*self.beside[0])
+        return replace(self, u=self.u[own], y=self.y[own], rows=self.rows[own], beside=())
 
     @property
     def every(self) -> float:
@@ -129,7 +152,7 @@ class Data:
     @property
     def longest(self) -> int:
         """Samples of the longest record."""
-        return max((stop - start for start, stop in self.pieces), default=self.samples)
+        return max((stop - start for start, stop in self.pieces or self.beside), default=self.samples)
 
 
 def scaled(

@@ -32,6 +32,7 @@ from labsid.gap.reports.page_parts import (
     input_file,
     load_template,
     overview,
+    simulation_sentence,
 )
 from labsid.gap.reports.pole_rows import drawn_dynamics, poles_sentence
 from labsid.gap.reports.quantities import closed_percent, number, percent, probability
@@ -86,7 +87,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "sentence": sentences.verdict_sentence(report),
         "headline": sentences.headline(report),
         "remaining": sentences.remaining_sentence(report),
-        "simulation": _simulation(report),
+        "simulation": simulation_sentence(report),
         "unit": report.get("units", {}).get("y", "units of y"),
         "stabilised": report["gap"].get("mode") == "stabilised",
         "gap": sentences.gap_sentence(report),
@@ -118,15 +119,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "poles": poles_sentence(report),
         "limits": _limits(report),
     }
-
-
-def _simulation(report: dict[str, Any]) -> str:
-    """The simulation that was compared with the record."""
-    if not report["simulation"]["given"]:
-        return "No simulation was given, so a linear model fitted to the record takes its place."
-    if report["simulation"].get("output") is not None or report["simulation"]["output_only"]:
-        return "Only the output of your simulation was given."
-    return "The record is compared with the simulation that you gave, unchanged."
 
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:

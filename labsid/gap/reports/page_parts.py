@@ -31,6 +31,15 @@ _FRAME = (
 )  # the scripts of the page have no access to the notebook
 
 
+def simulation_sentence(report: dict[str, Any]) -> str:
+    """The simulation that was compared with the record."""
+    if not report["simulation"]["given"]:
+        return "No simulation was given, so a linear model fitted to the record takes its place."
+    if report["simulation"].get("output") is not None or report["simulation"]["output_only"]:
+        return "Only the output of your simulation was given."
+    return "The record is compared with the simulation that you gave, unchanged."
+
+
 def overview(report: dict[str, Any]) -> dict[str, Any]:
     """What every page shows: the record, the size of the gap, and how to make the report again."""
     gap, record = report["gap"], report["record"]

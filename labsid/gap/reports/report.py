@@ -106,7 +106,7 @@ def build_report(
         "novelty": {"features": answer.novelty.features, "beyond": list(answer.novelty.beyond)},
         "unexplained": _unexplained(answer),
         "limits": [] if _without_limits(answer, base) else as_rows(record_limits(answer)),
-        "next_experiment": _experiment(record, explanation, decision, rng),
+        "next_experiment": None if data.beside else _experiment(record, explanation, decision, rng),
         "record": {"name": record.name, "samples": len(record), "Ts": record.Ts},
         "simulation": {
             "given": base.given,
@@ -158,6 +158,8 @@ def _simulated_output(output: SimulatedOutput, model: OutputModel | None) -> dic
 
 def _without_limits(answer: Answer, base: Baseline) -> bool:
     """Whether the limits are left out: too many runs of a simulation, or a record that shows a controller only."""
+    if answer.explanation.data.beside:
+        return True
     return (base.is_run and bool(base.meter.budget)) or (answer.steps.regulated and not answer.decision.names)
 
 

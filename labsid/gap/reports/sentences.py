@@ -537,13 +537,13 @@ def fitted_baseline_sentence(report: dict[str, Any]) -> str:
 
 def residual_sentences(report: dict[str, Any]) -> list[str]:
     """How much of the gap remains, and the results of the residual tests."""
-    left = report["unexplained"]
+    left, gap = report["unexplained"], report["gap"]
     white, correlated = left["whiteness_p"] >= SIGNIFICANT, left["input_correlation_p"] < SIGNIFICANT
     whiteness, correlation = p_value(left["whiteness_p"]), p_value(left["input_correlation_p"])
     texts = ["These are the errors on the holdout."] if only_on_holdout(report) else []
     if _is_white(report) and report["verdict"] in ("none", "effect"):
         texts.append("Only white noise remains.")
-    elif left["share"] > 0.0 and report["verdict"] != "none":
+    elif left["share"] > 0.0 and report["verdict"] != "none" and gap["before"] > gap["noise_floor"]:
         texts.append(f"{percent(left['share'])} of the gap remains; with the noise, {number(left['rms'])} rms.")
     if white:
         texts.append(f"The residual is not autocorrelated (whiteness test, {whiteness}).")

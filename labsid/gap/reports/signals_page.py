@@ -13,6 +13,7 @@ from labsid.gap.reports.page_parts import (
     input_file,
     load_template,
     overview,
+    simulation_sentence,
 )
 from labsid.gap.reports.quantities import counted
 from labsid.gap.reports.signals_text import (
@@ -53,6 +54,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "signals": f"{counted(len(signals['inputs']), 'input', 'inputs')} and "
         f"{counted(len(signals['outputs']), 'output', 'outputs')}",
         "sentence": verdict_sentence(report),
+        "simulation": simulation_sentence(report),
         "gap": gap_sentence(report),
         "effects": [_effect(effect) for effect in report["effects"]],
         "parameters": any(effect["parameters"] for effect in report["effects"]),
@@ -84,7 +86,8 @@ def _table(report: dict[str, Any]) -> list[tuple[str, ...]]:
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its signal in the title, and the outputs in which it is seen."""
     shown = effect_content(effect)
-    at = f" at {effect['signal']}" if effect["signal"] else ""
+    where = effect["signal"] or effect.get("joint")
+    at = f" at {where}" if where else ""
     return shown | {
         "title": f"{shown['title']}{at}",
         "place": f"seen in {joined(effect['outputs'])}",
@@ -94,8 +97,8 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 def _place(effect: dict[str, Any]) -> str:
     """Where to look for the cause of an effect."""
-    if effect["signal"]:
-        return f"at {effect['signal']}"
+    if effect["signal"] or effect.get("joint"):
+        return f"at {effect['signal'] or effect['joint']}"
     return f"in the dynamics of {joined(effect['outputs'])}"
 
 
@@ -137,7 +140,9 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     from labsid.plots.page_figures import in_both_widths
     from labsid.plots.signals import figure_planned_inputs, figure_signals
 
-    figures: dict[str, PageFigure] = {"signals": figure_signals, "couplings": figure_couplings}
+    figures: dict[str, PageFigure] = {"signals": figure_signals}
+    if report["couplings"]:
+        figures["couplings"] = figure_couplings
     if report["verdict"] != "none":
         figures |= {"zoom": partial(figure_signals, zoom=True), "where": figure_location}
     if has_holdout(report):

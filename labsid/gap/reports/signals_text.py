@@ -74,7 +74,7 @@ def _gain(gap: dict[str, Any]) -> str:
 
 def ambiguity_sentence(report: dict[str, Any]) -> str:
     """The effects that the record does not rule out, each with its signal; empty if there are none."""
-    rivals = [f"{noun(one['name'])}{_at(one['signal'])}" for one in report["ambiguous"]]
+    rivals = [f"{noun(one['name'])}{_at(one['signal'] or one.get('joint'))}" for one in report["ambiguous"]]
     return f"The record does not rule out {joined(rivals, 'or')}." if rivals else ""
 
 
@@ -87,7 +87,9 @@ def finding_sentences(report: dict[str, Any]) -> list[str]:
 
 
 def _placed(effect: dict[str, Any]) -> str:
-    """``At u2: ``, ``from u2 to y1: `` or ``In the dynamics of y1: ``."""
+    """``At u2: ``, ``from u2 to y1: `` or ``In the dynamics of y1: ``; empty for an effect that names its joint."""
+    if effect.get("joint"):
+        return ""
     if effect.get("from"):
         return f"from {effect['from']} to {effect['to']}: "
     if effect["signal"]:
@@ -107,7 +109,8 @@ def place_of(effect: dict[str, Any]) -> str:
     if effect.get("from"):
         return f"from {effect['from']} to {effect['to']}"
     outputs = joined(effect["outputs"])
-    return f"at {effect['signal']}, seen in {outputs}" if effect["signal"] else f"seen in {outputs}"
+    where = effect["signal"] or effect.get("joint")
+    return f"at {where}, seen in {outputs}" if where else f"seen in {outputs}"
 
 
 def _at(signal: str | None) -> str:
@@ -173,6 +176,8 @@ def _outputs(report: dict[str, Any]) -> list[str]:
 def coupling_sentence(report: dict[str, Any]) -> str:
     """Which inputs move each output, the strongest first."""
     texts: list[str] = []
+    if not report["couplings"]:
+        return ""
     for output in (one["name"] for one in report["signals"]["outputs"]):
         own = sorted((one for one in report["couplings"] if one["to"] == output), key=lambda one: -one["share"])
         listed = [f"{one['from']} {percent(one['share'])}" for one in own if one["share"] >= MIN_COUPLING]

@@ -11,6 +11,7 @@ from labsid._cores import mapped
 from labsid.gap.effects.base import Effect, InputEffect
 from labsid.gap.effects.disturbance import Leak, LoadStep
 from labsid.gap.effects.families import CANDIDATES
+from labsid.gap.effects.inside import Inside
 from labsid.gap.effects.restarts import in_records
 from labsid.gap.fits.fitting import Fit, finish, fit_from, mean_square, minimize, refit, rms
 from labsid.gap.fits.hypothesis import Hypothesis
@@ -179,7 +180,7 @@ def _search_from(
             path.append(best)
             break
         if step == 0 and most > 1 and not residual_is_white(data, best or base):
-            sets = set_fits(data, base, highpass, _candidates(data))
+            sets = set_fits(data, base, highpass, candidates_on(data))
             together = [fit for fit in sets if not disguised(fit)]
         best = best or _towards_a_set(data, path[-1], level, together)
         if best is None:
@@ -289,7 +290,7 @@ def _extensions(
         host = parent if any(is_compatible(parent, effect) for effect in group) else plain
         return trial_fits(data, host, group, highpass, brief=step > 0)
 
-    groups = [group for group in _candidates(data) if group[0].name not in parent.hypothesis.names]
+    groups = [group for group in candidates_on(data) if group[0].name not in parent.hypothesis.names]
     if step == 0:
         return mapped(lambda group: best_fit(data, tried(group), tries), groups, shared, begun)
     few = _refined_groups(mapped(tried, groups, shared, begun), FITTED_EFFECTS)
@@ -301,11 +302,16 @@ def _shared(data: Data, *fits: Fit) -> tuple[object, ...]:
     return data, *fits, *(fit.hypothesis.plant.simulation for fit in fits[:1])
 
 
-def _candidates(data: Data) -> tuple[tuple[Effect, ...], ...]:
+def candidates_on(data: Data) -> tuple[tuple[Effect, ...], ...]:
     """The forms that are added, in a group for each name; with an initial state of their own in each record."""
     groups = CANDIDATES
     if data.at_input:
         groups = tuple(group for group in groups if isinstance(group[0], InputEffect))
+    if data.beside:
+        forms = (tuple(effect for effect in group if isinstance(effect, InputEffect | Inside)) for group in groups)
+        groups = tuple(group for group in forms if group)
+    if data.tried:
+        groups = tuple(group for group in groups if group[0].name in data.tried)
     if not data.pieces:
         return groups
     return tuple(tuple(in_records(effect, data.pieces[1:]) for effect in group) for group in groups)
@@ -340,7 +346,7 @@ def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
 
 def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
     """Fits with one of the effects replaced by another, started from the parameters of the remaining effects."""
-    groups = [group for group in _candidates(data) if group[0].name not in fit.hypothesis.names]
+    groups = [group for group in candidates_on(data) if group[0].name not in fit.hypothesis.names]
     shared = _shared(data, fit)
     for i in range(fit.hypothesis.n_given, len(fit.hypothesis.effects)):
         parent = remove_effect(data, fit, i)

@@ -27,8 +27,8 @@ def loses_phase(data: Data, parent: Fit) -> bool:
 
 def grown_starts(data: Data, hypothesis: Hypothesis, starts: Iterable[FloatArray]) -> Iterator[FloatArray]:
     """Parameters fitted to a growing part of the record, from each start."""
-    before = np.arange(data.samples)
-    parts = [replace(data, rows=data.rows & (before < share * data.samples)) for share in SHARES]
+    before = data.times
+    parts = [replace(data, rows=data.rows & (before < share * (before.max() + 1))) for share in SHARES]
     problems = [Problem(part, hypothesis) for part in parts if part.rows.sum() > 4 * len(hypothesis.parameters)]
     for theta in starts:
         for problem in problems:

@@ -34,7 +34,7 @@ def beginning(data: Data, parent: Fit, added: Iterable[str]) -> Data:
     """
     one_record = names_where("of_one_record") | names_where("varies_in_time")
     names = {*parent.hypothesis.names, *added}
-    if data.samples < LONG or data.pieces or data.at is not None or names & one_record:
+    if data.samples < LONG or data.pieces or data.beside or data.at is not None or names & one_record:
         return data
     if parent.hypothesis.plant.kind == "given" or parent.hypothesis.feedback is not None:
         return data

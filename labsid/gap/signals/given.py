@@ -139,7 +139,7 @@ def as_system(
     if simulation is None or (responses is not None and free):
         as_simulation(None, record.Ts, free)  # refuses free numbers
         return None
-    if not isinstance(simulation, Simulator) or simulation.joint is not None:
+    if not isinstance(simulation, Simulator) or simulation.joint is not None:  # of several joints: `labsid.gap.joints`
         kind = "a model of MuJoCo" if isinstance(simulation, Simulator) else _KINDS.get(type(simulation), "this")
         raise ValueError(
             f"a record of several signals needs a simulation of all of them: a function simulate(t, u) with u of shape "

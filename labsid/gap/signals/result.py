@@ -60,7 +60,7 @@ class SignalsDiagnosis:
 
     def __repr__(self) -> str:
         named = ", ".join(
-            f"{one['name']} at {one['signal'] or 'the dynamics'} (p = {one['probability']:.2f})"
+            f"{one['name']} at {one['signal'] or one.get('joint') or 'the dynamics'} (p = {one['probability']:.2f})"
             for one in self.report["effects"]
         )
         gap = self.report["gap"]

@@ -82,6 +82,24 @@ def replay_signals(source: Path, record: Record) -> SignalsReplay:
             f"{source} is no simulation of several signals. Give what --export wrote, FILE.py:FUNCTION or FILE.fmu, or "
             "choose one input and one output."
         )
+    return scored_replay(record, y, start)
+
+
+def scored_replay(record: Record, y: FloatArray, start: RecordStart) -> SignalsReplay:
+    """Simulated outputs with their errors.
+
+    Parameters
+    ----------
+    record : Record
+    y : ndarray, shape (N, ny)
+    start : RecordStart
+        Which samples determined the initial state.
+
+    Raises
+    ------
+    ValueError
+        If an output diverges.
+    """
     measured = ~np.isnan(record.output_columns)
     for own, there, simulated in zip(record.output_columns.T, measured.T, y.T, strict=True):
         check_bounded(simulated, own[there])

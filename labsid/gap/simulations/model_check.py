@@ -112,15 +112,29 @@ def check_model(record: Record, simulate: Simulator) -> list[Finding]:
         )
     substeps(record.Ts, one.timestep)
     start = initial_state(one, record.y, record.Ts)
-    found = _limits(record, one)
+    found = limit_findings(record, one)
     pairs = np.asarray(simulate.run(t, record.u, simulate.nominal | start | {CONTACTS: 1.0}))
-    found += _contacts(pairs, one)
+    found += contact_findings(pairs, one)
     if one.output in ("position", "speed"):
-        q = np.asarray(one.run(t, record.u, start))
-        found += _mode(record, one)
-        found += _time(record, q)
-        if np.isfinite(q).all() and np.ptp(q) > 0.0:
-            found += _scales(record, q, one)
+        found += check_output(record, np.asarray(one.run(t, record.u, start)), one)
+    return found
+
+
+def check_output(record: Record, q: FloatArray, one: OneJoint, driven: bool = True) -> list[Finding]:
+    """Mode of the actuator, time, sign, unit and zero of one output.
+
+    Parameters
+    ----------
+    record : Record
+        With the command of the joint's actuator, if it is `driven`.
+    q : ndarray, shape (N,)
+        The output in the simulation.
+    one : OneJoint
+    driven : bool
+    """
+    found = [*_mode(record, one), *_time(record, q)] if driven else []
+    if np.isfinite(q).all() and np.ptp(q) > 0.0:
+        found += _scales(record, q, one)
     return found
 
 
@@ -132,7 +146,8 @@ def _check_stepper(record: Record, simulate: Simulator, one: Stepper) -> list[Fi
     return found + (_scales(record, y, one) if np.ptp(y) > 0.0 else [])
 
 
-def _limits(record: Record, one: OneJoint) -> list[Finding]:
+def limit_findings(record: Record, one: OneJoint) -> list[Finding]:
+    """Commands beyond the range of the actuator."""
     low, high = one.ctrlrange
     if high >= FREE:
         return []
@@ -146,7 +161,8 @@ def _limits(record: Record, one: OneJoint) -> list[Finding]:
     return [Finding("warning", TOPIC, text)]
 
 
-def _contacts(pairs: FloatArray, one: OneJoint) -> list[Finding]:
+def contact_findings(pairs: FloatArray, one: OneJoint) -> list[Finding]:
+    """The time in which geoms of the model touch; an error if it is most of the record."""
     touching = pairs >= 0.0
     if not touching.any():
         return []

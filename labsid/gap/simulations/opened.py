@@ -25,6 +25,7 @@ from labsid.simulators.stepper import Stepper
 SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo; numerics
 FIRST = 8  # samples that give the initial state; numerics
 LEAST_UNIT = 1e-9  # of a signal that does not move; numerics
+OF_ACTUATOR = ("transmitted", "gain", "lag", "limit")  # changes that a joint without an actuator has not
 START_ITERATIONS = 30  # of the fit of the initial state; numerics
 
 
@@ -61,7 +62,7 @@ def opened_structure(data: Data, simulate: Simulator, rates: tuple[float, float]
         fast = _agreeing(simulate, one, t, u, start)
         port = make_port(one, data, motion)
         given = GivenSimulation.of(fast, scales, data.Ts, rates, float(data.start), data.pieces)
-        given = replace(given, port=port, units=_number_units(one, port))
+        given = replace(given, port=port, units=sizes_of_numbers(one, port))
     plant = Plant(kind="given", simulation=given)
     own = (Restarts(records=data.pieces[1:]),) if data.pieces else ()
     hypothesis = Hypothesis(own, len(own), plant)
@@ -109,7 +110,7 @@ def _agreeing(
     return loop if np.abs(played - looped).max() <= SAME * max(float(np.ptp(played)), LEAST_UNIT) else simulate
 
 
-def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
+def make_port(one: OneJoint, data: Data, motion: FloatArray, reads: bool = True) -> InsidePort:
     """Where effects are put, with sizes that matter on a record.
 
     Parameters
@@ -118,9 +119,11 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
     data : Data
     motion : ndarray, shape (N, 3)
         Position, speed and force of the actuator of the simulation.
+    reads : bool
+        Whether the output is one of this joint.
     """
     measured = np.asarray(data.y_scale.back(data.y))
-    reads = one.output == "position"
+    reads = reads and one.output == "position"
     position = measured if reads else motion[:, 0]
     nominal_spread = max(float(np.std(motion[:, 0])), LEAST_UNIT)
     spread = max(float(np.std(position)), LEAST_UNIT)
@@ -140,13 +143,9 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
     }
     nominal = one.nominal()
     gain = {"position": "kp", "velocity": "kv", "torque": "gain"}[one.kind]
-    names = {
-        "damping": f"{one.joint}:damping",
-        "armature": f"{one.joint}:armature",
-        "stiffness": f"{one.joint}:stiffness",
-        "gain": f"{one.actuator}:{gain}",
-        "mass": f"{one.link}:mass",
-    }
+    of_joint = {what: f"{one.joint}:{what}" for what in ("damping", "armature", "stiffness")}
+    names = of_joint | {"gain": f"{one.actuator}:{gain}", "mass": f"{one.link}:mass"}
+    names = {what: name for what, name in names.items() if name in nominal}
     return InsidePort(
         joint=one.joint,
         actuator=one.actuator,
@@ -161,10 +160,11 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray) -> InsidePort:
         reads=reads,
         scale=(float(data.y_scale.centre), float(data.y_scale.unit)),
         forces=np.abs(motion[:, 2]) / force,
+        unable=() if one.actuator else OF_ACTUATOR,
     )
 
 
-def _number_units(one: OneJoint, port: InsidePort) -> dict[str, float]:
+def sizes_of_numbers(one: OneJoint, port: InsidePort) -> dict[str, float]:
     """Sizes at which numbers begin to act that are nominally zero."""
     unit = {
         "damping": "damping",

@@ -34,7 +34,7 @@ class Ports:
     Attributes
     ----------
     actuator, output : str
-        Names; empty for the only one.
+        Names, of several with commas between; empty for the only one.
     trusted : bool
         Whether the model may read files outside its folder and load plugins.
     """
@@ -42,6 +42,11 @@ class Ports:
     actuator: str = ""
     output: str = ""
     trusted: bool = False
+
+    @property
+    def several(self) -> bool:
+        """Whether several are named: they are then the columns of the record, too."""
+        return "," in self.actuator or "," in self.output
 
     def of(self, source: str | Path) -> str:
         """The source of a simulation, with these signals if it is a model of MuJoCo; others have none to choose."""

@@ -194,7 +194,8 @@ def hold_out(
         for start, stop in data.pieces:
             scored[start + begun.samples(stop - start) : stop] = True
         return HeldOut(data, scored & data.rows, in_turn={}, start=begun)
-    blocks = held_out_samples(data.samples, onset)
+    times = data.times
+    blocks = held_out_samples(int(times.max()) + 1, onset)[times]
     return HeldOut(replace(data, rows=data.rows & ~blocks), data.rows & blocks, start=begun)
 
 

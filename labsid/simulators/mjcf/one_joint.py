@@ -57,6 +57,7 @@ the excess of friction at rest, which decays with the speed `stribeck`; `mass` s
 `start_speed`, and `start_lag` (from the first command) are the initial state."""
 SWITCHED_OFF = {"low": -FREE, "high": FREE, "limit": FREE, "stribeck": 1.0, "frequency": 1.0}
 PREFIX = "inside "  # ahead of the name of a change among the numbers of a simulation
+NO_LINKS, NO_GRAVITY = np.zeros((1, 19)), np.zeros(3)  # of a single joint, whose constants hold both
 DYNAMICS = ("none", "filter", "filterexact", "integrator")
 OUTPUTS = ("position", "speed", "force")
 
@@ -209,15 +210,15 @@ class OneJoint:
         if late:
             command = np.concatenate([np.full(late, u[0]), np.repeat(command, steps)[: u.size * steps - late]])
         motion = run_loop(
-            command,
+            command[:, None],
             1 if late else steps,
             self.timestep,
-            self.position + changes["start"],
-            changes["start_speed"],
-            self.activation(float(u[0]), changes),
-            self.constants(numbers, changes),
+            np.array([self.position + changes["start"]]),
+            np.array([changes["start_speed"]]),
+            np.array([self.activation(float(u[0]), changes)]),
+            self.constants(numbers, changes)[None, :],
         )
-        return np.ascontiguousarray(motion[:: steps if late else 1, OUTPUTS.index(self.output)])
+        return np.ascontiguousarray(motion[:: steps if late else 1, 0, OUTPUTS.index(self.output)])
 
     def activation(self, command: float, changes: Mapping[str, float]) -> float:
         """Initial state of the actuator: a filter has followed the first command, an integrator holds the position."""
@@ -320,7 +321,10 @@ class OneJoint:
         numbers[f"{self.joint}:armature"] = self.armature
         if self.passive["stiffness"]:
             numbers[f"{self.joint}:springref"] = self.passive["springref"]
-        numbers[f"{self.link}:mass"] = self.mass
+        if self.mass:
+            numbers[f"{self.link}:mass"] = self.mass
+        if not self.actuator:
+            return numbers
         kind = self.kind
         own = {"position": ("kp", self.gain[0]), "velocity": ("kv", self.gain[0]), "torque": ("gain", self.gain[0])}
         numbers[f"{self.actuator}:{own[kind][0]}"] = own[kind][1]
@@ -333,9 +337,15 @@ class OneJoint:
         return numbers
 
 
-def changes_in(numbers: Mapping[str, float]) -> dict[str, float]:
-    """All changes by name, those without a number switched off."""
-    return {name: numbers.get(PREFIX + name, SWITCHED_OFF.get(name, 0.0)) for name in CHANGES}
+def changes_in(numbers: Mapping[str, float], joint: str = "") -> dict[str, float]:
+    """All changes by name, those without a number switched off; of one of several joints those with its name."""
+    ahead = prefix_of(joint)
+    return {name: numbers.get(ahead + name, SWITCHED_OFF.get(name, 0.0)) for name in CHANGES}
+
+
+def prefix_of(joint: str = "") -> str:
+    """What stands ahead of the name of a change among the numbers of a simulation; with one of several joints."""
+    return f"{PREFIX}{joint}:" if joint else PREFIX
 
 
 def substeps(Ts: float, timestep: float) -> int:
@@ -365,8 +375,21 @@ def stiffness_of(solref: tuple[float, ...], solimp: tuple[float, ...], timestep:
     return 2.0 / (most * time_constant), 1.0 / (most * time_constant * solref[1]) ** 2
 
 
-def run_loop(u: FloatArray, steps: int, h: float, q: float, v: float, act: float, c: FloatArray) -> FloatArray:
-    """Position, speed and force of the actuator at each sample, shape (N, 3); numba is loaded at the first call."""
+def run_loop(
+    u: FloatArray,
+    steps: int,
+    h: float,
+    q: FloatArray,
+    v: FloatArray,
+    act: FloatArray,
+    c: FloatArray,
+    links: FloatArray = NO_LINKS,
+    gravity: FloatArray = NO_GRAVITY,
+) -> FloatArray:
+    """Position, speed and force of the actuator of each joint at each sample, shape (N, n, 3).
+
+    The arguments are those of the compiled loop; numba is loaded at the first call.
+    """
     from labsid.simulators.mjcf._joint_loop import play_compiled
 
-    return np.asarray(play_compiled(u, steps, h, q, v, act, c))
+    return np.asarray(play_compiled(u, steps, h, q, v, act, c, links, gravity))

@@ -1,7 +1,7 @@
 """Open a model of MuJoCo: what it may read, its actuators and outputs, and errors in one line."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,42 @@ FILE_ATTRIBUTES = ("file", "meshdir", "texturedir", "assetdir", "filename")
 POSITION_SENSORS = {"jointpos": "position", "jointvel": "speed", "actuatorfrc": "force", "jointactuatorfrc": "force"}
 
 
+@dataclass(frozen=True, slots=True)
+class OpenedJoint:
+    """A joint of a model, with its actuator.
+
+    Attributes
+    ----------
+    joint, actuator : int
+        Indices; -1 without an actuator.
+    joint_name, actuator_name, link_name : str
+    """
+
+    joint: int
+    actuator: int
+    joint_name: str
+    actuator_name: str
+    link_name: str
+
+
+@dataclass(frozen=True, slots=True)
+class OpenedOutput:
+    """An output of a model.
+
+    Attributes
+    ----------
+    name : str
+    joint : int
+        Its place among the joints.
+    what : str
+        "position" or "speed" of the joint, or "force" of its actuator.
+    """
+
+    name: str
+    joint: int
+    what: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenedModel:
     """A model with the signals of a record.
@@ -23,21 +59,18 @@ class OpenedModel:
     source : MjcfSource
         With the names of its signals.
     model : mujoco.MjModel
-    actuator, joint : int
-        Indices.
-    output : str
-        "position" or "speed" of the joint, or "force" of the actuator.
-    joint_name, actuator_name, link_name : str
+    joints : tuple of OpenedJoint
+        All of them, in the order of the degrees of freedom.
+    inputs : tuple of int
+        For each input, the place of its joint among them.
+    outputs : tuple of OpenedOutput
     """
 
     source: MjcfSource
     model: Any
-    actuator: int
-    joint: int
-    output: str
-    joint_name: str
-    actuator_name: str
-    link_name: str
+    joints: tuple[OpenedJoint, ...]
+    inputs: tuple[int, ...]
+    outputs: tuple[OpenedOutput, ...]
 
 
 def import_mujoco() -> Any:
@@ -75,18 +108,15 @@ def open_model(source: MjcfSource) -> OpenedModel:
     except Exception as error:
         said = " ".join(str(error).split())
         raise ValueError(f"{path} cannot be loaded by MuJoCo {mujoco.__version__}: {said}") from None
-    actuator = _actuator(mujoco, model, source)
-    joint, output, name = _output(mujoco, model, source, actuator)
-    names = [
-        mujoco.mj_id2name(model, kind, index) or f"{text} {index}"
-        for kind, index, text in (
-            (mujoco.mjtObj.mjOBJ_JOINT, joint, "joint"),
-            (mujoco.mjtObj.mjOBJ_ACTUATOR, actuator, "actuator"),
-            (mujoco.mjtObj.mjOBJ_BODY, int(model.jnt_bodyid[joint]), "body"),
-        )
-    ]
-    known = MjcfSource(path, names[1], name, source.trusted)
-    return OpenedModel(known, model, actuator, joint, output, *names)
+    driven = _driven(mujoco, model, source)
+    joints = _joints(mujoco, model, path, driven)
+    actuators = list(driven)
+    places = tuple(next(i for i, one in enumerate(joints) if one.actuator == at) for at in actuators)
+    outputs = tuple(_output(mujoco, model, source, name, joints) for name in _outputs(source, joints, places))
+    of_inputs, of_outputs = (
+        ",".join(names) for names in ([joints[i].actuator_name for i in places], [one.name for one in outputs])
+    )
+    return OpenedModel(MjcfSource(path, of_inputs, of_outputs, source.trusted), model, joints, places, outputs)
 
 
 def names_of(mujoco: Any, model: Any, kind: str) -> list[str]:
@@ -96,49 +126,79 @@ def names_of(mujoco: Any, model: Any, kind: str) -> list[str]:
     return [mujoco.mj_id2name(model, code, index) or f"{kind} {index}" for index in range(count)]
 
 
-def _actuator(mujoco: Any, model: Any, source: MjcfSource) -> int:
+def _driven(mujoco: Any, model: Any, source: MjcfSource) -> dict[int, int]:
+    """The joint of each actuator that takes an input, by indices, in the order of the inputs."""
     names = names_of(mujoco, model, "actuator")
     if not names:
         raise ValueError(f"{source.path} has no actuator, so nothing takes the input. Add one, such as <motor>.")
-    if not source.actuator and len(names) > 1:
-        raise ValueError(f"{source.path} has {len(names)} actuators. Say which takes u: --inputs {' or '.join(names)}.")
-    if source.actuator and source.actuator not in names:
-        raise ValueError(f"{source.path} has no actuator {source.actuator!r}; it has {', '.join(names)}.")
-    return names.index(source.actuator) if source.actuator else 0
-
-
-def _output(mujoco: Any, model: Any, source: MjcfSource, actuator: int) -> tuple[int, str, str]:
-    """The joint of the output, what of it is measured, and the output's name."""
-    transmission = int(model.actuator_trntype[actuator])
-    driven = int(model.actuator_trnid[actuator, 0])
+    wanted = source.actuators or tuple(names)
+    for name in wanted:
+        if name not in names:
+            raise ValueError(f"{source.path} has no actuator {name!r}; it has {', '.join(names)}.")
+    if len(set(wanted)) < len(wanted):
+        raise ValueError(f"--inputs names an actuator of {source.path} twice; got {source.actuator}.")
+    missing = [name for name in names if name not in wanted]
+    if missing:
+        raise ValueError(
+            f"{source.path} has {len(names)} actuators; --inputs names {', '.join(wanted)}. Name the columns of all of "
+            f"them, or remove {', '.join(missing)}, as in the record."
+        )
     of_joint = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-    actuator_name = names_of(mujoco, model, "actuator")[actuator]
-    joints, sensors = names_of(mujoco, model, "joint"), names_of(mujoco, model, "sensor")
-    if transmission not in of_joint:
-        raise ValueError(f"the actuator {actuator_name} of {source.path} acts on no joint. Give one that does.")
-    wanted = source.output
-    if not wanted:
-        wanted = joints[driven]
-    if wanted in joints:
-        joint, what = joints.index(wanted), "position"
-    elif wanted in sensors:
-        index = sensors.index(wanted)
-        kind = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_").lower()
-        if kind not in POSITION_SENSORS:
+    driven: dict[int, int] = {}
+    for at in map(names.index, wanted):
+        if int(model.actuator_trntype[at]) not in of_joint:
+            raise ValueError(f"the actuator {names[at]} of {source.path} acts on no joint. Give one that does.")
+        joint = int(model.actuator_trnid[at, 0])
+        if joint in driven.values():
+            of = names_of(mujoco, model, "joint")[joint]
             raise ValueError(
-                f"the sensor {wanted} of {source.path} is of the kind {kind}; an output is a joint, or a sensor of the "
-                f"kind {', '.join(POSITION_SENSORS)}."
+                f"the joint {of} of {source.path} has more than one actuator, which cannot be opened. Remove "
+                "the others, or give the model as a function."
             )
-        at = int(model.sensor_objid[index])
-        joint = int(model.actuator_trnid[at, 0]) if kind == "actuatorfrc" else at
-        what = POSITION_SENSORS[kind]
-    else:
-        known = [f"joints {', '.join(joints)}", *([f"sensors {', '.join(sensors)}"] if sensors else [])]
-        raise ValueError(f"{source.path} has no joint or sensor {wanted!r}; it has the {' and the '.join(known)}.")
+        driven[at] = joint
+    return driven
+
+
+def _joints(mujoco: Any, model: Any, path: Path, driven: Mapping[int, int]) -> tuple[OpenedJoint, ...]:
+    """All joints, each with the actuator that moves it."""
+    names = names_of(mujoco, model, "joint")
     types = mujoco.mjtJoint
-    if int(model.jnt_type[joint]) not in (int(types.mjJNT_HINGE), int(types.mjJNT_SLIDE)):
-        raise ValueError(f"the joint {joints[joint]} of {source.path} is no hinge or slide. Give one that is.")
-    return joint, what, wanted
+    for joint, name in enumerate(names):
+        if int(model.jnt_type[joint]) not in (int(types.mjJNT_HINGE), int(types.mjJNT_SLIDE)):
+            raise ValueError(f"the joint {name} of {path} is no hinge or slide. Give a model whose joints are.")
+    actuator_of = {joint: at for at, joint in driven.items()}
+    actuators = names_of(mujoco, model, "actuator")
+    found = []
+    for joint, name in enumerate(names):
+        at, body = actuator_of.get(joint, -1), int(model.jnt_bodyid[joint])
+        link = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body {body}"
+        found.append(OpenedJoint(joint, at, name, actuators[at] if at >= 0 else "", link))
+    return tuple(found)
+
+
+def _outputs(source: MjcfSource, joints: Sequence[OpenedJoint], driven: Sequence[int]) -> tuple[str, ...]:
+    """Names of the outputs; by default the joints with an actuator."""
+    return source.outputs or tuple(joints[i].joint_name for i in driven)
+
+
+def _output(mujoco: Any, model: Any, source: MjcfSource, wanted: str, joints: Sequence[OpenedJoint]) -> OpenedOutput:
+    """What is measured of a joint, by the name of the joint or of a sensor."""
+    names, sensors = [one.joint_name for one in joints], names_of(mujoco, model, "sensor")
+    if wanted in names:
+        return OpenedOutput(wanted, names.index(wanted), "position")
+    if wanted not in sensors:
+        known = [f"joints {', '.join(names)}", *([f"sensors {', '.join(sensors)}"] if sensors else [])]
+        raise ValueError(f"{source.path} has no joint or sensor {wanted!r}; it has the {' and the '.join(known)}.")
+    index = sensors.index(wanted)
+    kind = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_").lower()
+    if kind not in POSITION_SENSORS:
+        raise ValueError(
+            f"the sensor {wanted} of {source.path} is of the kind {kind}; an output is a joint, or a sensor of the "
+            f"kind {', '.join(POSITION_SENSORS)}."
+        )
+    at = int(model.sensor_objid[index])
+    joint = int(model.actuator_trnid[at, 0]) if kind == "actuatorfrc" else at
+    return OpenedOutput(wanted, joint, POSITION_SENSORS[kind])
 
 
 def _refuse_foreign_files(path: Path) -> None:

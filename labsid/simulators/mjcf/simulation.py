@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.mjcf.one_joint import PREFIX
+from labsid.simulators.mjcf.one_joint import PREFIX, OneJoint
 from labsid.simulators.mjcf.opening import open_model
 from labsid.simulators.mjcf.playing import Player
 from labsid.simulators.mjcf.sources import MjcfSource
@@ -14,11 +14,14 @@ from labsid.simulators.simulator import Simulator
 MOST = 1e9
 FREE_SIGN = (":springref", ":stiffness", ":cubic")  # numbers that may be negative
 CONTACTS = PREFIX + "contacts"
-"""Among the numbers of a run: the output is the pair of geoms in contact at each sample, or -1."""
+"""Among the numbers of a run: the output is the pair of geoms in contact at each sample, or -1.
+
+With several outputs each of them is.
+"""
 
 
 def open_mjcf(source: MjcfSource) -> Simulator:
-    """Open a model of one joint.
+    """Open a model of one joint, or of several.
 
     Raises
     ------
@@ -26,13 +29,33 @@ def open_mjcf(source: MjcfSource) -> Simulator:
         If it cannot be opened.
     """
     player = Player(open_model(source))
+    opened = player.opened
 
     def run(t: FloatArray, u: FloatArray, numbers: Mapping[str, float]) -> FloatArray:
         if CONTACTS in numbers:
-            return np.asarray(player.play(t, u, numbers)[1], float)
+            pairs = np.asarray(player.play(t, u, numbers)[1], float)
+            return (
+                pairs if isinstance(player.one, OneJoint) else np.repeat(pairs[:, None], len(player.one.names), axis=1)
+            )
         return player.run(t, u, numbers)
 
     nominal = player.one.nominal()
     ranges = {name: (0.0, MOST) for name, value in nominal.items() if value >= 0.0 and not name.endswith(FREE_SIGN)}
-    label = f"{source.path.name}:{player.opened.actuator_name}:{player.opened.source.output}"
-    return Simulator(run, label, nominal, ranges=ranges, source=str(player.opened.source), joint=player.one)
+    label = f"{source.path.name}:{opened.source.actuator}:{opened.source.output}"
+    signals = (
+        {}
+        if isinstance(player.one, OneJoint)
+        else {
+            "inputs": tuple(opened.joints[place].actuator_name for place in opened.inputs),
+            "outputs": player.one.names,
+        }
+    )
+    return Simulator(
+        run,
+        label,
+        nominal,
+        ranges=ranges,
+        source=str(opened.source),
+        joint=player.one,
+        **signals,  # type: ignore[arg-type]
+    )

@@ -17,7 +17,7 @@ class MjcfSource:
     ----------
     path : Path
     actuator, output : str
-        Empty for the only one.
+        Names, of several with commas between; empty for the only one, or for all joints with an actuator.
     trusted : bool
         Whether files outside its folder and plugins are allowed.
     """
@@ -27,10 +27,24 @@ class MjcfSource:
     output: str = ""
     trusted: bool = False
 
+    @property
+    def actuators(self) -> tuple[str, ...]:
+        """Names of the actuators that take the inputs."""
+        return _names(self.actuator)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return _names(self.output)
+
     def __str__(self) -> str:
         """The source as `parse_mjcf` reads it."""
         parts = [str(self.path), self.actuator, self.output, TRUSTED if self.trusted else ""]
         return ":".join(parts).rstrip(":")
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",")) if text else ()
 
 
 def is_mjcf(text: str) -> bool:

@@ -113,3 +113,15 @@ def test_readings_of_a_converter_that_are_printed_with_other_digits_are_equal_by
 
 def test_a_record_of_few_changes_has_no_short_holds():
     assert shortest_repeat(np.repeat([0.0, 1.0, 2.0], 100), 0.0) == 3
+
+
+@pytest.mark.parametrize("step", [0.02, 0.05])
+def test_a_smooth_extreme_on_a_lattice_is_no_stop(step):
+    """A coarse encoder repeats its highest value at every smooth maximum; a limit does so far more often."""
+    told = 0
+    for seed in range(40):
+        coarse = np.round(noisy(seed, sd=0.4 * step) / step) * step
+        assert stuck_at_extreme(coarse, coarse.max()) == (0, 0), seed
+        clipped = np.minimum(coarse, round(0.6 / step) * step)
+        told += stuck_at_extreme(clipped, clipped.max())[0] > 0
+    assert told > 35

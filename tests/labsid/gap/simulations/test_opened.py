@@ -16,14 +16,14 @@ from mjcf_arms import MOTOR, NOISE, SERVO, TS, arm, measured, written
 
 from labsid.cli.commands import main
 from labsid.gap.diagnosis import diagnose
+from labsid.gap.joints import mjcf_export
+from labsid.gap.joints.mjcf_export import write_mended_model
 from labsid.gap.model_file import from_json_dict
-from labsid.gap.reports import mjcf_export
-from labsid.gap.reports.mjcf_export import write_mended_model
 from labsid.gap.simulations.simulation_files import replay
 from labsid.records.record import Record
+from labsid.simulators.mjcf.describing import describe_model
 from labsid.simulators.mjcf.one_joint import PREFIX
 from labsid.simulators.mjcf.opening import open_model
-from labsid.simulators.mjcf.playing import describe_joint
 from labsid.simulators.mjcf.sources import MjcfSource
 from labsid.simulators.process import open_in_process
 
@@ -117,11 +117,11 @@ def test_a_mended_model_moves_as_the_fit(what: str, tmp_path: Path) -> None:
     }[what]
     model = written(tmp_path / "arm.xml", arm(SERVO))
     opened = open_model(MjcfSource(model))
-    one, spec = describe_joint(opened), mujoco.MjSpec.from_file(str(model))
+    one, spec = describe_model(opened), mujoco.MjSpec.from_file(str(model))
     numbers = {PREFIX + name: value for name, value in changes.items()}
-    assert mjcf_export._change_joint(spec, opened, one, numbers) == []
+    assert mjcf_export._change_joint(spec, opened, 0, one, numbers) == []
     spec.compile()
-    mended = describe_joint(open_model(MjcfSource(written(tmp_path / "better.xml", spec.to_xml()))))
+    mended = describe_model(open_model(MjcfSource(written(tmp_path / "better.xml", spec.to_xml()))))
     t, u = TS * np.arange(300), np.repeat(np.linspace(-1.0, 1.0, 10), 30)
     exact = one.run(t, u, numbers)
     np.testing.assert_allclose(replace(mended, output="position").run(t, u, {}), exact, atol=1e-4 * np.ptp(exact))

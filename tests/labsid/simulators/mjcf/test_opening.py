@@ -9,7 +9,7 @@ pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
 from mjcf_arms import MOTOR, SERVO, arm, written
 
-from labsid.simulators.mjcf.opening import open_model
+from labsid.simulators.mjcf.opening import OpenedJoint, OpenedOutput, open_model
 from labsid.simulators.mjcf.simulation import open_mjcf
 from labsid.simulators.mjcf.sources import MjcfSource, is_mjcf, parse_mjcf
 
@@ -34,7 +34,7 @@ def test_names_of_models() -> None:
         ("<mujoco><worldbody><joint/></worldbody></mujoco>", {}, "cannot be loaded by MuJoCo"),
         (arm(""), {}, "has no actuator, so nothing takes the input"),
         (URDF, {}, "has no actuator"),
-        (TWO, {}, "has 2 actuators. Say which takes u: --inputs motor or other"),
+        (TWO, {}, "the joint elbow of .* has more than one actuator, which cannot be opened"),
         (TWO, {"actuator": "third"}, "has no actuator 'third'; it has motor, other"),
         (arm(), {"output": "knee"}, "has no joint or sensor 'knee'; it has the joints elbow"),
         (SENSORS, {"output": "knee"}, "joints elbow and the sensors speed, clock"),
@@ -42,7 +42,11 @@ def test_names_of_models() -> None:
         (arm('<adhesion name="glue" body="link" ctrlrange="0 1"/>'), {}, "the actuator glue of .* acts on no joint"),
         (arm(more='<asset><mesh name="m" file="../m.obj"/></asset>'), {}, "outside the folder of the model.* --trust"),
         (arm(more='<extension><plugin plugin="mine"/></extension>'), {}, "loads a plugin.* Add --trust"),
-        (TWO, {"actuator": "motor"}, "2 actuators; a model of one joint with one actuator can be diagnosed"),
+        (
+            TWO,
+            {"actuator": "motor"},
+            "2 actuators; --inputs names motor. Name the columns of all of them, or remove other",
+        ),
     ],
 )
 def test_models_that_cannot_be_used_are_refused_in_one_line(
@@ -68,9 +72,5 @@ def test_without_mujoco_the_line_to_type_is_said(tmp_path: Path, monkeypatch: py
 
 def test_a_sensor_as_the_output(tmp_path: Path) -> None:
     opened = open_model(MjcfSource(written(tmp_path / "arm.xml", SENSORS), output="speed"))
-    assert (opened.output, opened.joint_name, opened.actuator_name, opened.link_name) == (
-        "speed",
-        "elbow",
-        "servo",
-        "link",
-    )
+    assert opened.outputs == (OpenedOutput("speed", 0, "speed"),)
+    assert opened.joints == (OpenedJoint(0, 0, "elbow", "servo", "link"),)
