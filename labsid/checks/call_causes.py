@@ -65,7 +65,11 @@ def unknown_in_a_module(stop: Stop, found: re.Match[str]) -> str | None:
     if found[1] == "matplotlib.pyplot" and name in _public(_drawn("Axes")):
         return f"It is a method of axes: `ax.{name}(...)`."
     near = difflib.get_close_matches(name, _public(module), 1, _LEAST_ALIKE)
-    return f"There is `{written}.{near[0]}`: is that meant?" if near else f"`{written}` has nothing of that name."
+    return (
+        f"There is `{written}.{near[0]}`, which is spelt nearly alike."
+        if near
+        else f"`{written}` has nothing of that name."
+    )
 
 
 def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
@@ -94,7 +98,7 @@ def unknown_in_an_array(stop: Stop, found: re.Match[str]) -> str | None:
         has_more = re.search(rf"\.{name}\(\s*[^)\s]", stop.line) is not None
         return f"It is no part of an array, but a function: `np.{other}({written}{', ...' if has_more else ''})`."
     near = difflib.get_close_matches(name, _public(np.ndarray), 1, _LEAST_ALIKE)
-    return f"Arrays have `.{near[0]}`: is that meant?" if near else "Arrays have nothing of that name."
+    return f"Arrays have `.{near[0]}`, which is spelt nearly alike." if near else "Arrays have nothing of that name."
 
 
 def unknown_in_a_figure(stop: Stop, found: re.Match[str]) -> str | None:
@@ -105,7 +109,7 @@ def unknown_in_a_figure(stop: Stop, found: re.Match[str]) -> str | None:
         by = f", which `{made}` makes with it" if "subplots" in made and "=" in made else ""
         return f"`{owner}` is the figure. Curves, labels and grids belong to its axes{by}: `ax.{found[2]}(...)`."
     near = difflib.get_close_matches(found[2][:_LONGEST_NAME], _public(_drawn(found[1])), 1, _LEAST_ALIKE)
-    return f"There is `.{near[0]}`: is that meant?" if near else None
+    return f"There is `.{near[0]}`, which is spelt nearly alike." if near else None
 
 
 def unknown_property(_: Stop, found: re.Match[str]) -> str | None:
@@ -148,7 +152,7 @@ def unknown_elsewhere(stop: Stop, found: re.Match[str]) -> str | None:
         )
     module = sys.modules.get(_KNOWN.get(kind, ""))
     near = difflib.get_close_matches(name[:_LONGEST_NAME], _public(getattr(module, kind, None)), 1, _LEAST_ALIKE)
-    return f"There is `{owner}.{near[0]}`: is that meant?" if near and owner else None
+    return f"There is `{owner}.{near[0]}`, which is spelt nearly alike." if near and owner else None
 
 
 def missing_axis(stop: Stop, found: re.Match[str]) -> str | None:
@@ -285,9 +289,25 @@ def text_in_a_computation(stop: Stop, _: re.Match[str]) -> str | None:
     for node in stop.operations(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow):
         for side in (node.left, node.right):
             if _is_text(side, stop):
-                return f"`{ast.unparse(side)}` is a text, and no number: a number stands without quotes."
+                other = node.right if side is node.left else node.left
+                return f"`{ast.unparse(side)}` is a text, and no number{_beside_a_text(stop, node, side, other)}"
     is_text = re.search("'str'|to str|<U", stop.text)
-    return "A text is no number: a number stands without quotes." if is_text else None
+    return "A text stands among numbers, and does not compute." if is_text else None
+
+
+def _beside_a_text(stop: Stop, node: ast.BinOp, text: ast.expr, other: ast.expr) -> str:
+    """What a text in a computation may be: a number in quotes, or one to which a number is joined; else nothing."""
+    if isinstance(text, ast.Constant) and _NUMBER.fullmatch(str(text.value).strip()):
+        return ": a number stands without quotes."
+    thing, name = stop.things.get(ast.unparse(other)), ast.unparse(other)
+    if isinstance(node.op, ast.Add) and thing is not None and (thing.kind == "number" or thing.shape == ()):
+        return (
+            f". `+` joins a text to a text alone: `str({name})` is one. An f-string has both, `f'... {{{name}:.3g}}'`."
+        )
+    return "."
+
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.IGNORECASE)
 
 
 def number_function(stop: Stop, _: re.Match[str]) -> str | None:

@@ -31,6 +31,9 @@ def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
             return condition
         return f"It is empty along that axis{_made_by(stop, taken)}: print its shape."
     if taken is None or isinstance(taken[1], ast.Constant):
+        handed = "" if taken is None else _handed_over(stop, taken[0], index, axis, size)
+        if handed:
+            return handed
         if index == size:
             return f"Python counts from 0: {size} entries have the indices 0 to {size - 1}, the last is `[-1]`."
         return f"There are {size} entries, with the indices 0 to {size - 1}."
@@ -40,6 +43,18 @@ def beyond_the_end(stop: Stop, found: re.Match[str]) -> str | None:
     return (
         f"`{ast.unparse(taken[0])}` has {size} {what if size > 1 else what[:-1].replace('ie', 'y')}{other}"
         f"{_made_by(stop, taken)}, with the indices 0 to {size - 1}. Here `{at}` is {index}."
+    )
+
+
+def _handed_over(stop: Stop, owner: ast.expr, index: int, axis: int, size: int) -> str:
+    """That a written index is beyond an array which the function was handed; empty if it is another array."""
+    name, shape = ast.unparse(owner), stop.shape(owner) or ()
+    if name not in stop.arguments or name in stop.made:
+        return ""
+    what = ("rows", "columns")[axis] if len(shape) == 2 else "entries"
+    return (
+        f"`{name}` is handed over, here with {size} {what}. Python counts from 0: they have the indices 0 to "
+        f"{size - 1}. How many there are says `{name}.shape[{axis}]`."
     )
 
 

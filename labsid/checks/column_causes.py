@@ -4,6 +4,7 @@ import ast
 import re
 
 from labsid.checks.empty_slices import empty_slice
+from labsid.checks.line_values import parsed_line
 from labsid.checks.matrix_causes import unfit_blocks
 from labsid.checks.stops import Stop
 
@@ -21,6 +22,9 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
             f"{below[1]} (counted from 0) has {below[2]}, part {below[3]} has {below[4]}. {flat}"
         ).rstrip()
     said = "Side by side, all need the same number of rows."
+    row = _row_for_a_column(stop)
+    if row:
+        return f"{said} {row}"
     alone = _number_in(stop)
     if alone:
         return f"{said} `{alone}` is one number, a column of one row."
@@ -46,13 +50,37 @@ def unequal_columns(stop: Stop, _: re.Match[str]) -> str | None:
             f"{said} One is empty, as a slice `{cut}` is where `{a}` is below zero: that counts from the end. Print "
             f"`{a}` for each column."
         )
-    if ":" not in stop.line:
-        return said
+    counts = [count for count in lengths if count]
+    if ":" not in stop.line or (counts and 2 * min(counts) < max(counts)):
+        return said + pairs
     return (
         f"{said}{pairs} `y[a:b]` has b - a of them. Each column is cut so that this difference is the "
         f"same. Row 0 holds the sample a: lags of 1 and 2 beside `y[2:]` are `[1:-1]` "
         "and `[:-2]`."
     )
+
+
+def _row_for_a_column(stop: Stop) -> str:
+    """A line that gives a name one row of a table, where other columns are as long as the columns of it; or empty.
+
+    Only where no column is longer than a column of the table, and one is longer than half of it and than a row.
+    """
+    lengths = [length for thing in stop.things.values() for length in thing.lengths]
+    for made in stop.made.values():
+        tree = parsed_line(made)
+        body = tree.body if isinstance(tree, ast.Module) else []
+        node = body[0].value if len(body) == 1 and isinstance(body[0], ast.Assign) else None
+        if not isinstance(node, ast.Subscript) or isinstance(node.slice, ast.Slice | ast.Tuple):
+            continue
+        table, name, k = stop.shape(node.value), ast.unparse(node.value), ast.unparse(node.slice)
+        if table is None or len(table) != 2 or stop.shape(node) != table[1:] or not lengths:
+            continue
+        if table[0] >= max(lengths) > max(table[0] // 2, table[1]) and min(lengths) <= table[1]:
+            return (
+                f"In `{made}`, `{ast.unparse(node)}` is a row of `{name}`, with {table[1]} entries; a column, "
+                f"`{name}[:, {k}]`, has {table[0]}."
+            )
+    return ""
 
 
 def _number_in(stop: Stop) -> str:

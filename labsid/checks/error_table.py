@@ -40,6 +40,7 @@ from labsid.checks.column_causes import unequal_columns
 from labsid.checks.handed_over import one_list, starred_argument, wrong_arguments
 from labsid.checks.key_causes import field_of_a_dictionary, unknown_key
 from labsid.checks.library_errors import (
+    arguments_of_a_filter,
     coefficients,
     function_for_numbers,
     index_of_a_dictionary,
@@ -159,6 +160,7 @@ TABLE: tuple[Translation, ...] = (
     ),
     Translation("ValueError", "weights should have the same shape", unequal_weights),
     Translation("ValueError", "Parameter `?[TU]`?", time_and_input),
+    Translation("ValueError", "x must be at least 1-D", arguments_of_a_filter),
     Translation("ValueError", "same number of dimensions", number_beside_a_table),
     Translation("ValueError", "same number of dimensions", _FLAT_BESIDE_COLUMN),
     Translation("ValueError", "must match exactly", unequal_columns),

@@ -101,7 +101,7 @@ def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice:
         return NoAnswer(text, "rows drawn")
     related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
     related += " Such a constant is an offset." if "constant added" in related else ""
-    near = f"In {where} no curve shows {what}, but one is near to it. {related}"
+    near = f"In {where} no curve shows {what}. One curve is related to it: {related[:1].lower()}{related[1:]}"
     return NoAnswer(near if related else f"In {where} no curve shows {what}. {advice}", "no curve")
 
 

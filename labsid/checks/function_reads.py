@@ -39,6 +39,9 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
     least = _SHORTEST_DATA if unread else _SHORTEST_SIGNAL
     data = [variable for variable in read if _entries(variables.get(variable)) >= least][:_MOST_NAMES]
     if not data:
+        again = next(filter(None, (_set_anew(argument, code) for argument in code.co_varnames[: code.co_argcount])), "")
+        if again:
+            return f"`{name}` {again}"
         is_constant = len(unread) == code.co_argcount >= _FEWEST_UNREAD
         return f"`{name}` reads none of its arguments, {_listed(unread)}." if is_constant else ""
     never = f"never reads its argument{'s' * (len(unread) > 1)} {_listed(unread)}, but" if unread else "reads"
@@ -46,6 +49,33 @@ def reads_beside(name: str, function: object, variables: Mapping[str, Any]) -> s
         f"`{name}` {never} {_listed(data)} of the notebook. It is called with other data: use its arguments in their "
         "place."
     )
+
+
+def numbers_beside(name: str, function: object, variables: Mapping[str, Any]) -> str:
+    """A sentence if a function reads numbers of the notebook, such as a result of an earlier step; or nothing.
+
+    Whole numbers do not count: they are sizes and orders. The parameters are those of `reads_beside`.
+    """
+    if not isinstance(function, FunctionType):
+        return ""
+    read = dict.fromkeys(_names_in(function.__code__, "LOAD_GLOBAL"))
+    numbers = [variable for variable in read if isinstance(variables.get(variable), float | np.floating)]
+    if not numbers:
+        return ""
+    what = "which is no argument, but a number" if len(numbers) == 1 else "which are no arguments, but numbers"
+    return f"`{name}` reads {_listed(numbers[:_MOST_NAMES])}, {what} of the notebook."
+
+
+def _set_anew(argument: str, code: CodeType) -> str:
+    """That a function sets an argument before it has read it; empty if it does not, or where that is not certain."""
+    for one in dis.get_instructions(code):
+        names = one.argval if isinstance(one.argval, tuple) else (one.argval,)
+        if "FAST" in one.opname and argument in names:
+            first = one.opname == "STORE_FAST"
+            return f"sets its argument `{argument}` before it reads it: what is handed over is not used." * first
+        if "JUMP" in one.opname or "FOR_ITER" in one.opname or argument in code.co_cellvars:
+            return ""
+    return ""
 
 
 def made_without_return(name: str, sources: Iterable[str], variables: Mapping[str, Any]) -> str:

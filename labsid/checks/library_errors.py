@@ -218,6 +218,18 @@ def start_of_a_search(stop: Stop, _: re.Match[str]) -> str | None:
     return "The search cannot begin there: print the start, and what the model gives at it."
 
 
+def arguments_of_a_filter(stop: Stop, _: re.Match[str]) -> str | None:
+    """One number where `lfilter` takes the signal, by the order in which its arguments are handed over."""
+    for node in _calls(stop):
+        if ast.unparse(node.func).rpartition(".")[2] in ("lfilter", "filtfilt") and len(node.args) > 2:
+            b, a, x = map(ast.unparse, node.args[:3])
+            return (
+                "`lfilter(b, a, x)` takes all coefficients of the numerator first, in one list, then all of the "
+                f"denominator, and third the signal: here these are `{b}`, `{a}` and `{x}`."
+            )
+    return None
+
+
 def _calls(stop: Stop) -> Iterator[ast.Call]:
     yield from (node for node in stop.expressions() if isinstance(node, ast.Call))
 

@@ -1,5 +1,6 @@
 """Lines that Python cannot read, and names that it does not know: above all what is right in MATLAB."""
 
+import ast
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from labsid.checks.asked_texts import (
     text_without_quotes,
 )
 from labsid.checks.module_names import in_place_of_math, module_of
+from labsid.checks.repairs import proposal
 from labsid.checks.stops import Stop
 
 
@@ -258,6 +260,13 @@ def _is_range(said: str) -> bool:
     return said.endswith(_RANGE.rpartition("`")[2])
 
 
+def _near_name(name: str, stop: Stop) -> str:
+    """The variable that is spelt nearly like an unknown name, and whether it is meant, where that was tried."""
+    proposed = proposal(stop, ast.Name(name), stop.near)
+    alike = f"with `{name}` as a part of its name" if name in stop.near.split("_") else "which is spelt nearly alike"
+    return f"There is `{stop.near}`, {alike}. {proposed}".rstrip()
+
+
 def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] | None) -> str:
     """Why a name is not defined: it is MATLAB's or numpy's, misspelt, or its cell has not been run."""
     where = "" if made_by is None else made_by(name)
@@ -287,12 +296,12 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
     if re.match(rf"{name}\s*=(?!=).*\b{name}\b", stop.line):
         return f"`{name}` stands on the right of `=`, too, and has no value there yet: name what it is made of."
     if stop.near:
-        return f"There is `{stop.near}`: is that meant?"
+        return _near_name(name, stop)
     if stop.arguments:
         arguments = ", ".join(f"`{one}`" for one in stop.arguments)
         return (
             f"It is no argument of the function, which has {arguments}, and neither a line before this one nor a cell "
-            "that has been run makes it: compute it in the function. (Spelt alike in both places?)"
+            "that has been run makes it. (Spelt alike in both places?)"
         )
     return (
         "No cell that has been run defines it: run the cells above in their order, or define it. "

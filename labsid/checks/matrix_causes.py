@@ -5,7 +5,7 @@ import re
 
 from labsid.checks.empty_slices import begins_below_zero, empty_slice
 from labsid.checks.line_values import parsed_line, shape_of
-from labsid.checks.repairs import beside, mends
+from labsid.checks.repairs import beside, mends, proposal
 from labsid.checks.singular_matrices import called, never_inverted, products_in
 from labsid.checks.stops import Stop
 
@@ -77,40 +77,38 @@ def unfit_product(stop: Stop, _: re.Match[str]) -> str | None:
             return f"{said} {fault}"
         weight = next((part.id for part in flat if one[0] != other[0] and re.search(rf"@ {part.id} @", stop.line)), "")
         if weight and mends(stop, ast.Name(weight), f"np.diag({weight})"):
-            return f"`{weight}` is flat. A matrix with these numbers on its diagonal is `np.diag({weight})`."
+            matrix = f"A matrix with these numbers on its diagonal is `np.diag({weight})`."
+            proposed = proposal(stop, ast.Name(weight), f"np.diag({weight})", matrix)
+            return " ".join(filter(None, (said, f"`{weight}` is flat.", proposed)))
         inverse = re.search(r"inv\((\w+)\.T @ \1\)$", left)
         if inverse is not None and one[0] < other[0]:
             name = inverse[1]
             if right.endswith(".T"):
                 turned = f"{left} @ {name}.T @ {right[:-2]}"
-                is_mended = mends(stop, product, turned)
-                return f"{said} Is `{turned}` meant, with `{name}` transposed instead?" if is_mended else said
-            if not mends(stop, product, f"{left} @ {name}.T" + (f" @ {right}" if right != name else "")):
-                return said
+                asked = f"Is `{turned}` meant, with `{name}` transposed instead?"
+                return f"{said} {proposal(stop, product, turned, asked)}".rstrip()
             before = f"`{name}.T` in place of `{name}`" if right == name else f"`{name}.T @` before `{right}`"
-            return f"{said} Is {before} meant?"
+            repair = f"{left} @ {name}.T" + (f" @ {right}" if right != name else "")
+            proposed = proposal(stop, product, repair, f"Is {before} meant?")
+            return f"{said} {proposed or _other_order(stop, product)}".rstrip()
         if "inv(" in left:
-            return said
+            return f"{said} {_other_order(stop, product)}".rstrip()
         if one[0] == other[0] and re.fullmatch(r"(-?[\w.]+ \* )?\w+(\.T)?", left):
             turned = left[:-2] if left.endswith(".T") else f"{left}.T"
             repairs = [f"{turned} @ {right}"]
             if len(one) == len(other) == 2 and other[1] == one[0]:
                 repairs.append(f"{right} @ {left}")
-            mended = [f"`{repair}`" for repair in repairs if mends(stop, product, repair)]
-            if len(mended) > 1:
-                return f"{said} {mended[0]} and {mended[1]} would fit."
-            return f"{said} Is {mended[0]} meant?" if mended else f"{said}{_owed(stop, product)}"
+            proposals = (proposal(stop, product, repair) for repair in repairs if mends(stop, product, repair))
+            found = next(filter(None, proposals), "") or _other_order(stop, product) or _owed(stop, product)
+            return f"{said} {found}".rstrip()
         is_swapped = len(one) == 1 and len(other) == 2 and other[1] == one[0]
-        if is_swapped and mends(stop, product, f"{right} @ {left}"):
-            return f"{said} Is `{right} @ {left}` meant?"
-        turned = f"{left} @ {right}.T"
-        if (
-            len(other) == 2
-            and other[0] != other[1] == one[-1]
-            and right.isidentifier()
-            and mends(stop, product, turned)
-        ):
-            return f"{said} `{turned}` would fit."
+        swapped = proposal(stop, product, f"{right} @ {left}") if is_swapped else ""
+        if swapped:
+            return f"{said} {swapped}"
+        is_turned = len(other) == 2 and other[0] != other[1] == one[-1] and right.isidentifier()
+        turned = proposal(stop, product, f"{left} @ {right}.T") if is_turned else ""
+        if turned:
+            return f"{said} {turned}"
         names = (left.removesuffix(".T"), right.removesuffix(".T"))
         made = [name for name in names if name in stop.made and not stop.made[name].startswith("for ")]
         return " ".join((said, *(f"`{name}` is made by `{stop.made[name]}`." for name in made)))
@@ -146,9 +144,8 @@ def _other_size(stop: Stop, first: ast.expr, second: ast.expr) -> str:
             if turned == [right, left]:
                 said += f", and between `{right}` and `{left}` {square}"
         product, swapped = ast.BinOp(first, ast.MatMult(), second), f"{ast.unparse(second)} @ {ast.unparse(first)}"
-        if third is None and mends(stop, product, swapped):
-            return f"{said}. `{swapped}` would fit, and in this order a matrix of {size} by {size}."
-        return f"{said}."
+        proposed = proposal(stop, product, swapped) if third is None and mends(stop, product, swapped) else ""
+        return f"{said}. {proposed}".rstrip()
     return ""
 
 
@@ -168,10 +165,33 @@ def _factor_behind(stop: Stop, first: ast.expr, second: ast.expr) -> ast.expr | 
     return found[0] if found else None
 
 
+def _other_order(stop: Stop, product: ast.BinOp) -> str:
+    """The product of the same matrix, its transpose and an inverse in another order, where the answer is right then."""
+    tree = parsed_line(stop.line)
+    whole = next((node for node in ([] if tree is None else ast.walk(tree)) if isinstance(node, ast.BinOp)), None)
+    factors = [] if whole is None else _factors(whole)
+    if len(factors) != _MOST_FACTORS or whole is None:
+        return ""
+    first, middle, last = map(ast.unparse, factors)
+    if "inv(" not in middle or {first, last} not in ({last, f"{last}.T"}, {first, f"{first}.T"}):
+        return ""
+    return proposal(stop, whole, f"{last} @ {middle} @ {first}")
+
+
+_MOST_FACTORS = 3
+
+
+def _factors(node: ast.expr) -> list[ast.expr]:
+    """The factors of a product of matrices by `@`, in their order."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
+        return [*_factors(node.left), node.right]
+    return [node]
+
+
 def _owed(stop: Stop, product: ast.expr) -> str:
     """The shape that a product must have beside another term; empty where it stands alone."""
     other = beside(stop, product)
-    return "" if other is None else f" Beside `{other[0]}`, of shape {other[1]}, the product must have that shape, too."
+    return "" if other is None else f"Beside `{other[0]}`, of shape {other[1]}, the product must have that shape, too."
 
 
 def unfit_blocks(stop: Stop) -> str:
@@ -201,7 +221,7 @@ def unfit_blocks(stop: Stop) -> str:
             said += f"{', '.join(parts)} (counted from 0): these must be equal."
         else:
             continue
-        return f"{said}{_not_transposed(rows, known) or _empty_corner(rows, known)}"
+        return f"{said}{_not_transposed(stop, node.args[0], rows, known) or _empty_corner(rows, known)}"
     return ""
 
 
@@ -240,7 +260,9 @@ def _empty_corner(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]
     )
 
 
-def _not_transposed(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]]) -> str:
+def _not_transposed(
+    stop: Stop, whole: ast.expr, rows: list[list[ast.expr]], shapes: list[list[tuple[int, int]]]
+) -> str:
     """The one block among two by two that fits when it is transposed, and only then; "" if there is none."""
     if [len(row) for row in rows] != [2, 2]:
         return ""
@@ -251,11 +273,16 @@ def _not_transposed(rows: list[list[ast.expr]], shapes: list[list[tuple[int, int
         ]
         (a, b), (c, d) = other
         if (a[0], c[0], a[1], b[1]) == (b[0], d[0], c[1], d[1]):
-            turned.append(ast.unparse(rows[i][j]))
+            turned.append((i, j))
     if len(turned) != 1:
         return ""
-    block = turned[0]
-    return f" All fit when `{block}` is transposed: is `{block[:-2] if block.endswith('.T') else f'{block}.T'}` meant?"
+    ((i, j),) = turned
+    written = [[ast.unparse(part) for part in row] for row in rows]
+    block = written[i][j]
+    written[i][j] = block[:-2] if block.endswith(".T") else f"{block}.T"
+    repair = f"[{', '.join(f'[{parts}]' for parts in map(', '.join, written))}]"
+    proposed = proposal(stop, whole, repair, f"Is `{written[i][j]}` meant?")
+    return f" All fit when `{block}` is transposed. {proposed}".rstrip()
 
 
 def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
@@ -277,10 +304,9 @@ def unfit_right_side(stop: Stop, _: re.Match[str]) -> str | None:
                     first = stop.shape(inner.left)
                     repair = f"{ast.unparse(inner.left)} @ {b}"
                     if first and len(first) == 2 and first[1] == right[0] and mends(stop, node.args[1], repair):
-                        said += (
-                            f" The right-hand side of the normal equations is multiplied, too: "
-                            f"`{ast.unparse(inner.left)} @ {b}`."
-                        )
+                        also = f"The right-hand side of the normal equations is multiplied, too: `{repair}`."
+                        solved = f"{ast.unparse(node.func)}({A}, {repair})"
+                        said = f"{said} {proposal(stop, node, solved, also)}".rstrip()
                 names = [
                     one.id for one in ast.walk(inner) if isinstance(one, ast.Name) and "@" in stop.made.get(one.id, "")
                 ]

@@ -111,7 +111,8 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         """Check one question and print the result; raise `CheckFailed` with the reason if it is wrong."""
         question = self._assignment.question(question_id)
         cells = self._cells(question_id)
-        not_run = cells.not_run() if cells is not None else None
+        ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
+        not_run = cells.not_run(question.outcome_of_mends(ask)) if cells is not None else None
         if not_run is None and self._still_skipped(question_id):
             self._show(SKIPPED, question_id, "you went on from the reference's value. It earns no marks.")
             return
@@ -122,7 +123,6 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         waiting = [used for used in question.uses if used not in self._passed and used not in self._skipped]
         if waiting:
             self._fail(question, f"it starts from {self._step(waiting[0])}, which is not right yet.", cells, waiting[0])
-        ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
         verdict, remark = _judged(question, ask, cells)
         verdict = (
             self._unless_typed_in(question, ask, verdict) if verdict.passed else self._typed(question, ask, verdict)
@@ -437,9 +437,10 @@ def _judged(question: Question, ask: "NotebookAsk", cells: QuestionCells | None)
         return verdict, ""
     wrong = next(filter(None, (cells.wrong_origin(name, verdict.passed) for name in ask.names)), None)
     if wrong is None:
-        wrong = (
-            (cells.refused() or cells.made_below()) if verdict.passed else cells.stopped_before(ask.names, verdict.slip)
-        )
+        if verdict.passed:
+            wrong = cells.refused() or cells.made_below()
+        else:
+            wrong = cells.stopped_before(ask.names, verdict.slip, question.outcome_of_mends(ask))
     if wrong is not None:
         return replace(verdict, passed=False, reason=wrong, slip=None), ""
     return verdict, cells.remark(ask.names)

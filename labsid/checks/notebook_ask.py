@@ -1,14 +1,18 @@
 """Access of a check to the variables of a notebook, in the notebook's own process."""
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
+from io import StringIO
 from types import FunctionType
 from typing import Any
 
 import numpy as np
 
 from labsid.checks.compare import kind_of
-from labsid.checks.function_reads import length_beside, reads_beside
+from labsid.checks.function_reads import length_beside, numbers_beside, reads_beside
+from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, mended, mended_value
 from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
@@ -73,6 +77,7 @@ class NotebookAsk:
             with limit_time(CALL_SECONDS):
                 result = plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
             if begins_with_calls:
+                self.beside = self.beside or numbers_beside(name, function, self._variables)
                 self.tried = f"Tried: `{name}({_listed(arguments)})` returned {_short(result)}."
             return result
         except (OutOfTime, KeyboardInterrupt) as endless:
@@ -85,7 +90,32 @@ class NotebookAsk:
             stop = stop_of(error, self._variables)
             counts = {thing.value for thing in stop.things.values()}
             cause = "" if self.beside else length_beside(name, function, self._variables, arguments, counts)
-            raise NoAnswer(told(stop, f"`{name}`", cause=cause), PYTHON_ERROR) from error
+
+            def with_outcome(outcome: Callable[[Mend], str] | None = None) -> str:
+                return told(replace(stop, outcome=outcome), f"`{name}`", cause=cause)
+
+            raise NoAnswer(with_outcome(), PYTHON_ERROR, with_outcome) from error
+
+    def value_mended(self, mend: Mend, name: str) -> Value:
+        """The variable as a mended line assigns it, or as it is; raises `NoAnswer` if there is none."""
+        try:
+            if name != assigned_by(mend):
+                return plain(self._variables[name])
+            with limit_time(MEND_SECONDS), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+                return plain(mended_value(mend, self._variables))
+        except (Exception, OutOfTime) as error:
+            raise NoAnswer(f"`{name}` cannot be mended.") from error
+
+    def call_mended(self, mend: Mend, name: str, *arguments: Value) -> Value:
+        """The result of the function of that name when a line is mended; raises `NoAnswer` if it has none."""
+        function = mended(name, mend, self._variables)
+        if function is None:
+            raise NoAnswer(f"`{name}` cannot be mended.")
+        try:
+            with limit_time(MEND_SECONDS), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+                return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
+        except (Exception, OutOfTime) as error:
+            raise NoAnswer(f"`{name}` stops also when it is mended.") from error
 
     def numbers_handed(self, function: str, name: str) -> tuple[float | None, ...]:
         """The numbers that the notebook hands over to its function of that name, in the call that makes a variable."""

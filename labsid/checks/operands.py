@@ -8,13 +8,15 @@ from labsid.checks.argument_orders import turned_polynomial
 from labsid.checks.empty_slices import empty_slice
 from labsid.checks.line_values import parsed_line
 from labsid.checks.matrix_causes import products_of_matrices
-from labsid.checks.repairs import mends, shape_of_repair
+from labsid.checks.repairs import mends, proposal, shape_of_repair
 from labsid.checks.singular_matrices import never_inverted
 from labsid.checks.stops import Stop
 
 _OPERATIONS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.FloorDiv, ast.Mod)
 _PLACE = {0: "column", 1: "row"}
 """By the axis along which numbers are put together: what each number is made of."""
+_SHORTEST_SIGNAL = 20
+"""Entries; vectors of parameters and coefficients have fewer."""
 Shape = tuple[int, ...]
 
 
@@ -87,6 +89,8 @@ def vector_by_columns(stop: Stop, _: re.Match[str]) -> str | None:
                 continue
             written, left, right = map(ast.unparse, (node, node.left, node.right))
             table, vector = stop.shape(node.left), stop.shape(node.right)
+            if table is not None and vector is not None and len(table) == 1:
+                left, right, table, vector = right, left, vector, table
             shape = stop.shape(node)
             product = f"{left} @ {right}"
             if table is None or len(table) != 2 or vector != table[1:] or shape != table:
@@ -125,21 +129,33 @@ def rows_by_a_vector(stop: Stop, _: re.Match[str]) -> str | None:
         name = ast.unparse(right)
         name = name if re.fullmatch(r"[\w.]+(\[.*\]|\(.*\))*", name) else f"({name})"
         if along_rows:
-            if not mends(stop, right, f"{name}[:, np.newaxis]"):
-                return along_rows
-            return f"{along_rows} (To keep one for each row beside the table: `{name}[:, np.newaxis]`.)"
+            kept = f"(To keep one for each row beside the table: `{name}[:, np.newaxis]`.)"
+            return f"{along_rows} {_with_side(stop, found, right, f'{name}[:, np.newaxis]', kept)}".rstrip()
         said = f"numpy matches shapes from the last axis: a flat array stands for one *row* of {one[1]}."
-        if mends(stop, right, f"{name}[:, np.newaxis]"):
-            return f"{said} For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
-        return f"{said} `{ast.unparse(left)}` has shape {one} and `{ast.unparse(right)}` {other}."
+        to_each = f"For one number to each of the {one[0]} rows make it a column: `{name}[:, np.newaxis]`."
+        proposed = _with_side(stop, found, right, f"{name}[:, np.newaxis]", to_each)
+        return (
+            f"{said} {proposed}"
+            if proposed
+            else f"{said} `{ast.unparse(left)}` has shape {one} and `{ast.unparse(right)}` {other}."
+        )
     for side, shape in ((found.left, found.shapes[0]), (found.right, found.shapes[1])):
         turned = re.fullmatch(r"(\w+)\[(np\.newaxis|None),\s*:\]", ast.unparse(side))
         if turned is not None and len(shape) == 2 and shape[1] in (one[0], other[0]):
             column = f"{turned[1]}[:, {turned[2]}]"
-            if not mends(stop, side, column):
-                return f"`{turned[0]}` is one row, of shape {shape}."
-            return f"`{turned[0]}` is one row. For one number to each row make a column of it: `{column}`."
+            to_each = f"For one number to each row make a column of it: `{column}`."
+            return (
+                f"`{turned[0]}` is one row, of shape {shape}. {_with_side(stop, found, side, column, to_each)}".rstrip()
+            )
     return None
+
+
+def _with_side(stop: Stop, found: Operands, side: ast.expr, repair: str, said: str) -> str:
+    """The proposal of another operand, in this operation alone: its name may stand elsewhere in the line, too."""
+    sides = (found.left, found.right)
+    left, right = (ast.parse(repair, mode="eval").body if one is side else one for one in sides)
+    part = ast.BinOp(found.left, found.operation, found.right)
+    return proposal(stop, part, ast.unparse(ast.BinOp(left, found.operation, right)), said)
 
 
 def unequal_shapes(stop: Stop, _: re.Match[str]) -> str | None:
@@ -175,11 +191,22 @@ def _paired(stop: Stop, found: Operands, left: str, right: str) -> str:
     filling = re.compile(r"(?:np\.)?(zeros|ones)\(.*\)|\[0(?:\.0)?\] \* .+")
     if isinstance(found.operation, ast.Add) and (filling.fullmatch(left) or filling.fullmatch(right)):
         joined = f"np.concatenate([{left}, {right}])"
-        if mends(stop, ast.BinOp(found.left, found.operation, found.right), joined):
-            return f"`+` adds entry by entry. Is one to stand behind the other? Then join them: `{joined}`."
+        asked = f"Is one to stand behind the other? Then join them: `{joined}`."
+        proposed = proposal(stop, ast.BinOp(found.left, found.operation, found.right), joined, asked)
+        return f"`+` adds entry by entry, and joins nothing. {proposed}".rstrip()
     if 2 * min(one, other) < max(one, other):
         return "Entry by entry they do not pair up."
-    return "Entry by entry they must be of equal length (cut signals so that they cover the same samples)."
+    are_signals = min(one, other) >= _SHORTEST_SIGNAL
+    cut = are_signals or any(_is_cut(stop, side) for side in (found.left, found.right))
+    samples = " Signals beside each other must cover the same samples." if cut else ""
+    return f"Entry by entry they must be of equal length.{samples}"
+
+
+def _is_cut(stop: Stop, side: ast.expr) -> bool:
+    """Whether a slice with bounds stands in an expression, or in the line that made what has this name."""
+    tree = parsed_line(stop.made.get(side.id, "")) if isinstance(side, ast.Name) else side
+    slices = (node for node in ([] if tree is None else ast.walk(tree)) if isinstance(node, ast.Slice))
+    return any(one.lower is not None or one.upper is not None for one in slices)
 
 
 def _reduced(stop: Stop, side: ast.expr, beside: Shape) -> str:

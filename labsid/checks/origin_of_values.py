@@ -5,14 +5,15 @@ imported. Each function returns what is wrong in one or two sentences, and None 
 the notebook's program sends no ids of cells, or the file has not been saved, less is known.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from labsid.checks.cell_names import bound_names, used_names
 from labsid.checks.cell_runs import CellRun, CellRuns
 from labsid.checks.cells import Template, answer_id, is_stub
 from labsid.checks.given_lines import put_back
+from labsid.checks.mended_functions import Mend
 from labsid.checks.notebook_file import NotebookFile
 from labsid.checks.permitted import WRITE_YOURSELF, is_taught, refused_lines
 from labsid.checks.python_errors import explain, told
@@ -62,8 +63,11 @@ class QuestionCells:
         known = {cell.id for cell in self.template.cells} if self.template is not None else set()
         return not self.runs.cell_ids.isdisjoint(known | set(self.file.sources if self.file is not None else ()))
 
-    def not_run(self) -> str | None:
-        """The answer cell failed, took too long, or was not run as it now is."""
+    def not_run(self, outcome: Callable[[Mend], str] | None = None) -> str | None:
+        """The answer cell failed, took too long, or was not run as it now is.
+
+        ``outcome(mend)`` tries a repair of the line that stopped before it is proposed; see `Stop`.
+        """
         run = self.answer
         saved = None if self.file is None else self.file.sources.get(answer_id(self.question_id))
         if run is None:
@@ -76,7 +80,7 @@ class QuestionCells:
                 f"{CELL_SECONDS:g} s. {explain(Stop('KeyboardInterrupt', '') if run.stop is None else run.stop)}"
             )
         if run.stop is not None:
-            why = told(run.stop, "its answer cell", self.making_cells)
+            why = told(replace(run.stop, outcome=outcome), "its answer cell", self.making_cells)
             return f"{why} Correct that and run the cell, then this check."
         is_newer = self.file is not None and self.file.saved > run.ended
         if is_newer and saved is not None and saved.strip() != run.source.strip():
@@ -85,7 +89,9 @@ class QuestionCells:
             return f"its answer cell took {run.seconds:.0f} s; grading stops a cell after {CELL_SECONDS:g} s."
         return None
 
-    def stopped_before(self, names: Iterable[str], slip: str | None) -> str | None:
+    def stopped_before(
+        self, names: Iterable[str], slip: str | None, outcome: Callable[[Mend], str] | None = None
+    ) -> str | None:
         """The cell that was run before the check stopped; asked where the answer cell is not known by its id.
 
         Where all `names` are functions, and the cell made those of them that it makes before it stopped, a mistake that
@@ -100,7 +106,7 @@ class QuestionCells:
         )
         if slip not in (None, PYTHON_ERROR) and is_made:
             return None
-        why = told(run.stop, "the cell that was run before this check", self.making_cells)
+        why = told(replace(run.stop, outcome=outcome), "the cell that was run before this check", self.making_cells)
         return f"{why} Correct that and run the cell, then this check."
 
     def making_cells(self, name: str) -> str:

@@ -1,6 +1,7 @@
 """Questions of an assignment, and the access of their checks to a student's work."""
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Protocol, cast
@@ -8,6 +9,8 @@ from typing import Any, Protocol, cast
 import numpy as np
 
 from labsid.checks.compare import kind_of
+from labsid.checks.mended_functions import Mend, assigned_by
+from labsid.checks.stops import OTHERWISE, RIGHT, SHAPED
 from labsid.checks.values import Value, in_double_precision
 from labsid.checks.verdict import SINGLE_PRECISION, NoAnswer, Verdict
 from labsid.records.record import Record
@@ -73,6 +76,36 @@ class Ask(Protocol):
 
     def known(self, name: str) -> Value:
         """A value of an earlier step: the student's if it was right, otherwise the reference's."""
+
+
+_MOST_MENDS = 3
+"""Repairs that are tried at one error."""
+
+
+class _Mended:
+    """Asks the same where one line of a function, or an assignment of the cell, is mended.
+
+    It draws no inputs from `ask`. `is_used` says whether what was mended has been asked for.
+    """
+
+    def __init__(self, ask: Ask, mend: Mend) -> None:
+        self._ask, self._mend = ask, mend
+        self.rng = deepcopy(ask.rng)
+        self.is_used = False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._ask, name)
+
+    def value(self, name: str) -> Value:
+        self.is_used |= name == assigned_by(self._mend)
+        return self._ask.value_mended(self._mend, name)  # type: ignore[attr-defined]
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        self.is_used = True
+        return self._ask.call_mended(self._mend, name, *arguments)  # type: ignore[attr-defined]
+
+    def changes(self, name: str, *arguments: Value) -> bool:
+        return False
 
 
 class _InDoublePrecision:
@@ -154,7 +187,7 @@ class Question:
         try:
             return self.judge(ask)
         except NoAnswer as nothing:
-            refused = Verdict(False, str(nothing), nothing.slip)
+            refused = Verdict(False, self._said(nothing, ask), nothing.slip)
         if refused.slip != SINGLE_PRECISION:
             return refused
         try:
@@ -162,6 +195,34 @@ class Question:
         except NoAnswer:
             return refused
         return verdict if verdict.passed else refused
+
+    def _said(self, nothing: NoAnswer, ask: Ask) -> str:
+        """Why there is no answer; of the repairs of a line, those are proposed with which the answer passes."""
+        if nothing.told is None or not hasattr(ask, "call_mended"):
+            return str(nothing)
+        return nothing.told(self.outcome_of_mends(ask))
+
+    def outcome_of_mends(self, ask: Ask) -> Callable[[Mend], str]:
+        """What says of a mend what becomes of the answer: `RIGHT`, `SHAPED` or `OTHERWISE`; see `Stop`."""
+        tried: dict[Mend, str] = {}
+
+        def outcome(mend: Mend) -> str:
+            if mend not in tried:
+                tried[mend] = self._outcome(ask, mend) if len(tried) < _MOST_MENDS else OTHERWISE
+            return tried[mend]
+
+        return outcome
+
+    def _outcome(self, ask: Ask, mend: Mend) -> str:
+        """What becomes of the answer when a line of it is mended."""
+        asked = _Mended(ask, mend)
+        try:
+            verdict = self.judge(cast(Ask, asked))
+        except (NoAnswer, ValueError, TypeError, ArithmeticError, LookupError):
+            return OTHERWISE
+        if not asked.is_used:
+            return OTHERWISE
+        return RIGHT if verdict.passed else SHAPED if verdict.is_shaped else OTHERWISE
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ _FEWEST = 3
 """Entries from which on a common factor or shift is no chance."""
 
 
-def relation(got: object, right: object, same: Same) -> str:
+def relation(got: object, right: object, same: Same, of: str = "") -> str:
     """How `got` differs from `right`, in a sentence; empty if nothing simple relates them.
 
     Parameters
@@ -33,7 +33,14 @@ def relation(got: object, right: object, same: Same) -> str:
         Of any shape; nothing is said of other objects, and of unequal shapes.
     same : callable
         The comparison of the question, with which they differ.
+    of : str, optional
+        What `got` is called; without it, it is the whole of what was asked for, "it".
     """
+    said = _relation(got, right, same)
+    return f"Of {of} holds: {said[0].lower()}{said[1:]}" if said and of else said
+
+
+def _relation(got: object, right: object, same: Same) -> str:
     try:
         a, b = np.asarray(got, float), np.asarray(right, float)
     except (TypeError, ValueError):
@@ -110,7 +117,8 @@ def _columns(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
             said = []
             if list(order) != sorted(order):
                 now = ", ".join(str(order.index(j)) for j in range(len(order)))
-                said.append(f"its columns are right, in another order: now {now}, counted from 0 as asked for")
+                are = "stand" if np.any(signs < 0) else "are right,"
+                said.append(f"its columns {are} in another order: now {now}, counted from 0 as asked for")
             wrong = [f"`[:, {order[i]}]`" for i in np.flatnonzero(signs < 0)]
             if wrong:
                 said.append(f"column {' and column '.join(wrong)} has the wrong sign")

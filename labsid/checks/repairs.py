@@ -4,7 +4,8 @@ import ast
 from copy import deepcopy
 
 from labsid.checks.line_values import MOST_PARTS, parsed_line, shape_of
-from labsid.checks.stops import Stop
+from labsid.checks.mended_functions import Mend
+from labsid.checks.stops import OTHERWISE, RIGHT, SHAPED, Stop
 
 Shape = tuple[int, ...]
 _NEEDS_SHAPES = ("solve", "inv", "dot", "matmul")
@@ -32,6 +33,30 @@ def mends(stop: Stop, part: ast.expr, repair: str) -> bool:
     nodes = list(ast.walk(tree))[: 2 * MOST_PARTS]
     is_known = known.repaired is not None and shape_of(known.repaired, known.shapes) is not None
     return is_known and not any(_is_misfit(node, known.shapes) for node in nodes)
+
+
+def proposal(stop: Stop, part: ast.expr, repair: str, said: str = "", line: str = "") -> str:
+    """A question whether a repair is meant, if the answer is right with it; or a fact about shapes; or nothing.
+
+    Parameters
+    ----------
+    stop : Stop
+        Where no mend can be tried, nothing is proposed.
+    part : ast.expr
+        An expression of the line.
+    repair : str
+        Code in its place.
+    said : str, optional
+        The sentence that proposes it, in place of ``Is `repair` meant?``.
+    line : str, optional
+        The line, if it is one of those that made what stands in the line that stopped.
+    """
+    outcome = OTHERWISE if stop.outcome is None else stop.outcome(Mend(line or stop.line, ast.unparse(part), repair))
+    if outcome == RIGHT:
+        return said or f"Is `{repair}` meant?"
+    if outcome == SHAPED:
+        return f"With `{repair}` the function ends without an error, and what it returns has the shape that is asked."
+    return ""
 
 
 def shape_of_repair(stop: Stop, repair: str) -> Shape | None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.line_values import MOST_PARTS, Thing, parsed_line, things_in
+from labsid.checks.mended_functions import Mend
 
 _LARGEST_SIZE = 10**7
 _KINDS = ("array", "list", "tuple", "number", "text", "dictionary", "function", "module", "nothing", "object")
@@ -24,6 +25,10 @@ _MOST_MADE, _MOST_STEPS, _MOST_LINES = 12, 2, 100
 _INNER = ("<listcomp>", "<genexpr>", "<setcomp>", "<dictcomp>", "<lambda>")
 _NAME = re.compile(r"(?<![\w.\"'])[A-Za-z_]\w*")
 _ASSIGNS = re.compile(r"\s*(?:for\s+(?P<each>[^=\[\]]+?)\s+in\b|(?P<name>[^=\[\]#'\"]+?)\s*=(?!=))")
+
+RIGHT, SHAPED, OTHERWISE = "right", "shaped", "otherwise"
+"""What becomes of an answer when a line is mended: it is right; it is wrong, but has the shape that is asked; neither,
+or this is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +58,9 @@ class Stop:
         function of the notebook that the line calls, its only `return`.
     call : str
         The student's line that called the function in which it stopped; empty if another called it, and in a cell.
+    outcome : callable, optional
+        ``outcome(mend)`` says what becomes of the answer when a line is mended so: `RIGHT`, `SHAPED` or `OTHERWISE`.
+        None where a mend cannot be tried.
     """
 
     kind: str
@@ -66,6 +74,7 @@ class Stop:
     outside: tuple[str, ...] = ()
     made: Mapping[str, str] = field(default_factory=dict)
     call: str = ""
+    outcome: Callable[[Mend], str] | None = field(default=None, compare=False)
 
     def shape(self, node: ast.expr) -> tuple[int, ...] | None:
         """Shape of an array that stands in the line."""

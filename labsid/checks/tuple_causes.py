@@ -121,6 +121,13 @@ def no_whole_number(stop: Stop, _: re.Match[str]) -> str | None:
     if any(re.search(r"(?<!/)/(?!/)", line) for line in lines):
         return f"{whole}: `/` always gives a float, `//` a whole number."
     for node in (one for one in nodes if isinstance(one, ast.Call)):
+        sized = node.args[0] if node.args and _function(node) in ("eye", "identity") else None
+        if isinstance(sized, ast.Name) and _is_fraction(stop, sized):
+            called = ast.unparse(node.func)
+            return (
+                f"`{called}` takes a size, the number of rows, and `{sized.id}` is no whole number. A multiple of the "
+                f"unit matrix has its factor before it: `{sized.id} * {called}(...)`."
+            )
         for part in node.args:
             thing, name = stop.things.get(ast.unparse(part)), ast.unparse(part)
             if thing is not None and thing.kind == "array" and thing.shape and _function(node) in _SIZED:

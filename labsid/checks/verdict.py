@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import wraps
 from typing import Generic, ParamSpec, TypeVar
 
 import numpy as np
 
+from labsid.checks.mended_functions import Mend
 from labsid.checks.relations import relation
 
 Answer = TypeVar("Answer")
@@ -38,6 +39,8 @@ class Verdict:
         is part of the reason.
     noted : bool
         Whether an answer that passes is only noted: what is right, grading alone can tell.
+    is_shaped : bool
+        Whether an answer that does not pass is known to have the shape of the right one.
     """
 
     passed: bool
@@ -45,6 +48,7 @@ class Verdict:
     slip: str | None = None
     mend: str = ""
     noted: bool = False
+    is_shaped: bool = field(default=False, compare=False)
 
     @property
     def whole_reason(self) -> str:
@@ -75,12 +79,16 @@ BEYOND_RESULTS = "call beyond the results at hand"
 class NoAnswer(Exception):
     """There is nothing to compare: the value is missing, of the wrong kind, or could not be obtained.
 
-    Its text addresses the student; `slip` names the known mistake, if it is one.
+    Its text addresses the student; `slip` names the known mistake, if it is one. Where an error stopped a function,
+    ``told(outcome)`` is the text with the repairs that `outcome` has found to be right; see `Stop`.
     """
 
-    def __init__(self, text: str, slip: str | None = None) -> None:
+    def __init__(
+        self, text: str, slip: str | None = None, told: Callable[[Callable[[Mend], str]], str] | None = None
+    ) -> None:
         super().__init__(text)
         self.slip = slip
+        self.told = told
 
 
 @contextmanager
@@ -124,6 +132,7 @@ def judge(
     otherwise: str,
     slips: Iterable[Slip[Answer]] = (),
     exactly: Callable[[Answer, Answer], bool] | None = None,
+    of: str | None = "",
 ) -> Verdict:
     """Compare an answer with the right value and, if it differs, with the value of each known mistake.
 
@@ -142,6 +151,9 @@ def judge(
         A closer comparison, for answers whose tolerance is wider than the distance between a mistake and the right
         value: an answer that is exactly what a mistake gives, and not exactly right, is that mistake. Of several
         mistakes within the tolerance, too, one that gives the answer exactly comes first.
+    of : str or None, optional
+        What `got` is called, where it is made of what the student has returned, or is only a part of that: how it is
+        related to the right value is said of it by this name. None where it has no name; then nothing is said of it.
 
     Returns
     -------
@@ -161,9 +173,16 @@ def judge(
         if alike(got, wrong) and not alike(wrong, right):
             found.append(slip)
             if exactly is None or exactly(got, wrong):
-                return Verdict(False, slip.hint, slip.name, slip.mend)
+                return Verdict(False, slip.hint, slip.name, slip.mend, is_shaped=_are_alike(got, right))
     if found:
-        return Verdict(False, found[0].hint, found[0].name, found[0].mend)
+        return Verdict(False, found[0].hint, found[0].name, found[0].mend, is_shaped=_are_alike(got, right))
     if same(got, right):
         return Verdict(True, praise)
-    return Verdict(False, " ".join(filter(None, (otherwise, relation(got, right, same)))))
+    said = " ".join(filter(None, (otherwise, "" if of is None else relation(got, right, same, of))))
+    return Verdict(False, said, is_shaped=_are_alike(got, right))
+
+
+def _are_alike(got: object, right: object) -> bool:
+    """Whether two arrays or numbers have the same shape."""
+    kinds = (int, float, np.ndarray, np.number)
+    return isinstance(got, kinds) and isinstance(right, kinds) and np.shape(got) == np.shape(right)

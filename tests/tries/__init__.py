@@ -2,7 +2,7 @@
 
 import linecache
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import NamedTuple
 
@@ -40,6 +40,7 @@ _KINDS = (
     "neighbours_of_errors",
     "one_symptom",
     "other_repairs",
+    "tried_repairs",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0
@@ -113,7 +114,10 @@ def said_to(one: Try, solved: Solved) -> Said:
                 with limit_time(_SECONDS):
                     exec(compile(source, name, "exec"), variables)
             except (Exception, OutOfTime) as error:
-                return Said(False, told(stop_of(error, variables, source), "its answer cell"), PYTHON_ERROR)
+                question = solved.assignment.question(one.question)
+                ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
+                stop = replace(stop_of(error, variables, source), outcome=question.outcome_of_mends(ask))
+                return Said(False, told(stop, "its answer cell"), PYTHON_ERROR)
         ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
         verdict = solved.assignment.question(one.question).verdict(ask)
     question = solved.assignment.question(one.question)

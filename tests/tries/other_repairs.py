@@ -56,7 +56,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "lab-2b-theta",
             "right side of N by N",
             "theta_hat = np.linalg.solve(Phi @ Phi.T, Phi.T @ Y)",
-            "`Phi.T @ Phi` is 4 by 4",
+            "`Phi @ Phi.T` is|never has an inverse",
             TAUGHT,
             "right-hand side of the normal equations",
         ),
@@ -88,7 +88,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
          _weighted("np.eye(Phi.shape[1])", "np.linalg.solve(Phi.T @ W @ Phi, Phi.T @ Y)")),
         ("ls-8-weighted", "weights on the other side", "`W` is made by .* and between `Phi.T` and `Phi` 9 by 9",
          _weighted("np.diag(1 / sigma**2)", "np.linalg.inv(Phi @ W @ Phi.T) @ Phi.T @ W @ Y")),
-        ("ls-9-constrained", "A not transposed", "`G @ A.T` would fit",
+        ("ls-9-constrained", "A not transposed", "Is `G @ A.T` meant",
          "def constrained_fit(Phi, Y, A, b):\n    G = np.linalg.inv(Phi.T @ Phi)\n    theta = G @ Phi.T @ Y\n"
          "    lam = np.linalg.inv(A @ G @ A.T) @ (A @ theta - b)\n    return theta - G @ A @ lam\n"),
         ("ls-9-constrained", "flat arrays below each other", "same number of columns: .* counts as one row",

@@ -117,7 +117,7 @@ TRIES = (
         "prelab-6-cut-off",
         "absolute values",
         "ax_b.plot(t_new, abs(y1_new), 'r')\nax_b.step(t_new, y2_new, where='post', color=(0.6, 0.7, 0.8))",
-        "one is near to it. It is the absolute value",
+        "One curve is related to it: it is the absolute value",
         never="horizontal axis|offset",
     ),
     Try(

@@ -65,10 +65,9 @@ def write_mended_model(path: Path, found: Diagnosis | JointsDiagnosis) -> list[s
     left: dict[str, None] = {}
     for place, one in enumerate(joints if numbers else ()):
         left |= dict.fromkeys(_change_joint(spec, opened, place, one, numbers))
+    Ts = found.summary["record"]["Ts"]
     for place, (hypothesis, theta, scale) in commands.items():
-        left |= dict.fromkeys(
-            _change_actuator(spec, opened, place, joints[place], hypothesis, theta, scale, found.summary["record"]["Ts"])
-        )
+        left |= dict.fromkeys(_change_actuator(spec, opened, place, joints[place], hypothesis, theta, scale, Ts))
     left |= dict.fromkeys(in_time)
     _keep_files(spec, source.path, path)
     spec.compile()

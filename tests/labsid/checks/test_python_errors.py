@@ -1,6 +1,7 @@
 """Python's errors, explained: each cause with the mistake, and with a neighbour that must not get it."""
 
 import ast
+from dataclasses import replace
 from typing import Any
 
 import control
@@ -11,7 +12,7 @@ import pytest
 from labsid.checks.asked_texts import OF_VARIABLES
 from labsid.checks.python_errors import details, explain, told
 from labsid.checks.repairs import beside, mends, shape_of_repair
-from labsid.checks.stops import Stop, packed, stop_of, unpacked
+from labsid.checks.stops import OTHERWISE, RIGHT, SHAPED, Stop, packed, stop_of, unpacked
 from labsid.rig.switchable.withheld_effects import EFFECT_PATHS
 
 N = 20
@@ -35,10 +36,8 @@ def stopped(code: str) -> Stop:
 CAUSES = [
     ("Phi.T * Y[:, np.newaxis] * Phi", "Phi.T * w", "entry by entry. The product"),
     ("Phi.T * Phi", "u * w", "`Phi.T @ Phi`, which fits"),
-    ("Phi * Y", "w * Phi", "`Y[:, np.newaxis]`"),
     ("y[1:] - u", "Phi[1:] - Phi", "19 entries and `u` has 20"),
     ("y - w", "Phi - W", "they do not pair up"),
-    ("np.linalg.solve(Phi.T @ Phi, Y)", "np.linalg.solve(R, w)", "multiplied, too: `Phi.T @ Y`"),
     ("np.linalg.solve(R, w)", "np.linalg.solve(Phi, Y)", "has 2 rows, and b, here `w`, has 5"),
     ("np.linalg.inv(zeros @ zeros.T)", "np.linalg.inv(zeros.T @ zeros)", "of rank 2 at most"),
     ("np.linalg.inv(zeros.T @ zeros)", "np.linalg.inv(zeros @ zeros.T)", "columns are dependent"),
@@ -46,18 +45,13 @@ CAUSES = [
     ("np.linalg.inv(zeros.T @ zeros)", "np.linalg.solve(single, one)", "columns are dependent"),
     ("np.linalg.lstsq(Y, Phi, None)", "np.linalg.solve(Phi.T @ Y, w)", "`lstsq(A, b)` takes the matrix first"),
     ("np.linalg.svd(R * np.nan)", "np.linalg.inv(0 * R)", "a nan or an inf in it"),
-    ("np.zeros(3) + u", "u + w", "join them: `np.concatenate([np.zeros(3), u])`"),
     ("np.mean(Phi, axis=1) - w", "np.mean(Phi, axis=0) - w", "number of each *row*"),
-    ("np.linalg.inv(Phi.T @ Phi) @ Phi", "np.linalg.inv(R.T @ R) @ w", "Is `Phi.T` in place of `Phi` meant?"),
-    ("np.linalg.inv(Phi.T @ Phi) @ Y", "np.linalg.inv(R) @ w", "Is `Phi.T @` before `Y` meant?"),
-    ("Phi.T @ Y @ Phi", "Phi @ w", "`np.diag(Y)`"),
     ("[1].remove(2)", "[1].index(2)", "leave the inner loop: `break`"),
     ("['a'].split(',')", "['a'].strip()", "with commas between the names"),
     ("handed(max(1, 2))", "handed(k)", "hand over its name alone, `max`"),
     ("a, b = log", "a, b = k", "The parts of a record have names"),
     ("raise ValueError('(1, 2, 3) is not a valid value for color')", "raise ValueError('c')", "from 0 to 1: divide"),
     ("np.linalg.inv(Phi)", "np.linalg.inv(zeros.T @ zeros)", "`Phi` is 20 by 2; only a square"),
-    ("Phi @ Y", "Phi @ w", "Is `Phi.T @ Y` meant?"),
     ("R @ 3", "R @ w", "`3` is one number: a multiple is made by `*`"),
     ("y[:-0] @ y", "y[:0] @ y", "`[:-0]` takes nothing"),
     ("y[:-z] @ y", "y[: z - 1] @ u", "With z = 0, `y[:-z]` takes nothing. `y[: len(y) - z]` is the same"),
@@ -74,7 +68,6 @@ CAUSES = [
         "W = Phi.T @ Phi\nPhi.T @ W @ Phi",
         "Between `Phi.T` and `Phi` a square matrix is 20 by 20, and between `Phi` and `Phi.T` 2 by 2",
     ),
-    ("A = Phi[:3]\nR @ A", "Phi @ Y", "`R @ A.T` would fit"),
     ("np.arange(0, 2).reshape(20, 1)", "y.reshape(3, 1)", "start and stop, and the step is 1"),
     ("np.arange(0, 1.9, 0.1).reshape(20, 1)", "np.arange(0, 1.5, 0.1).reshape(20, 1)", "is left out. 20 are asked for"),
     ("np.linspace(0, 1).reshape(20, 1)", "np.linspace(0, 1, 19).reshape(20, 1)", "it makes 50"),
@@ -166,7 +159,7 @@ CAUSES = [
     ("path = dynamics", "place = dynamics", '`"dynamics"`'),
     ("p = {delay: 3.0}", "p = {k: delay}", '`{"delay": ...}`'),
     ("x = data[t]", "x = data[s]", '`data["t"]`'),
-    ("np.linespace(0, 1)", "np.lines(0, 1)", "There is `np.linspace`: is that meant?"),
+    ("np.linespace(0, 1)", "np.lines(0, 1)", "There is `np.linspace`, which is spelt nearly alike"),
     ("np.linalg.rank(R)", "np.linalg.ranks(R)", "It is `np.linalg.matrix_rank`"),
     ("y.diff()", "y.different()", "`np.diff(y)`"),
     ("R.inv()", "y.diff()", "`np.linalg.inv(R)`"),
@@ -182,7 +175,8 @@ CAUSES = [
     ("np.sum(y, u)", "np.zeros(y)", "`np.sum` takes one array"),
     ('y["t"]', "y[0.5]", "a text, which is a key of a dictionary"),
     ("for i in len(y): pass", "list(k)", "`range(len(y))` counts from 0"),
-    ('y + "V"', "y + None", "a number stands without quotes"),
+    ('y + "2"', 'y + "V"', "a number stands without quotes"),
+    ('"V = " + 0.5 * k', 'y + "V"', "`str(0.5 * k)` is one"),
     ("y.mean[0]", "k[0]", "`y.mean` is a function"),
     ("k[0]", "y.mean[0]", "`k` is one number"),
     ("y.shape(0)", "y(0)", "and its first number `y.shape[0]`"),
@@ -252,13 +246,9 @@ CAUSES = [
     # repairs that were tried, by their shapes, in the line
     ("Y - Phi * w[:2]", "Phi - Y", "has shape (20, 2). The product of the matrix and the vector is `Phi @ w[:2]`"),
     ("y_hat = Phi * w[:2]\nY - y_hat", "y_hat = Phi * 2\nY - y_hat", "In `y_hat = Phi * w[:2]`, `Phi * w[:2]`"),
-    ("Y - Phi - w", "Phi * Y", "`Phi` has shape (20, 2)"),
+    ("Y - Phi - w", "y[1:] - u", "`Phi` has shape (20, 2)"),
     ("Phi.T @ Y + Phi.T @ w[:2]", "Phi.T @ w[:2]", "Beside `Phi.T @ Y`, of shape (2,), the product must have"),
-    ("Phi.T @ w[:2]", "Phi.T @ Y + Phi.T @ w[:2]", "Is `Phi @ w[:2]` meant?"),
-    ("np.linalg.inv(Phi.T @ Phi) @ Y + w[:2]", "np.linalg.inv(Phi.T @ Phi) @ Y + w", "`Phi.T @` before `Y`"),
     ("w[:2] - Phi.T * Phi", "w - Phi.T * Phi", "`Phi.T @ Phi`, which fits"),
-    ("np.zeros(3) + u", "np.zeros(3) + u - w", "join them"),
-    ("Phi.T @ Y @ Phi - R", "Phi.T @ Y @ Phi - w", "`np.diag(Y)`"),
     # a number that is called, lists that are joined, functions that are not called
     ("theta, n = 2.5, 5\ntheta(n - 1)", "theta, n = 2.5, 5\ntheta(n * 3.5)", "is the value at that index"),
     ("def g(theta, n):\n return theta(n - 1)\ng(2.5, 5)", "k(1 + 1)", "the argument holds that value already"),
@@ -303,12 +293,9 @@ CAUSES = [
     ),
     # each with another mistake that stops with the same error
     ("y[3] - y[:0].remove(1)", "y.plot(u)", "a method of lists, and `y[:0]` is an array"),
-    ("sigma = np.arange(20.0)\nsigma * Phi", "w * Phi", "`sigma[:, np.newaxis]`"),
     ("np.mean(Phi, axis=1) - w[:2]", "np.mean(Phi, axis=1) - w", "`axis=0` makes one of each column, 2 in all"),
     ("Phi - Phi.mean(axis=1)", "Phi - y", "`axis=0` makes one of each column, 2 in all"),
-    ("Phi - y", "y += Phi", "`y[:, np.newaxis]`"),
     ("np.convolve(w, u) - u", "np.convolve(w, u)[1:] - u", "are the first, `np.convolve(w, u)[: len(u)]`"),
-    ("np.zeros(3) + u", "np.convolve(np.zeros(3), u) - np.zeros(3) + u", "Is one to stand behind the other?"),
     ("u[0] - Phi[0] - (y - w)", "Phi[0] - y", "do not pair up"),
     ("Phi[0] - y", "Phi[0, 0] - (y - w)", "is a row of `Phi`"),
     ("n = len(Phi[0])\ny[n:] - y", "Phi[0] - y", "18 entries and `y` has 20"),
@@ -339,7 +326,11 @@ CAUSES = [
     ("import scipy.stats\nscipy.stats.t.ppf(1)", "def g(a, b): pass\ng(1)", "`scipy.stats.t.ppf` needs `df`, too"),
     ("[].append(1, 2)", "[].insert(1)", "`[].append([1, 2])`"),
     ("len(Phi, 1)", "abs(Phi, 1)", "`Phi.shape[1]`"),
-    ("A = w[np.newaxis, :3]\nnp.block([[W, A], [A, 0]])", "np.block([[R, Phi[:3].T], [Phi[:3], 0]])", "is `A.T` meant"),
+    (
+        "A = w[np.newaxis, :3]\nnp.block([[W, A], [A, 0]])",
+        "np.block([[R, Phi[:3].T], [Phi[:3], 0]])",
+        "All fit when `A` is transposed",
+    ),
     (
         "np.block([[R, Phi[:3].T], [Phi[:3], 0]])",
         "A = w[np.newaxis, :3]\nnp.block([[W, A], [A, 0]])",
@@ -369,7 +360,6 @@ CAUSES = [
     ("p = {'low' = 1, 'high' = 2}", "p = {k == 2 3}", "a colon stands between key and value"),
     ("f(y, 200:)", "f(y 200)", "a range `a:b` stands in square brackets only"),
     ("Phi[0, 1, 0]", "y[0, 1]", "it takes 2 indices, not 3"),
-    ("H = np.eye(20)\nPhi @ H", "Phi @ w", "`H @ Phi` would fit"),
     ("P = np.eye(20)\nphi = Phi[0]\nP @ phi", "phi = Phi[:, 0]\nphi @ w[:2]", "`P` is made by `P = np.eye(20)`"),
     ("phi = Phi[:, 0]\nphi @ w[:2]", "P = np.eye(20)\nphi = Phi[0]\nP @ phi", "of `Phi`, with 20 entries"),
     ("E = []\nE[0.5]", "E = []\nE['a']", "whole number"),
@@ -385,6 +375,38 @@ CAUSES = [
     ("k++", "k + + ", "counted up by `n += 1`"),
     ("v = 2 * lambda / (1 - lambda)", "v = 2 * (lambda x: x x)", "call the variable `lam`"),
 ]
+
+
+PROPOSALS = [
+    ("Phi.T @ Y @ Phi", "`np.diag(Y)`"),
+    ("Phi.T @ w[:2]", "Is `Phi @ w[:2]` meant?"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Y + w[:2]", "`Phi.T @` before `Y`"),
+    ("np.zeros(3) + u", "join them"),
+    ("Phi.T @ Y @ Phi - R", "`np.diag(Y)`"),
+    ("sigma = np.arange(20.0)\nsigma * Phi", "`sigma[:, np.newaxis]`"),
+    ("Phi - y", "`y[:, np.newaxis]`"),
+    ("np.zeros(3) + u", "Is one to stand behind the other?"),
+    ("Phi * Y", "`Y[:, np.newaxis]`"),
+    ("np.linalg.solve(Phi.T @ Phi, Y)", "multiplied, too: `Phi.T @ Y`"),
+    ("np.zeros(3) + u", "join them: `np.concatenate([np.zeros(3), u])`"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Phi", "Is `Phi.T` in place of `Phi` meant?"),
+    ("np.linalg.inv(Phi.T @ Phi) @ Y", "Is `Phi.T @` before `Y` meant?"),
+    ("Phi @ Y", "Is `Phi.T @ Y` meant?"),
+    ("H = np.eye(20)\nPhi @ H", "Is `H @ Phi` meant?"),
+    ("A = w[np.newaxis, :3]\nnp.block([[W, A], [A, 0]])", "Is `A.T` meant?"),
+    ("A = Phi[:3]\nR @ A", "Is `R @ A.T` meant?"),
+    ("Phii @ w", "Is `Phi` meant?"),
+]
+"""Repairs that are proposed where the answer is right with them."""
+
+
+@pytest.mark.parametrize(("mistake", "said"), PROPOSALS, ids=[one[0] for one in PROPOSALS])
+def test_a_repair_is_proposed_only_where_the_answer_is_right_with_it(mistake: str, said: str) -> None:
+    stop = stopped(mistake)
+    assert said in explain(replace(stop, outcome=lambda mend: RIGHT))
+    assert said not in explain(replace(stop, outcome=lambda mend: OTHERWISE))
+    assert said not in explain(stop)
+    assert "meant" not in explain(replace(stop, outcome=lambda mend: SHAPED))
 
 
 @pytest.mark.parametrize(("mistake", "neighbour", "said"), CAUSES, ids=[one[0] for one in CAUSES])

@@ -242,6 +242,11 @@ def _runaway(got: FloatArray, u: FloatArray, y: FloatArray, warm_up: int) -> Ver
 _EXCHANGED = ("has z and phi exchanged in the update of P, which is not symmetric.", "P z left, phi' P right.")
 _HINTS = {
     "z z' for z phi'": ("updates P with z twice.", "It is P z phi' P / (1 + phi' P z)."),
+    "z z' above alone": ("has P z z'P above, where P z phi'P belongs.", "It is P z phi' P / (1 + phi' P z)."),
+    "P symmetric, in the gain too": (
+        "has P phi for phi' P in the update, and for P z in the gain. P is not symmetric here.",
+        "It is `phi @ P`, or `P.T @ phi`, and K = P z.",
+    ),
     "phi for z in the gain": ("multiplies P by phi for the gain. With phi it is least squares again.", "K = P z."),
     "phi throughout": ("never uses z: with phi in its place it is least squares.", ""),
     "z for phi in the error": ("predicts with z.", "The error is y - phi'theta, with the measured past."),
@@ -269,9 +274,10 @@ def _loop(u: FloatArray, y: FloatArray, warm_up: int, slip: str) -> FloatArray:
         error = y[n] - (z if slip == "z for phi in the error" else phi) @ theta
         P_before = P
         below = phi @ P @ z if slip == "transposed above only" else right @ P @ factor
-        after = P @ right if slip == "P taken for symmetric" else right @ P
+        after = P @ right if slip in ("P taken for symmetric", "P symmetric, in the gain too") else right @ P
+        after = P @ z if slip == "z z' above alone" else after
         P = P - np.outer(P @ factor, after) / (1 + below)
-        of_phi = slip in ("phi for z in the gain", "transposed throughout")
+        of_phi = slip in ("phi for z in the gain", "transposed throughout", "P symmetric, in the gain too")
         K = (P_before if slip == "gain from the P before" else P) @ (phi if of_phi else z)
         theta = theta - K * error if slip == "sign of the update" else theta + K * error
         history[n] = theta

@@ -184,7 +184,9 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
     start = diagonal * (1 + c**2)
     start[0, 0] = 1.0
     white = parameter_covariance(Phi, var_e)
-    as_if_white = "`covariance` is the one for white noise, var_e (Phi'Phi)^-1: here neighbouring noise is correlated."
+    neighbours = "here neighbouring noise is correlated, and Phi does not drop out of the middle."
+    as_if_white = f"`covariance` is the one for white noise, var_e (Phi'Phi)^-1: {neighbours}"
+    of_v = f"`covariance` is (1 + c^2) var_e (Phi'Phi)^-1, as if v(t), with its variance, were white: {neighbours}"
     got = as_array(call, value).reshape(1, 1) if p == 1 and as_array(call, value).size == 1 else None
     return judge(
         as_matrix(call, value, (p, p)) if got is None else got,
@@ -217,7 +219,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
                 lambda: inverse @ of_noise @ Phi,
             ),
             Slip("as if white", as_if_white, lambda: white),
-            Slip("as if white", as_if_white, lambda: (1 + c**2) * white),
+            Slip("as if white", of_v, lambda: (1 + c**2) * white),
             Slip(
                 "diagonal of white noise",
                 "`covariance` has 1 on the diagonal of E(vv').",

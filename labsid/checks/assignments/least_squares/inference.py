@@ -16,6 +16,10 @@ from labsid.least_squares.matrix_inverse import characteristic_polynomial
 from labsid.least_squares.solve import LeastSquares, solve_least_squares
 
 _MOST_WRONG = 3
+_STEP_BY_STEP = (
+    "Print sigma^2, the diagonal of the inverse, the standard errors and the quantile one by one, and hold them "
+    "against the example by hand."
+)
 
 
 @first_failure
@@ -47,18 +51,20 @@ def _judge_confidence(ask: Ask, Phi: FloatArray, Y: FloatArray, level: float) ->
     if not SAME(lower + upper, 2 * theta):
         return Verdict(False, "the bounds of `confidence` are not symmetric about theta.")
     intervals = confidence_intervals(fit, level)
+    made_of = _width_made_of(upper - theta, fit, Phi, level)
     return judge(
         upper - theta,
         intervals.upper - fit.theta,
         SAME,
         "it gives the uncertainty of each parameter.",
-        f"the intervals of `confidence` have the wrong width. {_width_made_of(upper - theta, fit, Phi, level)}",
+        f"the intervals of `confidence` have the wrong width. {made_of or _STEP_BY_STEP}",
         _width_slips(fit, n, p, level),
+        of=None if made_of else "`upper - theta`",
     )
 
 
 def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level: float) -> str:
-    """Which wrong parts give this half width: up to three at once, the fewest first."""
+    """Which wrong parts give this half width: up to three at once, the fewest first; empty if none do."""
     n, p = Phi.shape
     inner = Phi.T @ Phi
     inverse = np.linalg.inv(inner)
@@ -105,10 +111,7 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         wrong = [str(part[0]) for part in parts if part[0]]
         if len(wrong) <= _MOST_WRONG and SAME(width, share * quantile * (variance * diagonal) ** power):
             return f"It comes out like this if {' and '.join(wrong)}."
-    return (
-        "Print sigma^2, the diagonal of the inverse, the standard errors and the quantile one by one, and hold them "
-        "against the example by hand."
-    )
+    return ""
 
 
 def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[FloatArray]]:

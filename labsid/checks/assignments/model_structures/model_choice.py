@@ -393,6 +393,12 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 lambda: np.array([e[i:] @ e[: N - i] for i in k]) / (e @ e),
             ),
             Slip(
+                "mean of each lag",
+                "`autocorrelation` takes the mean of the N - k products of each lag, and leaves the mean of e in: the "
+                "sums of all lags are divided by the same number, that of lag 0, and e has its mean taken off.",
+                lambda: np.array([np.mean(e[i:] * e[: N - i]) for i in k]) / np.mean(e**2),
+            ),
+            Slip(
                 "not divided by the sum of squares",
                 "`autocorrelation` returns covariances: divide by the sum of squares, so that r(0) = 1.",
                 lambda: right * (centred @ centred),

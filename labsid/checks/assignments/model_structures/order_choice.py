@@ -102,6 +102,12 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
                 "out max(orders) - n.",
                 lambda: _losses(u, y, orders, [n + start for n in orders]),
             ),
+            Slip(
+                "sum in place of the mean",
+                "`losses` returns sums, each over all rows that its order has: the loss has 1/N, and all models start "
+                "at max(orders).",
+                lambda: _losses(u, y, orders, orders) * (u.size - np.array(orders)),
+            ),
             Slip("sum in place of the mean", "`losses` returns sums: the loss has 1/N.", lambda: right * rows),
             Slip(
                 "sum in place of the mean", "`losses` returns (half) sums: the loss has 1/N.", lambda: right * rows / 2

@@ -101,6 +101,12 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
                 lambda: np.array([fit.a / np.log(10), fit.b]),
             ),
             Slip(
+                "logarithm to base 10",
+                "`fit_logarithm` returns [b, a] in place of [a, b], and its a is the right one over ln 10: use "
+                "`np.log` throughout.",
+                lambda: np.array([fit.b, fit.a / np.log(10)]),
+            ),
+            Slip(
                 "no logarithm taken",
                 "`fit_logarithm` fits a line to y itself: take the logarithm of y first.",
                 lambda: fit_powers(x, y, LINE).theta,

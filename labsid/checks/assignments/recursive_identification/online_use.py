@@ -74,6 +74,9 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
     )
     right_theta, right_P = reference_step(theta, P, past, y, lam)
 
+    compared = (("theta", got_theta, right_theta), ("P", got_P, right_P))
+    wrong = " and ".join(name for name, got, right in compared if not SAME(got, right))
+
     def both(theta: FloatArray, P: FloatArray) -> FloatArray:
         return np.vstack([theta, P])
 
@@ -83,8 +86,8 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
         both(right_theta, right_P),
         lambda a, b: SAME(a[0], b[0]) and SAME(a[1:], b[1:]),
         "theta, P and three numbers: all that an online estimator carries from sample to sample.",
-        "past of `arx_step` is right, theta or P is not: with lambda = "
-        f"{lam:g} they are not those of one RLS step with phi = past.",
+        f"past of `arx_step` is right, {wrong} {'are' if ' ' in wrong else 'is'} not: with lambda = {lam:g} one RLS "
+        "step with phi = past gives another value.",
         [
             Slip(
                 "past updated too early",
@@ -129,6 +132,7 @@ def _one_sample(ask: Ask, P: FloatArray, lam: float) -> Iterator[Verdict]:
                 lambda: both(theta + right_P @ past * (y - past * theta), right_P),
             ),
         ],
+        of=None,  # theta and P are one table here, of rows that the student has not made
     )
 
 

@@ -139,6 +139,24 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
                 lambda: _run(theta, np.vstack([u, np.zeros(nu)]), n)[1:],
             ),
             Slip(
+                "lag off by one",
+                f"`{call}` lets u(k) move y(k), and takes the -a of theta for a. The first lag is 1: the numerator "
+                "begins with a zero.",
+                lambda: _run(flipped, np.vstack([u, np.zeros(nu)]), n)[1:],
+            ),
+            Slip(
+                "added, not joined",
+                f"`{call}` comes out like this where `[0] + b` and `[1] + a` have an array on one side: `+` then adds "
+                "entry by entry, and joins nothing. `np.r_[0, b]` joins.",
+                partial(_with_sums, theta, u, n, 1.0),
+            ),
+            Slip(
+                "added, not joined",
+                f"`{call}` comes out like this where `[0] + b` and `[1] + a` have an array on one side, and a has the "
+                "wrong sign: `+` then adds entry by entry, and joins nothing. `np.r_[0, b]` joins.",
+                partial(_with_sums, theta, u, n, -1.0),
+            ),
+            Slip(
                 "oldest lag first",
                 f"`{call}` has the lags of its b's in reverse order.",
                 lambda: _run(np.r_[a, b.reshape(nu, n)[:, ::-1].ravel()], u, n),
@@ -171,6 +189,14 @@ def _all_of_b(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:
     """The run of one input through all the b's, one lag after the other."""
     later = np.column_stack([np.r_[np.zeros(k), u[: u.size - k]] for k in range(0, theta.size - n, n)])
     return _run(theta, later, n)
+
+
+def _with_sums(theta: FloatArray, u: FloatArray, n: int, sign: float) -> FloatArray:
+    """The runs with 0 added to the b's and 1 to the a's, in place of joined to them."""
+    blocks = theta[n:].reshape(-1, n)
+    denominator = 1 - sign * theta[:n]
+    runs = (scipy.signal.lfilter(b, denominator, column) for b, column in zip(blocks, u.T, strict=True))
+    return np.asarray(sum(runs), float)
 
 
 def _from_n(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:

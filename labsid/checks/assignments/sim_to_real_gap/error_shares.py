@@ -66,6 +66,11 @@ def check_time(ask: Ask) -> Verdict:
 def _time_slips(e: FloatArray, parts: int) -> list[Slip[FloatArray]]:
     blocks = e.reshape(parts, -1)
     return [
+        Slip(
+            "errors not squared",
+            "`time_shares` adds up the errors themselves, with their signs. Squares are asked for: |.|^2.",
+            lambda: _normed(np.sum(blocks, axis=1)),
+        ),
         *_common_slips("time_shares", np.sum(blocks**2, axis=1), np.sum(np.abs(blocks), axis=1)),
         Slip(
             "every so many samples",
