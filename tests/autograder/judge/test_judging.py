@@ -157,7 +157,7 @@ def test_a_wrong_function_costs_its_own_question(forked: ProcessLauncher, tmp_pa
         ("  a = 3\n b = 4", "graded", "IndentationError: unexpected indent"),
         ("raise ValueError('all wrong.')", "graded", r"ValueError: all wrong\. There"),
         ("raise ValueError", "graded", r"with ValueError\. There"),
-        ("raise KeyboardInterrupt", "graded", r"with KeyboardInterrupt\. There is no variable"),
+        ("raise KeyboardInterrupt", "graded", r"with KeyboardInterrupt\. Look for a loop .* There is no variable"),
         ("raise SystemExit", "graded", r"with SystemExit\. There is no variable"),
         ("exit()", "graded", "There is no variable `a`"),
         ("def deeper():\n    deeper()\ndeeper()", "graded", "RecursionError"),

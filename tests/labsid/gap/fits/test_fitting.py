@@ -170,7 +170,7 @@ def stated_and_numerical(data: Data, fit: Fit) -> tuple[FloatArray, FloatArray]:
 
 def test_covariance_is_that_of_nonlinear_least_squares(band: tuple[Hypothesis, FloatArray, Data]) -> None:
     hypothesis, theta, data = band
-    np.testing.assert_allclose(*stated_and_numerical(data, fit_of(data, hypothesis, theta)), rtol=0.05)
+    np.testing.assert_allclose(*stated_and_numerical(data, fit_of(data, hypothesis, theta)), rtol=0.05, atol=1e-9)
 
 
 def test_samples_at_an_output_limit_do_not_influence_a_drift_ahead_of_it(levels: FloatArray) -> None:
