@@ -25,6 +25,7 @@ SYSTEMS = ("moodle", "canvas", "gradescope")
 METADATA = "submission_metadata.yml"
 _METADATA_WORK = 100_000_000
 _MAX_EVENTS = 3_000_000
+_DEEPEST = 32  # levels of a table of Gradescope: it has five
 _SUBMISSION = re.compile(r"submission_(\d{1,18})", re.ASCII)
 _FIRST_NUMBER = 10**17
 """Gradescope has no number of a person; these are none that another system gives."""
@@ -240,6 +241,8 @@ def _scalars(text: bytes) -> Iterator[tuple[list[str], str]]:
             raise ValueError(f"{METADATA} is too large.")
         if isinstance(event, yaml.CollectionStartEvent):
             stack.append(_Open(isinstance(event, yaml.MappingStartEvent)))
+            if len(stack) > _DEEPEST:  # each event takes a time that grows with the depth
+                raise ValueError(f"{METADATA} cannot be read (more than {_DEEPEST} levels). Export it again.")
             continue
         if isinstance(event, yaml.CollectionEndEvent):
             stack.pop()
