@@ -223,6 +223,7 @@ def exchanged(returned: HandedIn) -> HandedIn:
     return returned
 
 
+@pytest.mark.exhaustive
 def test_with_the_exchange_of_nbgrader_the_same_commands_do(exchanged: HandedIn) -> None:
     term = exchanged.term
     assert f"Handed in with nbgrader: {PRELAB}" in exchanged.said["exchange ben"]

@@ -85,7 +85,7 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
     ("changes", "name", "values"),
     [
         ({"damping": 6.0}, "parameter-mismatch", {"damping": 6.0}),
-        ({"high": 0.45}, "end-stop", {"high": 0.45}),
+        pytest.param({"high": 0.45}, "end-stop", {"high": 0.45}, marks=pytest.mark.exhaustive),
     ],
 )
 def test_other_changes_are_named_with_their_sizes(changes, name, values) -> None:
