@@ -101,6 +101,10 @@ TRIES: dict[str, tuple[Try, ...]] = {
          (("Vt[rank:].T", "null(Phi)"),)),
     ),
     "model-structures": in_rows(
+        ("ms-9-cancel", "no break", "The list does not hold it. .* leave the inner loop: `break`",
+         "def cancel(P, Q, within):\n    p, q = list(np.roots(P)), list(np.roots(Q))\n    for rp in list(p):\n"
+         "        for rq in list(q):\n            if abs(rp - rq) < within:\n                p.remove(rp)\n"
+         "                q.remove(rq)\n    return np.poly(p).real, np.poly(q).real\n"),
         ("ms-2-shift", "empty at the first", f"With i = 0, .* {_SAME}",
          "def apply(P, x):\n    y = np.zeros(len(x))\n    for i in range(len(P)):\n"
          "        y[i:] += P[i] * x[:-i]\n    return y\n"),

@@ -185,7 +185,7 @@ _WRONG_ORDERS: tuple[tuple[str, str, Callable[[FloatArray], int]], ...] = (
 
 
 def check_cancel(ask: Ask) -> Verdict:
-    """`cancel(P, Q, within)`: nothing, one root, a pair of complex roots, one of a double root."""
+    """`cancel(P, Q, within)`: nothing, one root, a pair of complex roots, one of a double root of either."""
     verdict = Verdict(False, "")
     rng = ask.rng
     s, t = rng.uniform(0.3, 0.5), rng.uniform(0.6, 0.8)
@@ -198,6 +198,7 @@ def check_cancel(ask: Ask) -> Verdict:
         ([0.9, -0.7], [], [s], near / 3, 0.003),
         ([0.85], [-s, 0.1], pair, near, 0.01),
         ([s, -t], [-0.1], [s], near, 0.01),
+        ([-t], [s + near, -0.1], [s], near, 0.01),
         ([0.9, -s], [t - 0.3, -0.9], [], 0.0, 0.01),
         ([0.9], [-s], [s], 6 * near, 0.05),
         ([*pair, 0.9], [t * np.cos(0.9), -s], [], 0.0, 0.02),
