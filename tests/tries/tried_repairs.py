@@ -1,6 +1,6 @@
 """Repairs that are tried before they are proposed, sentences that the values prove, and their neighbours."""
 
-from tries import TAUGHT, Try
+from tries import TAUGHT, Try, edited
 
 TRIES: dict[str, tuple[Try, ...]] = {
     "armax-and-instruments": (
@@ -31,25 +31,7 @@ def covariance(Phi, c, var_e):
         Try(
             "ai-8-recursive",
             "z z' in the numerator",
-            """\
-def recursive_iv(u, y, warm_up):
-    theta, P = np.zeros(2), 1e6 * np.eye(2)
-    stable = np.zeros(2)  # the last estimate with |a| < 1
-    phi, z_model = np.zeros(2), np.zeros(2)  # [-y(n-1), u(n-1)] and [-y_M(n-1), u(n-1)]
-    history = np.zeros((len(y), 2))
-    for n in range(len(y)):
-        z = phi if n < warm_up else z_model
-        eps = y[n] - phi @ theta
-        P = P - np.outer(P @ z, P @ z) / (1 + phi @ P @ z)
-        K = P @ z
-        theta = theta + K * eps
-        history[n] = theta
-        if abs(theta[0]) < 1:
-            stable = theta.copy()
-        y_M = z_model @ stable
-        phi, z_model = np.array([-y[n], u[n]]), np.array([-y_M, u[n]])
-    return history
-""",
+            edited("ai-8-recursive", ("phi @ P)", "P @ z)")),
             "has P z z'P above",
             TAUGHT,
             "has P phi",
@@ -57,25 +39,7 @@ def recursive_iv(u, y, warm_up):
         Try(
             "ai-8-recursive",
             "right factor P phi instead of phi' P, gain with phi",
-            """\
-def recursive_iv(u, y, warm_up):
-    theta, P = np.zeros(2), 1e6 * np.eye(2)
-    stable = np.zeros(2)  # the last estimate with |a| < 1
-    phi, z_model = np.zeros(2), np.zeros(2)  # [-y(n-1), u(n-1)] and [-y_M(n-1), u(n-1)]
-    history = np.zeros((len(y), 2))
-    for n in range(len(y)):
-        z = phi if n < warm_up else z_model
-        eps = y[n] - phi @ theta
-        P = P - np.outer(P @ z, P @ phi) / (1 + phi @ P @ z)
-        K = P @ phi
-        theta = theta + K * eps
-        history[n] = theta
-        if abs(theta[0]) < 1:
-            stable = theta.copy()
-        y_M = z_model @ stable
-        phi, z_model = np.array([-y[n], u[n]]), np.array([-y_M, u[n]])
-    return history
-""",
+            edited("ai-8-recursive", ("phi @ P)", "P @ phi)"), ("P @ z * epsilon", "P @ phi * epsilon")),
             "and for P z in the gain",
             TAUGHT,
             "z z'P",

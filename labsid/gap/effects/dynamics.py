@@ -365,7 +365,7 @@ def peaks(context: Context, slowest: float) -> list[float]:
 
 LAWS = "smooth", "peak", "load", "give", "load-give", "drive"  # of friction, richer than a constant
 FAINT = 0.01  # scaled: friction or drag from which one starts beside other effects of a mass; numerics
-DRIVEN = "position", "unsprung"  # places of friction at which gravity or a spring may act beside the drive
+OF_A_MASS = "position", "unsprung"  # places of friction at which a spring or gravity may act beside the drive
 
 
 def _friction(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
@@ -417,7 +417,7 @@ class CoulombFriction(PlantEffect):
     sizes = ("friction", "load_share")
     variants = ("position", "unsprung", "speed", "speed-lag")
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
-        place: tuple(f"{place}-{law}" for law in LAWS if law != "drive" or place in DRIVEN) for place in variants
+        place: tuple(f"{place}-{law}" for law in LAWS if law != "drive" or place in OF_A_MASS) for place in variants
     } | {f"{place}-give": (f"{place}-peak-give",) for place in variants}
     places = ("speed", "speed-lag")
     planted_variants = ("position", "speed")
@@ -438,17 +438,14 @@ class CoulombFriction(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """A mass or a motor with friction."""
-        if self.place in ("position", "unsprung"):
+        if self.place in OF_A_MASS:
             unsprung = plant.unsprung or self.place == "unsprung"
             return plant.modified(kind="mechanics", friction=self.law, unsprung=unsprung)
         return plant.modified(kind="speed", friction=self.law, lag_first=self.place == "speed")
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
-        """Weak to strong friction, and initial positions or neutral inputs.
-
-        Beside other effects of a mass, friction starts also so weak that the motion remains that of the parent.
-        """
-        faint = [{"friction": FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
+        """Weak to strong friction, and initial positions or neutral inputs."""
+        faint = weak_starts(context, "friction")
         if self.place == "position":
             offset = initial_offset(context)
             starts = [{"friction": size, "z0": z0} for size in (0.05, 0.25, 0.8) for z0 in dict.fromkeys((0.0, offset))]
@@ -486,6 +483,11 @@ class CoulombFriction(PlantEffect):
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """Friction up to the range of the input."""
         return [Planted("friction", {"friction": share * fit.input_range})]
+
+
+def weak_starts(context: Context, name: str) -> list[dict[str, float]]:
+    """A start beside other effects of a mass at which a parameter is so small that the motion remains the parent's."""
+    return [{name: FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
 
 
 def count_stops(speed: FloatArray) -> int:

@@ -11,7 +11,7 @@ from labsid.gap.dynamics.responses import force_unit, real_rates
 from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
-from labsid.gap.effects.dynamics import FAINT, MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS
+from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS, weak_starts
 from labsid.gap.effects.sketch import Seen, Sketch, around_y, clipped, nothing, same
 
 MIN_STOPPED = 4  # samples at a stop; set by hand
@@ -185,8 +185,12 @@ class QuadraticDrag(PlantEffect):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Weak to strong drag, and inputs at which a motor rests."""
         if self.variant == "position":
-            faint = [{"drag": FAINT}] if context.parent.hypothesis.plant.kind == "mechanics" else []
-            return [*faint, {"drag": 0.1}, {"drag": 0.6, "log_c+": -0.5}, {"drag": 3.0, "log_c+": -1.5}]
+            return [
+                *weak_starts(context, "drag"),
+                {"drag": 0.1},
+                {"drag": 0.6, "log_c+": -0.5},
+                {"drag": 3.0, "log_c+": -1.5},
+            ]
         u = context.data.u
         zero = -context.data.u_scale.centre / context.data.u_scale.unit
         middles = (float(np.median(u)), float(u[0]), float(u.min()), zero if abs(zero) < 20.0 else float(u[0]))

@@ -145,9 +145,7 @@ def _verdict(parts: Sequence[JointPart], effects: Sequence[dict[str, Any]]) -> s
 
 def _main(arm: ArmRecord, j: int) -> str:
     """The input of the joint of an output, or the first one."""
-    place = arm.joints.outputs[j][0]
-    at = arm.joints.inputs.index(place) if place in arm.joints.inputs else 0
-    return arm.signals.inputs[at]
+    return arm.signals.inputs[arm.joints.input_of(arm.joints.outputs[j][0])]
 
 
 def _rivals(found: Found, parts: Sequence[JointPart]) -> list[tuple[str, int, float]]:

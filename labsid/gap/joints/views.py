@@ -26,7 +26,7 @@ from labsid.gap.simulations.opened import LEAST_UNIT, fit_as_it_is, initial_stat
 from labsid.gap.system_pairs import in_order
 from labsid.records.record import Record
 from labsid.simulators.meter import BudgetSpentError
-from labsid.simulators.mjcf.one_joint import OneJoint, prefix_of
+from labsid.simulators.mjcf.one_joint import prefix_of
 from labsid.simulators.mjcf.several_joints import SeveralJoints
 from labsid.simulators.simulator import Simulator, SimulatorError
 
@@ -200,7 +200,7 @@ def joint_view(arm: ArmRecord, joint: int, fixed: Mapping[str, float], commands:
         By input: commands of the other actuators after the effects found at them, shape (N,).
     """
     signals, joints = arm.signals, arm.joints
-    main = joints.inputs.index(joint) if joint in joints.inputs else 0
+    main = joints.input_of(joint)
     own = [j for j, (place, what) in enumerate(joints.outputs) if place == joint]
     own.sort(key=lambda j: joints.outputs[j][1] != "position")
     order = (*own, *(j for j in range(len(joints.outputs)) if j not in own))
@@ -308,7 +308,7 @@ def _port(arm: ArmRecord, joint: int, data: Data, own: Data, output: int) -> Ins
     """Where effects are put at a joint."""
     joints, scale = arm.joints, arm.scales[output]
     reads = joints.outputs[output] == (joint, "position")
-    port = make_port(_one(arm, joint), own, arm.motion[:, joint], reads)
+    port = make_port(joints.joint(joint), own, arm.motion[:, joint], reads)
     others = {}
     for place, one in enumerate(joints.joints):
         if place != joint:
@@ -324,14 +324,10 @@ def _port(arm: ArmRecord, joint: int, data: Data, own: Data, output: int) -> Ins
     )
 
 
-def _one(arm: ArmRecord, joint: int) -> OneJoint:
-    return arm.joints.joint(joint)
-
-
 def _sizes(arm: ArmRecord, joint: int) -> dict[str, float]:
     """Sizes at which numbers of a joint begin to act that are nominally zero."""
     signals = arm.signals
-    main = arm.joints.inputs.index(joint) if joint in arm.joints.inputs else 0
+    main = arm.joints.input_of(joint)
     own = next((j for j, one in enumerate(arm.joints.outputs) if one[0] == joint), 0)
-    port = make_port(_one(arm, joint), signals.data(main, own), arm.motion[:, joint], False)
-    return sizes_of_numbers(_one(arm, joint), port)
+    one = arm.joints.joint(joint)
+    return sizes_of_numbers(one, make_port(one, signals.data(main, own), arm.motion[:, joint], False))

@@ -9,10 +9,6 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
-COLUMNS = 19
-"""Of the array of links: parent, whether it slides, axis (3), anchor (3), mass, centre of mass (3), inertia about it
-(xx, yy, zz, xy, xz, yz) and default position."""
-
 
 @compiled()
 def accelerate(mass: FloatArray, force: FloatArray, a: FloatArray) -> None:
@@ -52,6 +48,31 @@ def _turned(turn: FloatArray, x: FloatArray) -> tuple[float, float, float]:
 
 
 @compiled()
+def _carried(
+    own: FloatArray, way: FloatArray, swing: FloatArray
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Centripetal and tangential acceleration of a point at `way` from one of a link, whose state is `own`."""
+    inner = _cross(own[18:21], way)
+    for m in range(3):
+        swing[m] = inner[m]
+    return _cross(own[18:21], swing), _cross(own[21:24], way)
+
+
+@compiled()
+def _led(link: FloatArray, own: FloatArray, point: FloatArray, way: FloatArray, found: FloatArray) -> None:
+    """Put the motion of a point per unit of a joint, whose link and state these are, into `found`."""
+    if link[1] > 0.0:
+        for m in range(3):
+            found[m] = own[12 + m]
+    else:
+        for m in range(3):
+            way[m] = point[m] - own[15 + m]
+        turned = _cross(own[12:15], way)
+        for m in range(3):
+            found[m] = turned[m]
+
+
+@compiled()
 def inertia_and_bias(
     q: FloatArray,
     v: FloatArray,
@@ -68,7 +89,8 @@ def inertia_and_bias(
     ----------
     q, v : ndarray, shape (n,)
     links : ndarray, shape (n, 19)
-        By joint, parents first; see `COLUMNS`. A joint without a body between it and the next one has no mass.
+        By joint, parents first; see `several_joints.COLUMNS`. A joint without a body between it and the next one has no
+        mass.
     gravity : ndarray, shape (3,)
     state : ndarray, shape (n, 27)
         For each link: R (9), p (3), axis (3), anchor (3), angular speed (3) and acceleration (3), and the acceleration
@@ -100,10 +122,7 @@ def inertia_and_bias(
             offset[m] = anchor[m] + own[9 + m] - own[15 + m]  # from the anchor of the parent
             own[12 + m] = axis[m]
         # The acceleration of the anchor, as a point of the parent.
-        inner = _cross(own[18:21], offset)
-        for m in range(3):
-            swing[m] = inner[m]
-        outer, tangential = _cross(own[18:21], swing), _cross(own[21:24], offset)
+        outer, tangential = _carried(own, offset, swing)
         for m in range(3):
             own[24 + m] += outer[m] + tangential[m]
             own[15 + m] += offset[m]
@@ -116,10 +135,7 @@ def inertia_and_bias(
             # The anchor moves along: its acceleration is that of the point of the parent where it now is.
             for m in range(3):
                 offset[m] = axis[m] * moved
-            inner = _cross(own[18:21], offset)
-            for m in range(3):
-                swing[m] = inner[m]
-            outer, tangential = _cross(own[18:21], swing), _cross(own[21:24], offset)
+            outer, tangential = _carried(own, offset, swing)
             for m in range(3):
                 own[24 + m] += outer[m] + tangential[m]
                 own[15 + m] += offset[m]
@@ -149,10 +165,7 @@ def inertia_and_bias(
         for m in range(3):
             centre[m] = at[m] + own[9 + m]
             arm[m] = centre[m] - own[15 + m]
-        inner = _cross(own[18:21], arm)
-        for m in range(3):
-            swing[m] = inner[m]
-        outer, tangential = _cross(own[18:21], swing), _cross(own[21:24], arm)
+        outer, tangential = _carried(own, arm, swing)
         for m in range(3):
             force[m] = weight * (own[24 + m] + outer[m] + tangential[m] - gravity[m])
         # Inertia about the centre of mass, turned: R J R'.
@@ -178,15 +191,7 @@ def inertia_and_bias(
         while j >= 0:
             slides = links[j, 1] > 0.0
             line = state[j, 12:15]
-            if slides:
-                for m in range(3):
-                    ahead[m] = line[m]
-            else:
-                for m in range(3):
-                    offset[m] = centre[m] - state[j, 15 + m]
-                way = _cross(line, offset)
-                for m in range(3):
-                    ahead[m] = way[m]
+            _led(links[j], state[j], centre, offset, ahead)
             for m in range(3):
                 bias[j] += ahead[m] * force[m]
                 if not slides:
@@ -196,15 +201,7 @@ def inertia_and_bias(
             while k >= 0:
                 slides_too = links[k, 1] > 0.0
                 other = state[k, 12:15]
-                if slides_too:
-                    for m in range(3):
-                        behind[m] = other[m]
-                else:
-                    for m in range(3):
-                        offset[m] = centre[m] - state[k, 15 + m]
-                    way = _cross(other, offset)
-                    for m in range(3):
-                        behind[m] = way[m]
+                _led(links[k], state[k], centre, offset, behind)
                 total = 0.0
                 for m in range(3):
                     total += weight * ahead[m] * behind[m]

@@ -9,7 +9,9 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.simulators.mjcf.one_joint import OUTPUTS, OneJoint, changes_in, run_loop, substeps
 
-COLUMNS = 19  # of the array of links of the compiled loop
+COLUMNS = 19
+"""Of the array of links: parent, whether it slides, axis (3), anchor (3), mass, centre of mass (3), inertia about it
+(xx, yy, zz, xy, xz, yz) and default position."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,6 +160,10 @@ class SeveralJoints:
     def nominal(self) -> dict[str, float]:
         """Numbers of the model that may be fitted, by name."""
         return {name: value for one in self.joints for name, value in one.nominal().items()}
+
+    def input_of(self, place: int) -> int:
+        """The input of a joint's actuator; the first one for a joint without an actuator."""
+        return self.inputs.index(place) if place in self.inputs else 0
 
     def joint(self, place: int) -> OneJoint:
         """A joint, whose end has the lever of its link."""
