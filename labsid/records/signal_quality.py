@@ -117,7 +117,8 @@ def stuck_at_extreme(x: FloatArray, extreme: float) -> tuple[int, int]:
     if not any(_hits_a_stop(x, starts, int(run)) for run in long):
         return 0, 0
     samples = int(lengths[at_extreme].sum())
-    if (step := lattice_step(x)) is not None and samples < MIN_CROWDED * _one_step_before(x, extreme, step):
+    step = lattice_step(x) or lattice_step(x[starts[lengths > 1]])  # a log between whose samples others are worked out
+    if step is not None and samples < MIN_CROWDED * _one_step_before(x, extreme, step):
         return 0, 0
     return samples, longest
 

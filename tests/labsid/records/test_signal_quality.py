@@ -125,3 +125,16 @@ def test_a_smooth_extreme_on_a_lattice_is_no_stop(step):
         clipped = np.minimum(coarse, round(0.6 / step) * step)
         told += stuck_at_extreme(clipped, clipped.max())[0] > 0
     assert told > 35
+
+
+def test_a_smooth_extreme_on_a_lattice_is_no_stop_where_some_samples_lie_between_its_values():
+    """A log that was resampled: every eighth sample is worked out from the two readings beside it."""
+    told = 0
+    for seed in range(40):
+        resampled = np.round(noisy(seed, sd=0.008) / 0.02) * 0.02
+        between = np.arange(4, resampled.size - 1, 8)
+        resampled[between] = 0.37 * resampled[between - 1] + 0.63 * resampled[between + 1]
+        assert stuck_at_extreme(resampled, resampled.max()) == (0, 0), seed
+        clipped = np.minimum(resampled, 0.6)
+        told += stuck_at_extreme(clipped, clipped.max())[0] > 0
+    assert told > 35
