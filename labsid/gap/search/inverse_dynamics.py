@@ -9,7 +9,7 @@ Source: M. Gautier, "Dynamic identification of robots with power model", IEEE In
 Automation (1997); the filter is the same for all columns, as there.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from operator import attrgetter
@@ -43,7 +43,7 @@ IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFricti
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
 RICHER_LAWS = ("drive", 0.0), ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # with the way before the
 # joint slides (radians): a long way makes the error smooth
-FILTERS_OF_RICHER = 2  # those at which the sharp law leaves least: half of the time; measured
+FILTERS_OF_RICHER = 2  # those at which the sharp law leaves least after the first stage; measured
 STAGES = ((5, 1e3), (5, 30.0), (15, 30.0))
 """Iterations from the best start point of each filter, of those with an error (mean square over that of the linear
 model) up to the second number; the better half goes on to the next stage; measured: what ended below half of the
@@ -79,30 +79,33 @@ def joint_trials(data: Data, base: Fit, highpass: Fit, names: Sequence[str]) -> 
     if base.hypothesis.found or not angle_unit(data) or min(map(len, _pieces(data))) < MIN_PIECE:
         return []
     trials: list[Trial] = []
+    most = mean_square(data, base)
     for effects, starts in ((IN_LOOP, _loop_starts), (BY_TORQUE, _torque_starts)):
         chosen = [effects[name] for name in names if name in effects]
         if len(chosen) == len(names) and all(one.applies(context) and is_compatible(base, one) for one in chosen):
             at = [list(starts(context, names, cutoff)) for cutoff in CUTOFFS]
             common = {"delay": float(base.theta[0])} if not base.hypothesis.delay_is_an_effect else {}
-            filters: Iterable[int] = range(len(at))
             for laws, way in _laws(chosen):
                 problem = Problem(data, base.hypothesis.with_effects((*base.hypothesis.effects, *laws)))
-                best = {n: _best_of(problem, [common | start | _way(start, way) for start in at[n]]) for n in filters}
-                points = {n: point for n, point in best.items() if point is not None}
-                trials += [Trial(problem, point) for point in points.values()]
-                if not way:  # the sharp law, which comes first
-                    filters = sorted(points, key=lambda n: points[n].cost)[:FILTERS_OF_RICHER]
-    return _descended(trials, mean_square(data, base))
-
-
-def _descended(trials: list[Trial], most: float) -> list[Trial]:
-    """The trials that are best after each stage of the fit, of least error first; none with an error above `most`."""
-    for number, (iterations, ratio) in enumerate(STAGES):
-        kept = trials[: -(-len(trials) // 2)] if number else trials
-        kept = [one for one in kept if one.point.cost <= ratio * most]
-        trials = [Trial(one.problem, descend(one.problem, one.point, iterations)) for one in kept]
+                best = (_best_of(problem, [common | start | _way(start, way) for start in few]) for few in at)
+                begun = [_descended(Trial(problem, one), 0, most) if one is not None else None for one in best]
+                trials += [one for one in begun if one is not None]
+                if laws == chosen:
+                    ranked = sorted((one.point.cost, n) for n, one in enumerate(begun) if one is not None)
+                    at = [at[n] for _, n in ranked[:FILTERS_OF_RICHER]]
+    for stage in range(1, len(STAGES)):
         trials.sort(key=attrgetter("point.cost"))
-    return [one for one in trials if one.point.cost <= most]
+        further = (_descended(one, stage, most) for one in trials[: -(-len(trials) // 2)])
+        trials = [one for one in further if one is not None]
+    return sorted((one for one in trials if one.point.cost <= most), key=attrgetter("point.cost"))
+
+
+def _descended(trial: Trial, stage: int, most: float) -> Trial | None:
+    """The trial after a stage of the fit; None if its error before is above the stage's ratio to `most`."""
+    iterations, ratio = STAGES[stage]
+    if trial.point.cost > ratio * most:
+        return None
+    return Trial(trial.problem, descend(trial.problem, trial.point, iterations))
 
 
 def _laws(chosen: list[Effect]) -> Iterator[tuple[list[Effect], float]]:
