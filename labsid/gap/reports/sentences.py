@@ -32,6 +32,7 @@ DEPENDENT = 1e-3  # p-value below which a record without a named cause is said t
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
 HALF = 0.5  # of a share or a probability
 LEAST_LEFT = 0.05  # of the gap: what remains is then said to be in the noise
+SHOWN_SHARE = 0.005  # of the gap, that is printed as more than 0 %
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
 NAMED = 0.1  # probability from which a headline names an effect
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
@@ -158,7 +159,8 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     imitated = ""
     if partial and not any(is_probable(effect) for effect in report["effects"]):
         imitated = f" The gap is imitated by {joined(_named_or_counted(report['effects']))}."
-    left = "Something else remains" if report["unexplained"]["share"] > 0.0 else "What remains is not white noise"
+    closed = report["unexplained"]["share"] < SHOWN_SHARE
+    left = "What remains is as small as the noise, but not white" if closed else "Something else remains"
     if kind is None:
         return f"{left}.{imitated}" if partial else None
     share = percent(report["unexplained"]["kinds"][kind])

@@ -43,7 +43,9 @@ IN_LOOP: dict[str, Effect] = {one.name: one for one in (Gravity(), CoulombFricti
 BY_TORQUE: dict[str, Effect] = {one.name: one for one in (Gravity("unsprung"), CoulombFriction("unsprung"))}
 RICHER_LAWS = ("drive", 0.0), ("load-give", 0.01), ("load-give", 0.1), ("peak-give", 0.01)  # with the way before the
 # joint slides (radians): a long way makes the error smooth
-FILTERS_OF_RICHER = 2  # those at which the sharp law leaves least after the first stage; measured
+FILTERS_OF_RICHER = 2
+"""Filters whose starts the richer laws take, where the sharp law leaves least after the first stage; measured: on 29
+joints the same answers as with all six, in 70 to 90 % of the time."""
 STAGES = ((5, 1e3), (5, 30.0), (15, 30.0))
 """Iterations from the best start point of each filter, of those with an error (mean square over that of the linear
 model) up to the second number; the better half goes on to the next stage; measured: what ended below half of the

@@ -361,8 +361,8 @@ def test_improbable_effects_that_imitate_a_gap_are_counted():
 def test_what_remains_of_a_closed_gap_is_no_part_of_it():
     base = with_rest(report("load-step", verdict="partial"), "disturbance")
     assert sentences.remaining_sentence(base).startswith("Something else remains: ")
-    base["unexplained"]["share"] = 0.0
-    assert sentences.remaining_sentence(base).startswith("What remains is not white noise: ")
+    base["unexplained"]["share"] = 0.004  # printed as "100 % of the gap" beside it
+    assert sentences.remaining_sentence(base).startswith("What remains is as small as the noise, but not white: ")
 
 
 def test_a_parameter_that_may_be_zero_is_marked():
