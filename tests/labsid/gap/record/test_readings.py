@@ -8,6 +8,8 @@ from labsid.gap.diagnosis import diagnose
 from labsid.gap.record.readings import at_readings
 from labsid.records.record import Record
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 
 def test_a_slow_sensor_is_diagnosed_at_its_readings():
     rng = np.random.default_rng(2)
@@ -156,7 +158,7 @@ def test_one_of_two_records_may_have_a_slow_sensor(first, second):
 
 
 def test_several_slow_records_begin_where_their_readings_say():
-    report = diagnose([read_slowly(dead, seed) for seed in (15, 16, 17)]).report
+    report = diagnose([read_slowly(dead, seed) for seed in (15, 16)]).report
     assert [cause["name"] for cause in report["effects"]] == ["input-dead-zone"]
     assert all(one["after"] < 1.4 * one["noise_floor"] for one in report["records"])
 
@@ -196,7 +198,14 @@ def read_between_samples(w, every, jitter=0.0, lost=0.0):
     return Record(0.1 * np.arange(N), u, readings[np.maximum(seen, 0)], 0.1)
 
 
-@pytest.mark.parametrize(("every", "jitter", "lost"), [(4.6, 0.0, 0.0), (4.6, 0.0, 0.2), (6.0, 0.4, 0.0)])
+@pytest.mark.parametrize(
+    ("every", "jitter", "lost"),
+    [
+        pytest.param(4.6, 0.0, 0.0, marks=pytest.mark.exhaustive),
+        (4.6, 0.0, 0.2),
+        pytest.param(6.0, 0.4, 0.0, marks=pytest.mark.exhaustive),
+    ],
+)
 def test_a_given_simulation_is_compared_at_the_times_of_the_readings(every, jitter, lost):
     run = read_between_samples(np.array, every, jitter, lost)
     report = diagnose(run, simulate, exclude=[(50.0, 60.0)]).report
