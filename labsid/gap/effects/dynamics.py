@@ -33,6 +33,8 @@ MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode; set by hand
 MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more; set by hand
 MIN_SLOW_TIMES = 1.5  # time constants of a slow mode in the record; set by hand
 MAX_SLOW_RATIO = 0.8  # rate of a slow mode over the slower one of the other poles; set by hand
+WHITE = 3.0  # standard errors of the autocorrelation of a white residual; statistics: .3 % of white ones are beyond
+MIN_DRIVEN_WHITE = 0.1  # the same as below, where white noise is all that is left; set by hand
 MIN_DRIVEN = 0.25  # spread of a slow mode's response to the input over that of its free response; set by hand
 CYCLES_SHOWN = 5.0  # of a mode, in its sketch; set by hand
 PEAK_SHOWN = 0.1  # of the range of the speed, over which the friction of a sketch falls from its peak; set by hand
@@ -194,7 +196,9 @@ class SlowMode(PlantEffect):
         plant, at = fit.hypothesis.plant, fit.hypothesis.plant.slow_column
         columns = plant.columns(fit.plant_theta, fit.actuator, fit.data.samples)[:, at : at + 2]
         driven, free = np.std(columns * fit.gains[at : at + 2], axis=0)
-        return bool(driven > MIN_DRIVEN * free)
+        e = (fit.data.y - fit.output)[fit.data.rows]
+        white = abs(e[1:] @ e[:-1]) < WHITE * (e @ e) / np.sqrt(e.size)
+        return bool(driven > (MIN_DRIVEN_WHITE if white else MIN_DRIVEN) * free)
 
     def _share(self, fit: Fitted) -> float:
         """Share of the static gain of the dynamics: a step of the command may be lost in backlash or a dead zone."""

@@ -290,3 +290,16 @@ def test_the_noise_that_is_added_to_an_exact_record_is_said() -> None:
     assert said.startswith("The record has hardly any noise of its own.")
     noisy = explain(scaled(u, y + 0.01 * np.random.default_rng(6).standard_normal(u.size), np.ones(u.size, bool), 0.1))
     assert screen_sentences(noisy) == []
+
+
+@searched("slow-mode", "output-drift")
+@pytest.mark.parametrize(("creep", "warming", "name"), [(0.4, 0.0, "slow-mode"), (0.0, 2.5, "output-drift")])
+def test_creep_of_an_unsettled_rig_is_told_from_a_sensor_that_warms_up(creep: float, warming: float, name: str) -> None:
+    """A record begins far from where a slow mode would rest: most of its motion does not depend on the input."""
+    rng = np.random.default_rng(17)
+    k = np.arange(2000)
+    u = np.repeat(rng.uniform(5.0, 10.0, 50), 40)
+    fast = lfilter([0.0, 0.08, 0.07], np.poly([0.8 * np.exp(0.3j), 0.8 * np.exp(-0.3j)]).real, u - u[0])
+    slow = creep * lfilter([0.0, 1.0 / 800.0], [1.0, -1.0 + 1.0 / 800.0], u) - warming * np.exp(-k / 800.0)
+    found = explain(scaled(u, fast + slow + 0.1 * rng.standard_normal(k.size), np.ones(k.size, bool), 1.0))
+    assert found.names == (name,)
