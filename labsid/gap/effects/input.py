@@ -303,10 +303,14 @@ class DeadZone(InputEffect):
         return values
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
-        """A band about the first input, and about the middle of its range; its size is the width."""
+        """A band about the first input, and about the middle of its range; its size is the width.
+
+        About zero in a given simulation, which has no free offset at its input.
+        """
         u, half = fit.data.u, 0.5 * share * fit.input_range
         width = Value(2.0 * half * fit.data.u_scale.unit, "u")
-        middles = dict.fromkeys((float(u[0]), 0.5 * float(u.min() + u.max())))
+        given = fit.hypothesis.plant.kind == "given"
+        middles = [0.0] if given else dict.fromkeys((float(u[0]), 0.5 * float(u.min() + u.max())))
         return [Planted("width", {"low": at - half, "high": at + half}, size=width) for at in middles]
 
 

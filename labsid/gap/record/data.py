@@ -6,6 +6,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 
+FAR_FROM_ZERO = 4.0  # units of the scaled input, of a record whose command never comes near zero; set by hand
 MAX_LAGS = 8  # of the model of the noise; set by hand
 MIN_COMPLETE_SHARE = 0.1  # of the rows that count, with all lags; set by hand
 MIN_COMPLETE = 20  # rows with all lags; set by hand
@@ -100,11 +101,13 @@ class Data:
         return int(self.u.size)
 
     def about_zero_command(self) -> "Data":
-        """The same with a scaled input of zero where the command is zero.
+        """The same with a scaled input of zero where the command is zero; itself where that is far from the record.
 
-        A simulation that opens has no free offset at its input: within a dead zone its command is zero.
+        A given simulation has no free offset at its input: within a dead zone its command is zero.
         """
         zero = Scale(0.0, self.u_scale.unit)
+        if abs(zero.of(self.u_scale.centre)) > FAR_FROM_ZERO:
+            return self
         return replace(self, u=zero.of(np.asarray(self.u_scale.back(self.u))), u_scale=zero)
 
     @property

@@ -411,16 +411,18 @@ def _experiment(
 
 def about_shift(base: Baseline, answer: Answer) -> list[str]:
     """That the level of a simulated output is not that of the record, in a sentence; none for models of deviations."""
-    before, unit = answer.before, answer.explanation.data.y_scale.unit
+    before, data = answer.before, answer.explanation.data
+    unit = data.y_scale.unit
     closed = before.hypothesis.plant.kind == "given" and before.hypothesis.plant.simulation.port is None
     if not (base.output is not None or base.is_run) or not closed or not before.gains.size:
         return []
-    shift = float(before.gains[0]) * unit
+    as_given = before.hypothesis.plant.simulation.run(data.u, {})
+    shift = float(np.mean((before.output - as_given)[data.rows])) * unit
     if abs(shift) < LEAST_SHIFT * answer.score.floor * unit:
         return []
     return [
-        f"The output of your simulation is {number(abs(shift))} {'above' if shift < 0.0 else 'below'} that of the "
-        "record throughout. It was shifted to it: a zero of the sensor is no part of the gap."
+        f"The output of your simulation is on average {number(abs(shift))} {'above' if shift < 0.0 else 'below'} that "
+        "of the record. It was shifted to it: a zero of the sensor is no part of the gap."
     ]
 
 

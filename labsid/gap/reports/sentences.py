@@ -415,15 +415,18 @@ def _given_sentence(report: dict[str, Any]) -> str | None:
             ]
         )
         texts.append(f"Numbers of your simulation that were fitted: {fitted}.")
-    texts += number_sentences(numbers)
+    texts += number_sentences(numbers, levelled=bool(simulation.get("closed")))
     if simulation.get("closed") and report["verdict"] != "none" and not simulation["output_only"]:
         texts.append(_limits_sentence({name for row in report["ranking"] for name in row["name"].split("+")}))
     texts += _evaluation_sentences(simulation.get("evaluations"))
     return " ".join(texts) or None
 
 
-def number_sentences(numbers: list[dict[str, Any]]) -> list[str]:
-    """Which fitted numbers the record does not determine, and which ended at their limits."""
+def number_sentences(numbers: list[dict[str, Any]], levelled: bool = False) -> list[str]:
+    """Which fitted numbers the record does not determine, and which ended at their limits.
+
+    The output of a simulation is `levelled` if it is shifted to the record.
+    """
     texts = [
         f"{one['name']} ended at its limit, {number(one['limit'])}: the record asks for more. Give it a wider range, "
         "or look for what it makes up for."
@@ -436,7 +439,8 @@ def number_sentences(numbers: list[dict[str, Any]]) -> list[str]:
         texts.append(f"The record does not determine {joined(list(names))}, only {what}.")
     alone = [one["name"] for one in numbers if not one["determined"] and not one["group"]]
     if alone:
-        texts.append(f"The record does not determine {joined(alone)}: the output hardly depends on it.")
+        but = "but for its level, which is shifted to the record, " if levelled else ""
+        texts.append(f"The record does not determine {joined(alone)}: {but}the output hardly depends on it.")
     return texts
 
 
