@@ -63,8 +63,12 @@ def figure_svg(figure: FigureValue, missing: MissingCurve | None = None) -> str:
 
 
 def words_of(picture: str) -> str:
-    """What a picture of `figure_svg` shows, in words."""
-    found = re.search(r"<desc>(.*?)</desc>", base64.b64decode(picture).decode(errors="replace"), re.DOTALL)
+    """What a picture of `figure_svg` shows, in words; empty if it is none."""
+    try:
+        content = base64.b64decode(picture).decode(errors="replace")
+    except ValueError:
+        return ""
+    found = re.search(r"<desc>(.*?)</desc>", content, re.DOTALL)
     return html.unescape(found[1]) if found else ""
 
 

@@ -166,26 +166,28 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
     }
 
 
-def _take_right_values(blocks: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def _take_right_values(blocks: Sequence[dict[str, Any]]) -> dict[str, list[dict[str, Any]]] | None:
     """Take from the reasons on the right values of which steps they were judged, to say it once.
 
     Returns
     -------
-    list of dict
-        For each set of wrong steps, ``wrong`` and the questions ``judged`` on right values of theirs.
+    dict or None
+        The ``wrong`` steps, and the questions ``judged`` on right values of theirs; None if there are none.
     """
-    found: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+    wrong: dict[str, None] = {}
+    judged = []
     for block in blocks:
         noted = _RIGHT_VALUES.search(block["reason"])
         if noted:
-            steps = tuple((noted["after"] or noted["before"]).split(", "))
-            found.setdefault(steps, []).append(block)
+            wrong |= dict.fromkeys((noted["after"] or noted["before"]).split(", "))
+            judged.append(block)
             block["reason"] = _RIGHT_VALUES.sub("", block["reason"], count=1).strip()
     by_id = {block["id"]: block for block in blocks}
-    return [
-        {"wrong": [by_id.get(step, {"id": step, "heading": step}) for step in steps], "judged": judged}
-        for steps, judged in found.items()
-    ]
+    return (
+        {"wrong": [by_id.get(step, {"id": step, "heading": step}) for step in wrong], "judged": judged}
+        if wrong
+        else None
+    )
 
 
 def _task(text: QuestionText | None) -> str:
