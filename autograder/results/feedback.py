@@ -183,11 +183,8 @@ def _take_right_values(blocks: Sequence[dict[str, Any]]) -> dict[str, list[dict[
             judged.append(block)
             block["reason"] = _RIGHT_VALUES.sub("", block["reason"], count=1).strip()
     by_id = {block["id"]: block for block in blocks}
-    return (
-        {"wrong": [by_id.get(step, {"id": step, "heading": step}) for step in wrong], "judged": judged}
-        if wrong
-        else None
-    )
+    steps = [by_id.get(step, {"id": step, "heading": step}) for step in wrong]
+    return {"wrong": steps, "judged": judged} if steps else None
 
 
 def _task(text: QuestionText | None) -> str:
