@@ -9,78 +9,94 @@ import html
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from unicodedata import lookup
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
+from autograder.judge.picture_view import View, figure_words, view_of
+from autograder.judge.plain_labels import label_text
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue, MissingCurve
 
 MAX_AXES = 6
 MAX_CURVES = 24
 MAX_POINTS = 1200
 _WIDTH, _HEIGHT = 640, 250
-_LEFT, _RIGHT, _TOP, _BOTTOM = 62, 12, 26, 42
-_SYMBOLS = {
-    "lambda": "λ",  # its name in Unicode is LAMDA
-    "Lambda": "Λ",
-    "varphi": "φ",
-    "varepsilon": "ε",
-    "vartheta": "ϑ",
-    "cdot": "·",
-    "times": "×",
-    "pm": "±",
-    "le": "≤",
-    "leq": "≤",
-    "ge": "≥",
-    "geq": "≥",
-    "ne": "≠",
-    "neq": "≠",
-    "approx": "≈",
-    "infty": "∞",
-    "circ": "°",
-    "prime": "′",
-    "sum": "Σ",
-    "partial": "∂",
-    "sqrt": "√",
-    "rightarrow": "→",
-    "to": "→",
-}
-"""Signs of TeX commands that are not Greek letters by their name in Unicode."""
-_STYLE = re.compile(
-    "(wide)?(hat|tilde)|bar|overline|d?dot|vec|left|right|math(rm|bf|it|sf|tt|cal|bb|regular)|operatorname|"
-    "text(rm|bf|it)?|rm|bf|it|q?quad|displaystyle"
-)
-"""TeX commands that set how the text after them looks."""
+_LEFT, _RIGHT, _TOP, _BOTTOM = 74, 12, 26, 42
+_ROW, _CHARACTER, _SWATCH = 18, 7, 30
+"""Pixels: height of a line of the legend, width of a character, and what stands before a name."""
+_DASHES = {"--": "7 4", "-.": "8 3 2 3", ":": "2 4"}
 
 
-def figure_svg(figure: FigureValue) -> str:
+def figure_svg(figure: FigureValue, missing: MissingCurve | None = None) -> str:
     """Draw a figure.
 
     Parameters
     ----------
     figure : FigureValue
+    missing : MissingCurve, optional
+        A curve that is drawn, too, in its axes: what should be there.
 
     Returns
     -------
     str
-        An SVG image in base64, with the axes one below the other. Axes without a curve and without text are left out;
-        empty if all are.
+        An SVG image in base64, with the axes one below the other and what is seen in words (`words_of`). Axes without
+        a curve and without text are left out; empty if all are.
     """
-    axes = [drawn for drawn in figure.axes if drawn.curves or drawn.texts][:MAX_AXES]
+    axes = [drawn for drawn in _with_curve(figure, missing) if drawn.curves or drawn.texts][:MAX_AXES]
     if not axes:
         return ""
-    height = len(axes) * _HEIGHT
+    legends = [list(_legend_rows(panel)) for panel in axes]
+    heights = [_HEIGHT + _ROW * len(rows) for rows in legends]
+    views = [view_of(panel) for panel in axes]
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" width="{_WIDTH}" height="{height}" '
-        'font-family="system-ui, sans-serif" font-size="12" fill="#1d2733">',
-        f'<rect width="{_WIDTH}" height="{height}" fill="#fff"/>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {sum(heights)}" width="{_WIDTH}" '
+        f'height="{sum(heights)}" font-family="system-ui, sans-serif" font-size="12" fill="#1d2733">',
+        f"<desc>{html.escape(_seen(figure_words(axes, views)))}</desc>",
+        f'<rect width="{_WIDTH}" height="{sum(heights)}" fill="#fff"/>',
     ]
-    for index, panel in enumerate(axes):
-        parts.append(f'<g transform="translate(0 {index * _HEIGHT})">{"".join(_panel(panel, index))}</g>')
+    for index, (panel, view, rows) in enumerate(zip(axes, views, legends, strict=True)):
+        content = "".join((*_panel(panel, view, index), *_legend(rows)))
+        parts.append(f'<g transform="translate(0 {sum(heights[:index])})">{content}</g>')
     parts.append("</svg>")
     return base64.b64encode("".join(parts).encode(errors="replace")).decode("ascii")
+
+
+def words_of(picture: str) -> str:
+    """What a picture of `figure_svg` shows, in words; empty if it is none."""
+    try:
+        content = base64.b64decode(picture).decode(errors="replace")
+    except ValueError:
+        return ""
+    found = re.search(r"<desc>(.*?)</desc>", content, re.DOTALL)
+    return html.unescape(found[1]) if found else ""
+
+
+def _seen(text: str) -> str:
+    return "".join(c for c in text if c.isprintable())
+
+
+def _with_curve(figure: FigureValue, missing: MissingCurve | None) -> Sequence[AxesValue]:
+    """The axes, one of them with the missing curve. Panels that were judged as one get it in the first."""
+    if missing is None or not figure.axes:
+        return figure.axes
+    # `is`: records that contain arrays have no equality
+    at = next((i for i, axes in enumerate(figure.axes) if axes is missing.axes), 0)
+    axes, curve = figure.axes[at], missing.curve
+    with_it = replace(
+        axes,
+        curves=(*axes.curves, curve),
+        legend=(*axes.legend, curve.label),
+        xlim=_widened(axes.xlim, curve.x) if axes.curves else (float(curve.x.min()), float(curve.x.max())),
+        ylim=_widened(axes.ylim, curve.y) if axes.curves else (float(curve.y.min()), float(curve.y.max())),
+    )
+    return (*figure.axes[:at], with_it, *figure.axes[at + 1 :])
+
+
+def _widened(limits: tuple[float, float], values: NDArray[np.float64]) -> tuple[float, float]:
+    """Limits in which a curve lies, too; those of an inverted axis are left."""
+    low, high = limits
+    return (min(low, float(values.min())), max(high, float(values.max()))) if low < high else limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +130,8 @@ def _scale(limits: tuple[float, float], start: float, end: float) -> _Scale:
     return _Scale(low, high, start, end)
 
 
-def _panel(axes: AxesValue, index: int) -> Iterator[str]:
-    x, y = _scale(axes.xlim, _LEFT, _WIDTH - _RIGHT), _scale(axes.ylim, _HEIGHT - _BOTTOM, _TOP)
+def _panel(axes: AxesValue, view: View, index: int) -> Iterator[str]:
+    x, y = _scale(axes.xlim, _LEFT, _WIDTH - _RIGHT), _scale(view.ylim, _HEIGHT - _BOTTOM, _TOP)
     wide, high = _WIDTH - _LEFT - _RIGHT, _HEIGHT - _TOP - _BOTTOM
     frame = f'x="{_LEFT}" y="{_TOP}" width="{wide}" height="{high}"'
     yield f'<clipPath id="c{index}"><rect {frame}/></clipPath>'
@@ -129,32 +145,56 @@ def _panel(axes: AxesValue, index: int) -> Iterator[str]:
         yield f'<path d="M{_LEFT} {at:.1f}h{wide}" stroke="{line}"/>'
         yield _text(f"{value:.6g}", _LEFT - 5, at + 4, "end")
     yield f'<rect {frame} fill="none" stroke="#5a6b7d"/>'
-    yield f'<g clip-path="url(#c{index})" fill="none" stroke-width="1.5" stroke-linejoin="round">'
+    yield f'<g clip-path="url(#c{index})" fill="none" stroke-linejoin="round">'
     for curve in axes.curves[:MAX_CURVES]:
-        yield f'<path stroke="{_colour(curve.color)}" d="{_path(curve, x, y)}"/>'
+        shown = view.shown(curve)
+        yield f'<path stroke="{_colour(curve.color)}"{_look(curve)} d="{_path(shown, x, y)}"/>'
     yield "</g>"
     yield _text(axes.title, _WIDTH / 2, 17, "middle", 70)
     yield _text(axes.xlabel, _LEFT + wide / 2, _HEIGHT - 8, "middle", 70)
     yield _text(axes.ylabel, 14, _TOP + high / 2, "middle", 34, turned=True)
-    yield from _legend(axes)
+    for row, left in enumerate(view.left):
+        yield _text(left.text(axes), _LEFT + 8, _TOP + 16 + _ROW * row, "start", 80)
 
 
-def _legend(axes: AxesValue) -> Iterator[str]:
-    shown = {curve.label: curve.color for curve in axes.curves if curve.label in axes.legend}
-    lines = [(label, shown.get(label)) for label in axes.legend[:8]]
-    lines += [(text, None) for text in axes.texts[: 8 - len(lines)]]
-    longest = max((len(_label_text(label, 40)) for label, _ in lines), default=0)
-    x_left = _WIDTH - _RIGHT - 40 - 7 * longest
-    if lines:
-        yield (
-            f'<rect x="{x_left:.0f}" y="{_TOP + 5}" width="{34 + 7 * longest:.0f}" height="{16 * len(lines) + 5}" '
-            'fill="#fff" fill-opacity=".85" stroke="#d9e0e7"/>'
-        )
-    for row, (label, colour) in enumerate(lines):
-        at = _TOP + 20 + 16 * row
-        if colour is not None:
-            yield f'<path d="M{x_left + 5:.0f} {at - 4}h18" stroke="{_colour(colour)}" stroke-width="2"/>'
-        yield _text(label, x_left + 28, at, "start", 40)
+def _are_points(curve: CurveValue) -> bool:
+    return not (curve.joined or curve.steps or curve.y.size == 2)
+
+
+def _look(curve: CurveValue, width: float = 1.5) -> str:
+    """Line style of a curve; points are dots."""
+    if _are_points(curve):
+        return ' stroke-width="5" stroke-linecap="round"'
+    dashes = _DASHES.get(curve.style.partition(" ")[0])
+    return f' stroke-width="{width:g}"' + (f' stroke-dasharray="{dashes}"' if dashes else "")
+
+
+def _legend_rows(axes: AxesValue) -> Iterator[list[tuple[float, str, CurveValue | None]]]:
+    """The names of curves and other texts in lines below the panel, each with its place."""
+    shown = {curve.label: curve for curve in axes.curves if curve.label in axes.legend}
+    named = [(label, shown.get(label)) for label in axes.legend[:8]]
+    named += [(text, None) for text in axes.texts[: 8 - len(named)]]
+    row: list[tuple[float, str, CurveValue | None]] = []
+    at = float(_LEFT)
+    for label, curve in named:
+        width = _SWATCH + _CHARACTER * len(label_text(label, 40)) + 14
+        if row and at + width > _WIDTH - _RIGHT:
+            yield row
+            row, at = [], float(_LEFT)
+        row.append((at, label, curve))
+        at += width
+    if row:
+        yield row
+
+
+def _legend(rows: Sequence[Sequence[tuple[float, str, CurveValue | None]]]) -> Iterator[str]:
+    for number, row in enumerate(rows):
+        y = _HEIGHT + _ROW * number + 10
+        for at, label, curve in row:
+            if curve is not None:
+                line = f"M{at + 12:.0f} {y - 4}h0" if _are_points(curve) else f"M{at:.0f} {y - 4}h24"
+                yield f'<path fill="none" stroke="{_colour(curve.color)}"{_look(curve, 2.0)} d="{line}"/>'
+            yield _text(label, at + (_SWATCH if curve is not None else 0), y, "start", 40)
 
 
 def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
@@ -162,6 +202,7 @@ def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
     rows = _decimated_rows(curve.y[:n])
     at_x, at_y = np.round(x.position(curve.x[rows]), 1), np.round(y.position(curve.y[rows]), 1)
     commands: list[str] = []
+    points = _are_points(curve)
     pen = "M"
     last: tuple[float, float] | None = None
     for px, py in zip(at_x.tolist(), at_y.tolist(), strict=True):
@@ -170,7 +211,9 @@ def _path(curve: CurveValue, x: _Scale, y: _Scale) -> str:
             continue
         if (px, py) == last:
             continue
-        if curve.steps and last is not None:
+        if points:
+            commands.append(f"M{px:g} {py:g}h0")
+        elif curve.steps and last is not None:
             commands.append(f"H{px:g}V{py:g}")
         else:
             commands.append(f"{pen}{px:g} {py:g}")
@@ -194,29 +237,6 @@ def _colour(color: Sequence[float]) -> str:
 
 
 def _text(text: str, x: float, y: float, anchor: str, longest: int = 20, turned: bool = False) -> str:
-    label = html.escape(_label_text(text, longest))
+    label = html.escape(label_text(text, longest))
     turn = f' transform="rotate(-90 {x:.0f} {y:.0f})"' if turned else ""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{turn}>{label}</text>' if label else ""
-
-
-def _label_text(text: str, longest: int) -> str:
-    """Text without TeX markup and control characters, shortened to `longest` characters."""
-    text = re.sub(r"\\(?:([A-Za-z]+)|(.))", _sign, text) if "$" in text else text
-    text = text.replace("$", "")
-    text = "".join(c for c in re.sub(r"[{}]", "", text) if c.isprintable())
-    return text if len(text) <= longest else text[: longest - 1] + "…"
-
-
-def _sign(command: re.Match[str]) -> str:
-    """What a TeX command stands for in plain text; its name where that is not known, as for ``\\sin``."""
-    name, mark = command.groups()
-    if name is None:
-        return " " if mark in ",;: " else "" if mark == "!" else mark
-    if _STYLE.fullmatch(name):
-        return ""
-    if name in _SYMBOLS:
-        return _SYMBOLS[name]
-    try:
-        return lookup(f"GREEK {'CAPITAL' if name[0].isupper() else 'SMALL'} LETTER {name}")
-    except KeyError:
-        return name

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
@@ -14,6 +14,7 @@ import markupsafe
 from autograder.course.plain_text import plain_decimal
 from autograder.course.questions import QuestionText
 from autograder.judge.outcome import QuestionResult
+from autograder.judge.picture import words_of
 from autograder.results import gradebook, grades, result_files
 from autograder.results.gradebook import Key, ManualGrades, Mark
 from autograder.results.prose import keep_slow_texts, prose_html
@@ -23,6 +24,11 @@ from labsid.plots.style import STYLE_SHEETS
 
 TEMPLATES = Path(__file__).parent / "templates"
 _MARKS = {"right": "✓", "partial": "◐", "wrong": "✗", "wait": "…", "none": "·"}
+_STEPS = r"[\w-]+(?:, [\w-]+)*"
+_RIGHT_VALUES = re.compile(
+    rf"\(Judged on the right values of (?P<after>{_STEPS})\.\)\Z|\AJudged on the right values of (?P<before>{_STEPS}): "
+)
+"""The note of `autograder.judge` after the reason of a right answer, or before that of a wrong one."""
 _WORDS = {
     "right": "right",
     "partial": "partly right",
@@ -111,6 +117,7 @@ def feedback_page(
         mark = manual.marks.get((result.student, result.assignment, question.question))
         block["rubric"] = _rubric(asked.get(question.question), mark) if has_models else []
         questions.append(block)
+    right_values = _take_right_values(questions)
     automatic = [block for block in questions if not block["by_hand"]]
     wrong = [block for block in questions if block["look"] == "wrong"]
     is_absent = result.refusal in (result_files.NOT_HANDED_IN, result_files.AS_RELEASED)  # said by `refusal` alone
@@ -128,6 +135,7 @@ def feedback_page(
         "automatic": len(automatic),
         "right": sum(block["look"] == "right" for block in automatic),
         "first_wrong": wrong[0] if wrong else None,
+        "right_values": right_values,
         "notes": [] if is_absent else [printable(note) for note in result.notes],
         "questions": questions,
         "isolation": result.isolation,
@@ -154,8 +162,29 @@ def _question_block(question: QuestionResult, key: Key, manual: ManualGrades, he
         "answer": printable(question.answer),
         "prose": prose_html(printable(question.answer)) if by_hand else None,
         "output": printable(question.output),
-        "figures": question.figures,
+        "figures": [{"image": picture, "words": printable(words_of(picture))} for picture in question.figures],
     }
+
+
+def _take_right_values(blocks: Sequence[dict[str, Any]]) -> dict[str, list[dict[str, Any]]] | None:
+    """Take from the reasons on the right values of which steps they were judged, to say it once.
+
+    Returns
+    -------
+    dict or None
+        The ``wrong`` steps, and the questions ``judged`` on right values of theirs; None if there are none.
+    """
+    wrong: dict[str, None] = {}
+    judged = []
+    for block in blocks:
+        noted = _RIGHT_VALUES.search(block["reason"])
+        if noted:
+            wrong |= dict.fromkeys((noted["after"] or noted["before"]).split(", "))
+            judged.append(block)
+            block["reason"] = _RIGHT_VALUES.sub("", block["reason"], count=1).strip()
+    by_id = {block["id"]: block for block in blocks}
+    steps = [by_id.get(step, {"id": step, "heading": step}) for step in wrong]
+    return {"wrong": steps, "judged": judged} if steps else None
 
 
 def _task(text: QuestionText | None) -> str:

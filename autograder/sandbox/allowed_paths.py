@@ -10,7 +10,7 @@ import sysconfig
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from labsid.checks.permitted import ALLOWED_MODULES, ALLOWED_PACKAGES
+from labsid.checks.permitted import ALLOWED_FILES, ALLOWED_MODULES, ALLOWED_PACKAGES
 
 _SYSTEM = (
     "/lib", "/lib32", "/lib64", "/usr/lib", "/usr/lib32", "/usr/lib64", "/usr/local/lib", "/nix/store",
@@ -35,6 +35,7 @@ def allowed_labsid_paths() -> list[Path]:
     package = _labsid()
     modules = [package.joinpath(*name.split(".")) for name in ALLOWED_MODULES]
     files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in (package, *modules)]
+    files += [package / name for name in ALLOWED_FILES]
     return [*(package.joinpath(*name.split(".")) for name in ALLOWED_PACKAGES), *files]
 
 

@@ -29,6 +29,9 @@ ALLOWED_MODULES = (
 """The single modules of labsid that graded code may import: what notebooks use, and the encoding of values. The figures
 of a student's own results and the rigs with withheld effects are not among them."""
 
+ALLOWED_FILES = ("plots/notebook.mplstyle",)
+"""Files of labsid beside its modules that graded code may read: the style of the notebooks' figures."""
+
 RULE = (
     "Answers may use Python, numpy, scipy, python-control and matplotlib. Of labsid they may use `load_record`, the "
     "rig of the lab (`labsid.rig`) and the diagrams (`labsid.plots`: `sketch_rig`, `figure_2` to `figure_4`). The rest "

@@ -22,7 +22,12 @@ def figure_2() -> Figure:
     -----
     UNSW lab, Fig. 2, with the regression model of eq. (4) and the N equations of eq. (5)-(7).
     """
-    figure = new_figure(7.4, 3.2)
+    figure = new_figure(
+        7.4,
+        3.2,
+        "The computer sends u(k) to the process, every Ts. Both u(k) and the output y(k) go to the regression model: N "
+        "equations, from which theta is estimated.",
+    )
     ax = figure.add_subplot()
     show_as_diagram(ax, 11.1, 4.8)
     upper = 4.0
@@ -62,7 +67,12 @@ def figure_3() -> Figure:
     UNSW lab, Fig. 3 and the text above it: y(k) = y_m(k) - y_offset goes to the controller, and the process
     receives u_in(k) = u(k) + u_offset.
     """
-    figure = new_figure(7.4, 2.6)
+    figure = new_figure(
+        7.4,
+        2.6,
+        "A loop: r(k), controller, u(k); u_offset is added and the process gets u_in(k); from its output y_m(k) "
+        "y_offset is subtracted, and y(k) goes back to the controller.",
+    )
     ax = figure.add_subplot()
     show_as_diagram(ax, 12.6, 4.4)
     y = 2.3
@@ -100,7 +110,12 @@ def figure_4() -> Figure:
     -----
     UNSW lab, Fig. 4 and the text above it.
     """
-    figure = new_figure(7.4, 2.8)
+    figure = new_figure(
+        7.4,
+        2.8,
+        "The input u(k) goes to the process and to the identified model; the error e(k) is the output of the process "
+        "less that of the model.",
+    )
     ax = figure.add_subplot()
     show_as_diagram(ax, 10.6, 4.0)
     upper, lower = 3.2, 0.9

@@ -26,6 +26,7 @@ from labsid.plots.style import (
     BLUE,
     GREEN,
     GREY,
+    ORANGE,
     SMALL_TEXT_SIZE,
     TIME,
     VERMILION,
@@ -43,8 +44,8 @@ if TYPE_CHECKING:
 
 WHOLES = {"u": "range of u", "y": "range of y", "time": "time constant", "gain": "gain"}
 LIMIT_MARKS = (
-    ("detect", "Visible from here on", BLUE, "o"),
-    ("named", "Told from all others", VERMILION, "s"),
+    ("detect", "Visible from here on", ORANGE, "o"),
+    ("named", "Told from all others", BLUE, "s"),
     ("excluded_above", "Excluded from here on (95 %)", BLACK, "|"),
 )
 LIMIT_TEXT_SIZE, NARROW_TEXT_SIZE = 9.5, 8.0
@@ -211,7 +212,7 @@ def _bands(ax: Axes, bands: list[list[float]]) -> None:
     """Draw shares over frequency; the lowest band, which starts at zero, is drawn one octave wide."""
     low, high, share = np.array(bands, float).reshape(-1, 3).T
     left = np.where(low > 0.0, low, high / 2.0)
-    ax.bar(left, 100.0 * share, high - left, align="edge", color=BLUE, edgecolor="white", linewidth=0.8)
+    ax.bar(left, 100.0 * share, high - left, align="edge", color=VERMILION, edgecolor="white", linewidth=0.8)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
     ax.xaxis.set_minor_formatter("")  # within a decade, matplotlib labels the minor ticks too
@@ -223,7 +224,7 @@ def _cells(ax: Axes, cells: list[dict[str, Any]], label: str, beside: bool) -> N
     low = np.array([cell["low"] for cell in cells])
     high = np.array([cell["high"] for cell in cells])
     share = 100.0 * np.array([cell["share"] for cell in cells])
-    ax.bar(low, share, high - low, align="edge", color=BLUE, edgecolor="white", linewidth=0.8, label="Gap")
+    ax.bar(low, share, high - low, align="edge", color=VERMILION, edgecolor="white", linewidth=0.8, label="Gap")
     time = 100.0 * np.array([cell["time"] for cell in cells])
     ax.stairs(time, np.append(low, high[-1]), color=BLACK, linewidth=1.6, label="Time")
     top = float(max(share.max(), time.max()))
@@ -302,7 +303,7 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
         which: 100.0 * np.array([np.nan if (x := row["share"][which]) is None else x for row in rows])
         for which in ("detect", "named", "excluded_above")
     }
-    ax.hlines(at, shares["detect"], shares["named"], color=BLUE, linewidth=1.6, zorder=2)
+    ax.hlines(at, shares["detect"], shares["named"], color=GREY, linewidth=1.6, zorder=2)
     for which, text, colour, marker in LIMIT_MARKS:
         if np.isfinite(shares[which]).any():
             size, face = (10.0, "none") if which == "named" else (6.0, colour)

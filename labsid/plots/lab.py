@@ -10,6 +10,7 @@ from labsid._arrays import as_signals
 from labsid.plots.style import (
     BLACK,
     BLUE,
+    GREY,
     GREY_BLUE,
     ORANGE,
     TIME,
@@ -48,7 +49,7 @@ def plot_input(t: ArrayLike, u: ArrayLike, ax: Axes | None = None) -> Axes:
     """
     t, u = as_signals(t=t, u=u)
     ax = axes_or_new(ax)
-    ax.step(t, u, where="post", color=VERMILION, linewidth=1.4, label="Input")
+    ax.step(t, u, where="post", color=BLACK, linewidth=1.4, label="Input")
     ax.margins(x=0)
     return ax
 
@@ -110,10 +111,10 @@ def figure_5(record: Record) -> Figure:
     upper, lower = figure.subplots(2, 1)
     if record.y_measured is not None and record.y_noise_reduced is not None:
         upper.plot(record.t, record.y_measured, color=ORANGE, linewidth=1.2, label="Measured output")
-        upper.plot(record.t, record.y_noise_reduced, color=BLUE, linewidth=1.4, label="Noise-reduced output")
+        upper.plot(record.t, record.y_noise_reduced, color=BLACK, linewidth=1.4, label="Noise-reduced output")
         title = "(a) Noise-reduced and measured output signals"
     else:
-        upper.plot(record.t, record.y, color=BLUE, linewidth=1.4, label="Output")
+        upper.plot(record.t, record.y, color=BLACK, linewidth=1.4, label="Output")
         title = "(a) Output signal"
     upper.margins(x=0)
     make_headroom(upper, 0.18)
@@ -144,11 +145,11 @@ def figure_6(t: ArrayLike, y: ArrayLike, u: ArrayLike) -> Figure:
     t, y, u = as_signals(t=t, y=y, u=u)
     figure = new_figure()
     upper, lower = figure.subplots(2, 1)
-    upper.plot(t, y, color=BLUE, linewidth=1.4, label="Offset-free output")
+    upper.plot(t, y, color=BLACK, linewidth=1.4, label="Offset-free output")
     upper.margins(x=0)
     plot_input(t, u, ax=lower)
     for ax in (upper, lower):
-        ax.axhline(0.0, color=BLACK, linewidth=0.8, zorder=1)
+        ax.axhline(0.0, color=GREY, linewidth=0.8, zorder=1)
     finish(upper, "(a) Offset-free output signal (noise-reduced)", TIME, "Output $y$ (V)", legend_columns=0)
     finish(lower, "(b) Offset-free input signal", TIME, "Input $u$ (V)", legend_columns=0)
     return figure

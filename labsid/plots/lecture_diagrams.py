@@ -33,7 +33,7 @@ def figure_dynamical_system() -> Figure:
     -----
     Reading notes, Fig. 1.
     """
-    figure = new_figure(5.2, 1.9)
+    figure = new_figure(5.2, 1.9, "A system with the input u(t), the disturbance v(t) and the output y(t).")
     ax = figure.add_subplot()
     show_as_diagram(ax, 8.4, 3.0)
     system = block(ax, (4.2, 0.9), "System", width=2.4, height=1.2)
@@ -57,7 +57,12 @@ def figure_five_steps() -> Figure:
     -----
     Reading notes, lecture 1, "How system identification is applied".
     """
-    figure = new_figure(11.2, 2.2)
+    figure = new_figure(
+        11.2,
+        2.2,
+        "Five steps in a row: design the experiment, collect data, choose the structure, estimate, validate. From the "
+        "last one lines lead back to the first and to the third: not good enough, repeat.",
+    )
     ax = figure.add_subplot()
     show_as_diagram(ax, 18.4, 3.8)
     y = 2.8
@@ -84,7 +89,12 @@ def figure_computer_control() -> Figure:
     """
     from matplotlib.patches import Rectangle
 
-    figure = new_figure(9.0, 3.4)
+    figure = new_figure(
+        9.0,
+        3.4,
+        "In the computer, the control turns r(k) and y(k) into u(k), and the identification estimates theta from "
+        "u(k) and y(k). A D/A converter leads to the process, an A/D converter back from its output y(t).",
+    )
     ax = figure.add_subplot()
     show_as_diagram(ax, 15.6, 6.0)
     ax.add_patch(Rectangle((1.3, 0.2), 7.0, 5.6, facecolor="none", edgecolor="0.5", linestyle="--"))
@@ -127,7 +137,12 @@ def figure_systems_1_and_2() -> Figure:
     -----
     Reading notes, Fig. 6, with the equations of Systems 1 and 2 of lecture 3.
     """
-    figure = new_figure(9.6, 3.0)
+    figure = new_figure(
+        9.6,
+        3.0,
+        "Two loops with a delay at the input and 0.8 of the last output fed back. In System 1 the noise e(t) enters "
+        "inside of the loop; in System 2 it is added to the output behind the loop.",
+    )
     left, right = figure.subplots(1, 2)
     _draw_loop(left, noise_in_the_loop=True)
     left.set_title("System 1")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 WIDE, NARROW = 9.5, 4.4  # inches: for a desktop and for a telephone
 DPI = 144  # one and a half times the width of the page
 DPI_ON_PAPER = 108  # of a figure that a screen shows without a script only: half of the size
-COLOURS = 40  # of a picture
+COLOURS = 32  # of a picture
 
 
 def page_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:

@@ -15,8 +15,8 @@ Role = Literal["measured", "moved", "before"]
 
 _LOOK: dict[Role, dict[str, Any]] = {
     "measured": {"color": BLACK, "linewidth": 1.0, "zorder": 3},
-    "before": {"color": BLUE, "linewidth": 1.4, "linestyle": "--", "zorder": 2},
-    "moved": {"color": VERMILION, "linewidth": 2.0, "zorder": 4},
+    "before": {"color": VERMILION, "linewidth": 1.4, "linestyle": "--", "zorder": 2},
+    "moved": {"color": BLUE, "linewidth": 2.0, "zorder": 4},
 }
 
 

@@ -17,7 +17,7 @@ ALT_TEXT = (
     "the reservoir. A level sensor at the lower tank sends the voltage y to the computer."
 )
 
-WATER = "#BBDDF0"  # BLUE, mixed with white
+WATER = "#BAD9EA"  # BLUE, mixed with white
 STREAM_WIDTH = 3.0  # points; a signal has LINE_WIDTH
 
 

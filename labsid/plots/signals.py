@@ -208,7 +208,7 @@ def figure_planned_inputs(report: dict[str, Any], narrow: bool = False) -> Figur
     figure = page_figure(narrow, height, height)
     axes = figure.subplots(len(planned["u"]), 1, sharex=True, squeeze=False)[:, 0]
     for ax, (name, u) in zip(axes, planned["u"].items(), strict=True):
-        ax.step(planned["t"], u, where="post", color=BLUE, linewidth=1.2)
+        ax.step(planned["t"], u, where="post", color=BLACK, linewidth=1.2)
         ax.margins(x=0)
         finish(ax, "", "", stacked(name, units[name], int(1.5 * CHARACTERS)), legend_columns=0)
         ax.locator_params(axis="y", nbins=4)

@@ -19,13 +19,24 @@ Corner = Literal["upper right", "lower right"]
 GREY_BLUE = (0.6, 0.7, 0.8)
 """The lab's colour code for cos(0.02*pi*t)."""
 
-# The palette of Okabe and Ito (2008), distinguishable by colour-blind readers.
+# The palette of Okabe and Ito (2008), distinguishable by colour-blind readers. A colour means the same in all figures.
 BLACK = "#222222"
+"""What was measured, an input, a true value."""
 GREY = "#B0B0B0"
+"""What lies behind or beside: samples, stretches, references."""
 BLUE = "#0072B2"
-ORANGE = "#E69F00"
+"""The answer: an estimate, a fitted model, the simulation after a correction."""
 VERMILION = "#D55E00"
+"""What the answer is held against: the simulation before, its error, a wrong or simpler method, a rival."""
 GREEN = "#009E73"
+"""Noise and uncertainty; of several things of one kind the third."""
+ORANGE = "#E69F00"
+"""One more signal or model beside the others."""
+
+CYCLE = (BLUE, VERMILION, GREEN, ORANGE, "#CC79A7", "#56B4E9", BLACK)
+"""``C0`` to ``C6`` in the notebooks, as in `NOTEBOOK_STYLE`."""
+NOTEBOOK_STYLE = "labsid.plots.notebook"
+"""Style sheet of the notebooks, for ``plt.style.use``."""
 
 STYLE_SHEETS = Path(__file__).parent
 """Folder of page.css, the style sheet of all pages, in the same colours."""

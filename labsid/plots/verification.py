@@ -10,8 +10,8 @@ from labsid._arrays import FloatArray, as_signals
 from labsid.plots.style import (
     BLACK,
     BLUE,
-    GREEN,
     GREY,
+    ORANGE,
     SMALL_TEXT_SIZE,
     TIME,
     VERMILION,
@@ -126,8 +126,8 @@ def figure_7_initial_state(t: ArrayLike, y: ArrayLike, verification: Verificatio
     t, y = t[half:], y[half:]
     curves = (
         ("From rest", verification.y_second_half, VERMILION, "-"),
-        ("State carried over", verification.y_second_half_carried, BLUE, "-"),
-        ("State estimated", verification.y_second_half_estimated, GREEN, "--"),
+        ("State carried over", verification.y_second_half_carried, ORANGE, "-."),
+        ("State estimated", verification.y_second_half_estimated, BLUE, "--"),
     )
     figure = new_figure(8.0, 6.6)
     upper, lower = figure.subplots(2, 1)

@@ -6,6 +6,7 @@ Each kind must get its own marks and words, and must leave the others alone.
 import csv
 import io
 import json
+import re
 import shutil
 import zipfile
 from contextlib import chdir, redirect_stderr, redirect_stdout
@@ -174,7 +175,8 @@ def test_untouched_unreadable_and_nothing_are_told_apart(term: Term) -> None:
 def test_mistakes_are_named_and_a_cell_that_stops_is_explained(term: Term) -> None:
     assert "Common mistakes: 1000 points; time not set back to zero." in term.comment("ben")
     assert "<code>t_new</code> starts at 20 s: subtract its first time from it" in term.page("ben")
-    assert "Three columns of 801 rows. (Judged on the right values of prelab-3-cut.)" in term.page("ben")
+    assert "Three columns of 801 rows.</p>" in term.page("ben")
+    assert re.search('Judged on the right values of <a [^\n]*href="#prelab-3-cut"', term.page("ben"))
     assert "Your cell stopped in line 1 with NameError: name &#39;noise&#39; is not defined." in term.page("eve")
     assert "7 of 7 automatically graded questions are right." in term.page("ada")
     assert term.comment("ada") == f"{PRELAB}: 1 of 1 marks. See the feedback file for details."

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from labsid._arrays import FloatArray
 from labsid._texts import joined
 from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import DESCRIPTIONS, EFFECTS_BY_KEY
@@ -18,7 +19,8 @@ from labsid.gap.reports.quantities import closed_percent, in_units, rounded
 from labsid.gap.reports.traces import packed, worst_of_records, worst_stretch
 
 LONG = 6000  # samples, from which the panels open at the worst stretch, below a strip of the whole
-STEPS = 65534  # of the range of an output, in 16 bits
+LARGEST, NONE = 32767, -32768  # steps of an output in 16 bits, and what stands for none
+INPUT_STEPS = 2**24 - 1  # of the range of an input, in 24 bits
 ROUNDING = 0.1  # of the noise: outputs of a long record are rounded to less, which moves an rms error by 0.05 %
 NOTHING = 1e-6  # of the fitted value: a smaller one is shown as zero
 _IDENTITY = {"centre": 0.0, "unit": 1.0}
@@ -38,6 +40,9 @@ def page_data(report: dict[str, Any]) -> str:
     parts = {name: dict(replay[name]) for name in ("record", "holdout") if replay[name] is not None}
     if replay["combinations"]:
         del parts["record"]["after"]  # the page simulates it
+        accepted = [one for one in replay["combinations"] if one["names"] == replay["accepted"]]
+        if "holdout" in parts and accepted and accepted[0]["holdout"]:
+            del parts["holdout"]["after"]
     pieces = _pieces(report)
     long = [] if pieces else [name for name, part in parts.items() if _samples(part) >= LONG]
     combinations = [_combination(report, one) for one in replay["combinations"]]
@@ -61,22 +66,44 @@ def page_data(report: dict[str, Any]) -> str:
 
 
 def _short(part: dict[str, Any], finest: float) -> dict[str, Any]:
-    """A long part in half of the size: the input in single precision, and outputs in steps that noise covers."""
+    """A long part in less than half of the size: the input in 24 bits, and outputs in steps that noise covers."""
     u = np.frombuffer(base64.b64decode(part["u"]), "<f8")
-    outputs = {name: part[name] for name in ("y", "before", "after") if name in part}
-    return part | {"u": {"single": packed(u)}} | {name: _in_steps(text, finest) for name, text in outputs.items()}
+    outputs = {name: _unpacked(part[name]) for name in ("y", "before", "after") if name in part}
+    known = {name: np.isfinite(x) for name, x in outputs.items()}
+    lows = [float(x[known[name]].min()) for name, x in outputs.items() if known[name].any()]
+    low, steps = min(lows, default=0.0), {}
+    for name, x in outputs.items():
+        if not (x[known[name]] - low).max(initial=0.0) < 2 * LARGEST * finest:
+            return part | {"u": _input_in_steps(u)}
+        counts = np.where(known[name], np.round((np.nan_to_num(x) - low) / finest), 0.0)
+        steps[name] = counts - LARGEST
+    written: dict[str, Any] = {}
+    for name, counts in steps.items():
+        on_y = name != "y" and not (known[name] & ~known["y"]).any() and np.abs(counts - steps["y"]).max() <= LARGEST
+        held = np.where(known[name], counts - steps["y"] if on_y else counts, NONE)
+        written[name] = {
+            "low": low + LARGEST * finest,
+            "step": finest,
+            "on_y": bool(on_y),
+            "steps": _in_planes(held, 2),
+        }
+    return part | {"u": _input_in_steps(u)} | written
 
 
-def _in_steps(text: str, finest: float) -> str | dict[str, Any]:
-    """A signal as numbers of 16 bits, if their step is at most `finest`; the lowest number stands for none."""
-    signal = np.frombuffer(base64.b64decode(text), "<f4").astype(float)
-    known = np.isfinite(signal)
-    low, high = (float(signal[known].min()), float(signal[known].max())) if known.any() else (0.0, 0.0)
-    step = (high - low) / STEPS
-    if not 0.0 < step <= finest:
-        return text
-    steps = np.where(known, np.round((signal - low) / step) - STEPS // 2, -STEPS // 2 - 1)
-    return {"low": low, "step": step, "steps": packed(np.nan_to_num(steps), "<i2")}
+def _unpacked(text: str) -> FloatArray:
+    return np.frombuffer(base64.b64decode(text), "<f4").astype(float)
+
+
+def _input_in_steps(u: FloatArray) -> dict[str, Any]:
+    """A signal as whole numbers of 24 bits, as precise as one in single precision."""
+    low, step = float(u.min()), float(np.ptp(u)) / INPUT_STEPS or 1.0
+    return {"low": low, "step": step, "planes": _in_planes(np.round((u - low) / step), 3)}
+
+
+def _in_planes(numbers: FloatArray, size: int) -> str:
+    """Whole numbers of `size` bytes in base64: the lowest bytes of all first, as equal bytes pack well."""
+    whole = numbers.astype("<i4").view(np.uint8).reshape(-1, 4)
+    return base64.b64encode(whole[:, :size].T.tobytes()).decode("ascii")
 
 
 def _samples(part: dict[str, Any]) -> int:

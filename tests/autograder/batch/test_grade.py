@@ -600,7 +600,9 @@ def test_a_page_says_reason_slip_and_points(pages: Mapping, graded: Class) -> No
     assert "<code>y_offset</code>" + row["reason"].removeprefix("`y_offset`") in page
     assert "Common mistake: mean over the whole record" in page
     assert "0 / 0.15" in page
-    assert "Judged on the right values of lab-1c-offsets" in page
+    assert page.count("Judged on the right values of") == 1  # once, at the top
+    assert 'Judged on the right values of <a href="#lab-1c-offsets">' in page
+    assert "Output y (V) over Time (s): " in page  # what a figure shows, in words
     assert "y_offset = np.mean(y_act)" in page
     assert 'src="data:image/svg+xml;base64,' in page
     assert "not yet graded by hand" in page

@@ -12,15 +12,19 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from matplotlib.figure import Figure
 
-from autograder.judge.picture import MAX_POINTS, figure_svg
+from autograder.judge.picture import MAX_POINTS, figure_svg, words_of
 from labsid.plots.describe import describe_figure
-from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue, MissingCurve
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawn(figure: FigureValue) -> ElementTree.Element:
     return ElementTree.fromstring(base64.b64decode(figure_svg(figure)))
+
+
+def drawn_with(figure: FigureValue, missing: MissingCurve) -> ElementTree.Element:
+    return ElementTree.fromstring(base64.b64decode(figure_svg(figure, missing)))
 
 
 def texts(root: ElementTree.Element) -> list[str]:
@@ -44,8 +48,8 @@ def test_a_figure_shows_its_curves_labels_and_legend() -> None:
     shown = texts(root)
     for text in ("Estimate θ", "Time (s)", "Level (V)", "y", "0.5", "1.5"):
         assert text in shown
-    assert curves(root)[0] == "M62 208L345 26L628 208"  # from corner to the middle of the top to the other corner
-    assert curves(root)[1].startswith("M62 208H")
+    assert curves(root)[0] == "M74 208L351 26L628 208"  # from corner to the middle of the top to the other corner
+    assert curves(root)[1].startswith("M74 208H")
 
 
 def test_a_panel_without_curves_is_left_out() -> None:
@@ -84,7 +88,7 @@ def test_formulas_in_labels_are_written_in_plain_text(label: str, shown: str) ->
 
 def test_a_curve_that_is_not_finite_is_drawn_where_it_is() -> None:
     y = np.array([0, 1, np.nan, 1, np.inf])
-    curve = CurveValue(np.arange(5.0), y, (0.1, 0.2, 0.3), steps=False, label="")
+    curve = CurveValue(np.arange(5.0), y, (0.1, 0.2, 0.3), steps=False, label="", joined=True)
     axes = AxesValue("", "", "", (0, 4), (0, 1), True, (), (), (curve,))
     (path,) = curves(drawn(FigureValue((axes,))))
     assert path.count("M") == 2
@@ -94,11 +98,99 @@ def test_a_curve_that_is_not_finite_is_drawn_where_it_is() -> None:
 def test_a_long_curve_keeps_its_extremes_and_gets_no_larger() -> None:
     y = np.zeros(100_000)
     y[51_234] = 1
-    curve = CurveValue(np.arange(y.size, dtype=float), y, (0, 0, 0), steps=False, label="")
+    curve = CurveValue(np.arange(y.size, dtype=float), y, (0, 0, 0), steps=False, label="", joined=True)
     axes = AxesValue("", "", "", (0, y.size), (0, 1), False, (), (), (curve,))
     (path,) = curves(drawn(FigureValue((axes,))))
     assert " 26L" in path  # the top
     assert path.count("L") <= MAX_POINTS
+
+
+def output_panel(*curves: CurveValue, ylim: tuple[float, float] = (-1, 1)) -> AxesValue:
+    names = tuple(curve.label for curve in curves)
+    return AxesValue("", "Time (s)", "Output (V)", (0, 100), ylim, True, names, (), curves)
+
+
+def signal(y: np.ndarray, label: str, style: str = "- None 1.5") -> CurveValue:
+    return CurveValue(np.arange(y.size, dtype=float), y, (0, 0, 0), False, label, "", True, style)
+
+
+MEASURED = signal(np.sin(np.arange(101) / 9), "Measured")
+UNSTABLE = signal(0.1 * (-1.4) ** np.arange(101.0), "Simulated")
+
+
+def test_an_unstable_simulation_leaves_the_panel_which_shows_the_measured_range() -> None:
+    figure = FigureValue((output_panel(MEASURED, UNSTABLE, ylim=(-4e13, 4e13)),))
+    root, said = drawn(figure), "Simulated is unstable: it leaves the panel at 9 s"
+    assert said in texts(root)
+    assert {"-1", "0", "1"} <= set(texts(root))
+    assert not [text for text in texts(root) if "e+" in text]
+    assert words_of(figure_svg(figure)) == f"Output (V) over Time (s): Measured from -1 to 1. {said}."
+
+
+@pytest.mark.parametrize("y", [np.linspace(0, 3, 101), 100 * MEASURED.y, np.where(np.arange(101) == 60, 1e9, 0.0)])
+def test_a_curve_that_does_not_grow_without_bound_stays_in_the_panel(y: np.ndarray) -> None:
+    limits = (float(y.min()), float(y.max()))
+    root = drawn(FigureValue((output_panel(MEASURED, signal(y, "Simulated"), ylim=limits),)))
+    assert not [text for text in texts(root) if "leaves" in text]
+
+
+def test_limits_of_the_students_own_are_kept_beside_an_unstable_simulation() -> None:
+    root = drawn(FigureValue((output_panel(MEASURED, UNSTABLE, ylim=(0.0, 0.5)),)))
+    assert "0.5" in texts(root)
+    assert "1" not in texts(root)
+
+
+def test_a_simulation_that_ends_in_no_number_leaves_the_panel() -> None:
+    with np.errstate(over="ignore"):
+        y = np.array([3.0**k if k < 80 else np.nan for k in range(101)])
+    root = drawn(FigureValue((output_panel(MEASURED, signal(y, "Simulated")),)))
+    assert "Simulated is unstable: it leaves the panel at 1 s" in texts(root)
+
+
+def test_a_missing_curve_is_drawn_dashed_in_its_axes() -> None:
+    upper, lower = output_panel(MEASURED), output_panel()
+    lower = AxesValue("", "Time (s)", "", (0, 1), (0, 1), False, (), ("no curve yet",), ())
+    expected = signal(np.linspace(0, 4, 101), "expected: y_sim", "--")
+    root = drawn_with(FigureValue((upper, lower)), MissingCurve(lower, expected))
+    paths = [path for path in root.iter(f"{SVG}path") if "stroke-dasharray" in path.attrib]
+    assert len(paths) == 2  # the curve, and its line in the legend
+    assert "expected: y_sim" in texts(root)
+    assert "100" in texts(root)  # the empty panel has the limits of the curve
+    assert not [path for path in drawn(FigureValue((upper, lower))).iter() if "stroke-dasharray" in path.attrib]
+
+
+def test_line_styles_and_points_are_those_of_the_figure() -> None:
+    figure = Figure()
+    ax = figure.subplots()
+    ax.plot([0, 1, 2], [0, 1, 0], "--")
+    ax.plot([0, 1, 2], [0, 1, 0], "o")
+    ax.plot([0, 1, 2], [0, 1, 0])
+    root = drawn(describe_figure(figure))
+    (group,) = (group for group in root.iter(f"{SVG}g") if "clip-path" in group.attrib)
+    dashed, points, solid = group.iter(f"{SVG}path")
+    assert "stroke-dasharray" in dashed.attrib
+    assert points.attrib["d"].count("h0") == 3
+    assert "stroke-dasharray" not in solid.attrib
+    assert solid.attrib["d"].count("L") == 2
+
+
+def test_the_legend_stands_below_the_panel_and_takes_further_lines() -> None:
+    many = [signal(MEASURED.y, f"a long name of curve {k}") for k in range(8)]
+    root = drawn(FigureValue((output_panel(*many),)))
+    names = [text for text in root.iter(f"{SVG}text") if (text.text or "").startswith("a long name")]
+    assert len(names) == 8
+    assert min(float(text.attrib["y"]) for text in names) > 250
+    assert max(float(text.attrib["y"]) for text in names) < float(root.attrib["height"])
+    assert max(float(text.attrib["x"]) for text in names) < 640
+
+
+def test_words_say_how_far_curves_are_apart() -> None:
+    other = signal(MEASURED.y + 0.25, "Simulated")
+    words = words_of(figure_svg(FigureValue((output_panel(MEASURED, other),) * 2)))
+    assert words.startswith(
+        "(a) Output (V) over Time (s): Measured from -1 to 1; Simulated from -0.75 to 1.25, 0.25 rms "
+    )
+    assert "(b) Output" in words
 
 
 hostile = st.text(max_size=30) | st.sampled_from(["<script>alert(1)</script>", '" onload="x', "]]>", "\x1b[31m\0"])
@@ -118,6 +210,7 @@ def test_any_figure_is_a_picture_in_which_nothing_runs(
     root = drawn(FigureValue((axes,) * 2))
     assert {element.tag.removeprefix(SVG) for element in root.iter()} <= {
         "svg",
+        "desc",
         "g",
         "rect",
         "path",
@@ -126,5 +219,5 @@ def test_any_figure_is_a_picture_in_which_nothing_runs(
     }
     assert not any(name.startswith("on") for element in root.iter() for name in element.attrib)
     for path in curves(root):
-        places = [float(place) for place in re.sub("[MLHV]", " ", path).split()]
+        places = [float(place) for place in re.sub("[MLHVh]", " ", path).split()]
         assert all(math.isfinite(place) and abs(place) <= 2000 for place in places)

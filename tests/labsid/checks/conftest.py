@@ -7,6 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import jupytext
+import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -43,6 +44,13 @@ def notebook_cells() -> Cells:
 def no_release(monkeypatch: pytest.MonkeyPatch) -> None:
     """The checks know no headings and marks, whether or not this checkout has been built."""
     monkeypatch.setattr("labsid.checks.notebook.released_template", lambda assignment: None)
+
+
+@pytest.fixture(autouse=True)
+def own_style() -> Iterator[None]:
+    """A notebook sets the style of its figures."""
+    with mpl.rc_context():
+        yield
 
 
 class Answers:

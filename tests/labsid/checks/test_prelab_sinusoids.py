@@ -120,7 +120,7 @@ def test_an_entry_of_the_legend_that_lacks_one_curve_is_said(
     for old, new, says in (
         (r', label=r"$\cos(0.02\pi t)$"', "", "should name 2 curves"),
         (r"\cos(0.02\pi t)", "other", r"has no entry cos\(0.02πt\)"),
-        ('color="tab:red"', "color=(0.55, 0.7, 0.8)", "hard to distinguish"),
+        ('color="C1"', "color=(0.55, 0.7, 0.8)", "hard to distinguish"),
         ('xlabel("Time (s)")', 'xlabel("")', "the x-axis has no label"),
     ):
         assert old in drawn

@@ -7,9 +7,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
-from labsid.plots import figure_2, sketch_rig
+from labsid.plots import sketch_rig
 from labsid.plots.rig_sketch import ALT_TEXT, STREAM_WIDTH
-from labsid.plots.style import TEXT_SIZE
+from labsid.plots.style import TEXT_SIZE, new_figure
 
 PARTS = ("Upper tank", "Lower tank", "Reservoir", "Pump", "Computer\n(controller)", "Level\nsensor")
 
@@ -52,7 +52,7 @@ def test_a_notebook_gets_the_alternative_text(inline: bool) -> None:
     data, _ = formatter.format(sketch_rig())
     assert data["image/png"].startswith(b"\x89PNG")
     assert f'<img alt="{ALT_TEXT}" src="data:image/png;base64,' in data["text/html"]
-    assert "text/html" not in formatter.format(figure_2())[0]
+    assert "text/html" not in formatter.format(new_figure())[0]
 
 
 def test_the_alternative_text_names_every_part() -> None:

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
+from figure_faults import OBSERVERS, lab_of
 
 from labsid.plots import figure_4, save_png, save_svg, style
 
@@ -53,8 +53,14 @@ def test_svg_is_a_picture_without_a_date(tmp_path):
 
 def test_a_notebook_shows_a_figure_although_no_inline_backend_is_set_up():
     formatters = pytest.importorskip("IPython.core.formatters")
-    data, _ = formatters.DisplayFormatter().format(figure_4())
+    data, _ = formatters.DisplayFormatter().format(style.new_figure())
     assert data["image/png"].startswith(b"\x89PNG")
+
+
+def test_a_figure_with_a_description_is_shown_with_it():
+    formatters = pytest.importorskip("IPython.core.formatters")
+    data, _ = formatters.DisplayFormatter().format(figure_4())
+    assert '<img alt="The input u(k) goes to the process' in data["text/html"]
 
 
 def test_the_same_figure_gives_the_same_png_twice():
@@ -76,22 +82,7 @@ def test_headroom_is_the_share_asked_for():
     assert (upper - before[1]) / (upper - lower) == pytest.approx(0.25)
 
 
-# Linear RGB as seen with one cone type missing: Vienot, Brettel and Mollon (1999), eq. for protan and deutan.
-PROTANOPIA = np.array([[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]])
-DEUTERANOPIA = np.array([[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]])
-
-
-def _lab(color, seen_by):
-    """CIE L*a*b* of a colour as an observer sees it."""
-    srgb = np.array(to_rgb(color))
-    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    linear = np.clip(seen_by @ linear, 0, 1)
-    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
-    x, y, z = np.cbrt(to_xyz @ linear / (to_xyz @ np.ones(3)))
-    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
-
-
-@pytest.mark.parametrize("seen_by", [np.eye(3), PROTANOPIA, DEUTERANOPIA], ids=["full", "protan", "deutan"])
+@pytest.mark.parametrize("seen_by", OBSERVERS.values(), ids=OBSERVERS)
 def test_colours_of_one_panel_stay_apart_for_colour_blind_readers(seen_by):
     panels = [
         (style.VERMILION, style.GREY_BLUE),
@@ -100,7 +91,7 @@ def test_colours_of_one_panel_stay_apart_for_colour_blind_readers(seen_by):
     ]
     for panel in panels:
         for one, other in combinations(panel, 2):
-            assert np.linalg.norm(_lab(one, seen_by) - _lab(other, seen_by)) > 20, (one, other)
+            assert np.linalg.norm(lab_of(one, seen_by) - lab_of(other, seen_by)) > 20, (one, other)
 
 
 def test_pages_and_figures_have_the_same_colours() -> None:

@@ -22,15 +22,22 @@ document.head.append(made("script", { textContent: await unpacked("panel-library
 
 const data = JSON.parse(await unpacked("replay-data"));
 const SIGNALS = { u: Float64Array, y: Float32Array, before: Float32Array, after: Float32Array };
-// Outputs of a long record are in steps of 16 bits, whose lowest stands for none, and its input is in single precision.
-const numbers = (packed, kind) => {
+// Whole numbers of 2 or 3 bytes: the lowest bytes of all, then the next.
+const whole = (text, size) => {
+  const bytes = decoded(text, Uint8Array), n = bytes.length / size;
+  return Float64Array.from({ length: n }, (_, k) => bytes[k] | (bytes[n + k] << 8) | (size > 2 ? bytes[2 * n + k] << 16 : 0));
+};
+// A long record has its input in 24 bits, and outputs in steps of 16, whose lowest stands for none; others are counted from y.
+const numbers = (packed, kind, y) => {
   if (typeof packed === "string") return decoded(packed, kind);
-  if (packed.single) return decoded(packed.single, Float32Array);
-  return Float64Array.from(decoded(packed.steps, Int16Array), (k) => (k === -32768 ? NaN : packed.low + packed.step * (k + 32767)));
+  if (packed.planes) return whole(packed.planes, 3).map((k) => packed.low + packed.step * k);
+  const signed = whole(packed.steps, 2).map((k) => (k === 32768 ? NaN : k > 32768 ? k - 65536 : k));
+  return signed.map((k, i) => (packed.on_y ? y[i] : packed.low) + packed.step * k);
 };
 const parts = Object.entries(data.parts).map(([name, part]) => {
   const kept = Object.entries(SIGNALS).filter(([key]) => key in part);
-  const signals = Object.fromEntries(kept.map(([key, kind]) => [key, Float64Array.from(numbers(part[key], kind))]));
+  const signals = {};
+  for (const [key, kind] of kept) signals[key] = Float64Array.from(numbers(part[key], kind, signals.y));
   const t = part.t ? decoded(part.t, Float64Array) : signals.u.map((_, k) => part.start + k * part.Ts);
   const counts = new Uint8Array(t.length);
   for (const [start, stop] of [...part.fitted, ...part.scored]) counts.fill(1, start, stop);

@@ -162,30 +162,51 @@ def test_a_slider_has_the_digits_of_the_table() -> None:
     assert own["texts"][1] == "0.090 units of u"
 
 
-@pytest.mark.parametrize(("noise", "short"), [(0.05, True), (1e-7, False)])
+def whole(text: str, size: int) -> np.ndarray:
+    """Whole numbers of `size` bytes, the lowest bytes of all first."""
+    planes = np.frombuffer(base64.b64decode(text), np.uint8).reshape(size, -1).astype(int)
+    return np.asarray(sum(plane << (8 * k) for k, plane in enumerate(planes)))
+
+
+@pytest.mark.parametrize(("noise", "short"), [(0.05, True), (1e-7, False), (0.0, False)])
 def test_a_long_record_is_rounded_to_less_than_its_noise(noise: float, short: bool) -> None:
     samples, rng = 6000, np.random.default_rng(0)
     u = rng.standard_normal(samples)
     y = rng.standard_normal(samples).astype("<f4")
     y[[7, 4000]] = np.nan
+    before, after = y + np.float32(0.3), np.nan_to_num(y)  # a simulation has samples where the output has none
+    signals = {"u": u, "y": y, "before": before, "after": after}
     shown = replayed(combination(f"{EFFECT}/high"))
     shown["gap"] = shown["gap"] | {"noise_floor": noise}
-    signals = {
-        name: base64.b64encode(x.tobytes()).decode() for name, x in (("u", u), ("y", y), ("before", y), ("after", y))
-    }
-    shown["replay"]["record"] = shown["replay"]["record"] | signals
+    shown["replay"]["combinations"] = []
+    shown["replay"]["record"] |= {name: base64.b64encode(x.tobytes()).decode() for name, x in signals.items()}
     part = content(shown)["parts"]["record"]
-    single = np.frombuffer(base64.b64decode(part["u"]["single"]), "<f4")
-    np.testing.assert_array_equal(single, u.astype("<f4"))
+    steps = whole(part["u"]["planes"], 3)
+    back = part["u"]["low"] + part["u"]["step"] * steps
+    np.testing.assert_allclose(back, u, rtol=0, atol=1e-6)  # as precise as in single precision
     if not short:  # a rounded output would have another error
-        assert part["y"] == signals["y"]
+        assert part["y"] == shown["replay"]["record"]["y"]
         return
-    steps = np.frombuffer(base64.b64decode(part["y"]["steps"]), "<i2").astype(float)
-    np.testing.assert_array_equal(np.flatnonzero(steps == -32768), [7, 4000])
-    back = part["y"]["low"] + part["y"]["step"] * (steps + 32767)
-    known = np.isfinite(y)
-    assert np.abs(back - y)[known].max() <= 0.5 * part["y"]["step"] + 1e-6
-    assert part["y"]["step"] <= 0.1 * noise
+    found: dict[str, np.ndarray] = {}
+    for name in ("y", "before", "after"):
+        own, steps = part[name], whole(part[name]["steps"], 2)
+        held = np.where(steps == 32768, np.nan, np.where(steps > 32768, steps - 65536, steps))
+        found[name] = (found["y"] if own["on_y"] else own["low"]) + own["step"] * held
+        assert own["step"] <= 0.1 * noise * (1.0 + 1e-12)
+        np.testing.assert_allclose(found[name], signals[name], rtol=0, atol=0.5 * own["step"] + 1e-6, equal_nan=True)
+    assert [part[name]["on_y"] for name in ("y", "before", "after")] == [False, True, False]
+
+
+def test_the_output_after_is_left_out_where_the_page_simulates_it() -> None:
+    shown = replayed(combination(f"{EFFECT}/high"))
+    shown["replay"]["holdout"] = dict(shown["replay"]["record"])
+    shown["holdout_traces"] = shown["traces"]
+    (one,) = shown["replay"]["combinations"]
+    shown["replay"]["accepted"] = one["names"]
+    one["holdout"] = None  # the state in which the holdout starts is not known
+    assert ["after" in part for part in content(shown)["parts"].values()] == [False, True]
+    one["holdout"] = {"theta": one["theta"], "gains": one["gains"]}
+    assert ["after" in part for part in content(shown)["parts"].values()] == [False, False]
 
 
 def test_a_short_record_is_not_rounded() -> None:
