@@ -227,9 +227,7 @@ class _NotebookJudge:
         if attempt is not None:
             answer.attempts.append(attempt)
         figures = [value for value in asked.values.values() if isinstance(value, FigureValue)]
-        verdict = None if attempt is None else attempt.verdict
-        missing = None if verdict is None else verdict.missing
-        answer.pictures = tuple(filter(None, (figure_svg(one, missing) for one in figures))) if self._pictures else ()
+        answer.pictures = tuple(filter(None, map(figure_svg, figures))) if self._pictures else ()
         # values of the wrong kind have no right ones that follow from them
         answer.right = examiner.right_values(asked, own) or examiner.right_values(asked, right)
         if attempt is None or attempt.failure is None:  # a value that ends the process is not read again

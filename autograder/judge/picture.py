@@ -9,14 +9,14 @@ import html
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from autograder.judge.picture_view import View, figure_words, view_of
 from autograder.judge.plain_labels import label_text
-from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue, MissingCurve
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 MAX_AXES = 6
 MAX_CURVES = 24
@@ -28,14 +28,12 @@ _ROW, _CHARACTER, _SWATCH = 18, 7, 30
 _DASHES = {"--": "7 4", "-.": "8 3 2 3", ":": "2 4"}
 
 
-def figure_svg(figure: FigureValue, missing: MissingCurve | None = None) -> str:
+def figure_svg(figure: FigureValue) -> str:
     """Draw a figure.
 
     Parameters
     ----------
     figure : FigureValue
-    missing : MissingCurve, optional
-        A curve that is drawn, too, in its axes: what should be there.
 
     Returns
     -------
@@ -43,7 +41,7 @@ def figure_svg(figure: FigureValue, missing: MissingCurve | None = None) -> str:
         An SVG image in base64, with the axes one below the other and what is seen in words (`words_of`). Axes without
         a curve and without text are left out; empty if all are.
     """
-    axes = [drawn for drawn in _with_curve(figure, missing) if drawn.curves or drawn.texts][:MAX_AXES]
+    axes = [drawn for drawn in figure.axes if drawn.curves or drawn.texts][:MAX_AXES]
     if not axes:
         return ""
     legends = [list(_legend_rows(panel)) for panel in axes]
@@ -74,29 +72,6 @@ def words_of(picture: str) -> str:
 
 def _seen(text: str) -> str:
     return "".join(c for c in text if c.isprintable())
-
-
-def _with_curve(figure: FigureValue, missing: MissingCurve | None) -> Sequence[AxesValue]:
-    """The axes, one of them with the missing curve. Panels that were judged as one get it in the first."""
-    if missing is None or not figure.axes:
-        return figure.axes
-    # `is`: records that contain arrays have no equality
-    at = next((i for i, axes in enumerate(figure.axes) if axes is missing.axes), 0)
-    axes, curve = figure.axes[at], missing.curve
-    with_it = replace(
-        axes,
-        curves=(*axes.curves, curve),
-        legend=(*axes.legend, curve.label),
-        xlim=_widened(axes.xlim, curve.x) if axes.curves else (float(curve.x.min()), float(curve.x.max())),
-        ylim=_widened(axes.ylim, curve.y) if axes.curves else (float(curve.y.min()), float(curve.y.max())),
-    )
-    return (*figure.axes[:at], with_it, *figure.axes[at + 1 :])
-
-
-def _widened(limits: tuple[float, float], values: NDArray[np.float64]) -> tuple[float, float]:
-    """Limits in which a curve lies, too; those of an inverted axis are left."""
-    low, high = limits
-    return (min(low, float(values.min())), max(high, float(values.max()))) if low < high else limits
 
 
 @dataclass(frozen=True, slots=True)

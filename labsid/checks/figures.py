@@ -13,10 +13,7 @@ from labsid.checks.compare import as_figure
 from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
-from labsid.plots.figure_values import AxesValue, CurveValue, MissingCurve
-
-EXPECTED_COLOUR = (0.34, 0.40, 0.47)
-"""Of a curve that is missing, in the feedback: a grey."""
+from labsid.plots.figure_values import AxesValue, CurveValue
 
 
 def one_figure(name: str, value: Value) -> AxesValue:
@@ -82,32 +79,18 @@ def require_curve(
     for name, other_curve in others.items():
         if len([curve for curve in axes.curves if find_curve(replace(axes, curves=(curve,)), other_curve)]) > 1:
             raise NoAnswer(f"In {where} no curve shows {what}, and two show `{name}`.", "one signal drawn twice")
-    raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.", x)
+    raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
 
 
-def no_curve(
-    axes: AxesValue, where: str, what: str, wanted: FloatArray, advice: str, x: ArrayLike | None = None
-) -> NoAnswer:
-    """What to say where no curve shows a signal: what is drawn in its place, if that can be told, else the advice.
-
-    The signal, `wanted`, is to be drawn against `x`, by default the sample number.
-    """
-    at = np.arange(wanted.size, dtype=float) if x is None else np.asarray(x, float).reshape(-1)
-    label = f"expected: {what.replace('`', '')}"
-    expected = CurveValue(at, wanted, EXPECTED_COLOUR, steps=False, label=label, joined=True, style="--")
-    text, slip = _drawn_instead(axes, where, what, wanted, advice)
-    return NoAnswer(text, slip, missing=MissingCurve(axes, expected))
-
-
-def _drawn_instead(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice: str) -> tuple[str, str]:
-    """What to say, and the name of the slip."""
+def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice: str) -> NoAnswer:
+    """What to say where no curve shows a signal: what is drawn in its place, if that can be told, else the advice."""
     samples = wanted.size
     if any(1 < curve.x.size <= samples and _agree(curve.x, wanted[: curve.x.size]) for curve in axes.curves):
         text = f"In {where}, {what} is on the horizontal axis: what is given to `plot` first goes there."
-        return text, "x and y swapped"
+        return NoAnswer(text, "x and y swapped")
     if samples > 1 and len(axes.curves) >= samples - 1 and all(curve.y.size < samples for curve in axes.curves):
         text = f"In {where} there is a curve for each *row* of the table: each column is a curve, over all samples."
-        return text, "rows drawn"
+        return NoAnswer(text, "rows drawn")
     few = (curve.y for curve in axes.curves if 1 < curve.y.size <= samples / 10)
     row = next((y for y in few if np.isin(y[y != 0], wanted).any()), None)
     if row is not None:
@@ -115,11 +98,11 @@ def _drawn_instead(axes: AxesValue, where: str, what: str, wanted: FloatArray, a
             f"In {where} no curve shows {what}: one has {row.size} points in place of {samples}. Of a table, `[0]` is "
             "the first *row* and `[:, 0]` the first column."
         )
-        return text, "rows drawn"
+        return NoAnswer(text, "rows drawn")
     related = next(filter(None, (relation(curve.y, wanted, _agree) for curve in axes.curves)), "")
     related += " Such a constant is an offset." if "constant added" in related else ""
     near = f"In {where} no curve shows {what}. One curve is related to it: {related[:1].lower()}{related[1:]}"
-    return near if related else f"In {where} no curve shows {what}. {advice}", "no curve"
+    return NoAnswer(near if related else f"In {where} no curve shows {what}. {advice}", "no curve")
 
 
 def require_labels(axes: AxesValue, where: str, units: tuple[str, str]) -> None:
@@ -159,7 +142,6 @@ def require_here(check: Callable[[AxesValue], object], axes: AxesValue, beside: 
             f"{failed} The other panel has that. Each panel is set through its own axes, this one through `{ax}`. "
             "(`plt.xlim` and the like set the panel that was made last.)",
             failed.slip,
-            missing=failed.missing,
         ) from None
 
 

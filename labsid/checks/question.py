@@ -187,7 +187,7 @@ class Question:
         try:
             return self.judge(ask)
         except NoAnswer as nothing:
-            refused = Verdict(False, self._said(nothing, ask), nothing.slip, missing=nothing.missing)
+            refused = Verdict(False, self._said(nothing, ask), nothing.slip)
         if refused.slip != SINGLE_PRECISION:
             return refused
         try:

@@ -10,7 +10,6 @@ import numpy as np
 
 from labsid.checks.mended_functions import Mend
 from labsid.checks.relations import relation
-from labsid.plots.figure_values import MissingCurve
 
 Answer = TypeVar("Answer")
 P = ParamSpec("P")
@@ -42,8 +41,6 @@ class Verdict:
         Whether an answer that passes is only noted: what is right, grading alone can tell.
     is_shaped : bool
         Whether an answer that does not pass is known to have the shape of the right one.
-    missing : MissingCurve or None
-        The curve that a figure lacks. The feedback draws it dashed.
     """
 
     passed: bool
@@ -52,7 +49,6 @@ class Verdict:
     mend: str = ""
     noted: bool = False
     is_shaped: bool = field(default=False, compare=False)
-    missing: MissingCurve | None = field(default=None, compare=False, repr=False)
 
     @property
     def whole_reason(self) -> str:
@@ -84,21 +80,15 @@ class NoAnswer(Exception):
     """There is nothing to compare: the value is missing, of the wrong kind, or could not be obtained.
 
     Its text addresses the student; `slip` names the known mistake, if it is one. Where an error stopped a function,
-    ``told(outcome)`` is the text with the repairs that `outcome` has found to be right; see `Stop`. `missing` is the
-    curve that a figure lacks.
+    ``told(outcome)`` is the text with the repairs that `outcome` has found to be right; see `Stop`.
     """
 
     def __init__(
-        self,
-        text: str,
-        slip: str | None = None,
-        told: Callable[[Callable[[Mend], str]], str] | None = None,
-        missing: MissingCurve | None = None,
+        self, text: str, slip: str | None = None, told: Callable[[Callable[[Mend], str]], str] | None = None
     ) -> None:
         super().__init__(text)
         self.slip = slip
         self.told = told
-        self.missing = missing
 
 
 @contextmanager

@@ -55,14 +55,6 @@ class AxesValue:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MissingCurve:
-    """A curve that a figure should have and has not, and the axes in which it belongs."""
-
-    axes: AxesValue
-    curve: CurveValue
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class FigureValue:
     """Content of a figure: its axes from top to bottom and from left to right."""
 

@@ -14,17 +14,13 @@ from matplotlib.figure import Figure
 
 from autograder.judge.picture import MAX_POINTS, figure_svg, words_of
 from labsid.plots.describe import describe_figure
-from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue, MissingCurve
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawn(figure: FigureValue) -> ElementTree.Element:
     return ElementTree.fromstring(base64.b64decode(figure_svg(figure)))
-
-
-def drawn_with(figure: FigureValue, missing: MissingCurve) -> ElementTree.Element:
-    return ElementTree.fromstring(base64.b64decode(figure_svg(figure, missing)))
 
 
 def texts(root: ElementTree.Element) -> list[str]:
@@ -145,18 +141,6 @@ def test_a_simulation_that_ends_in_no_number_leaves_the_panel() -> None:
         y = np.array([3.0**k if k < 80 else np.nan for k in range(101)])
     root = drawn(FigureValue((output_panel(MEASURED, signal(y, "Simulated")),)))
     assert "Simulated is unstable: it leaves the panel at 1 s" in texts(root)
-
-
-def test_a_missing_curve_is_drawn_dashed_in_its_axes() -> None:
-    upper, lower = output_panel(MEASURED), output_panel()
-    lower = AxesValue("", "Time (s)", "", (0, 1), (0, 1), False, (), ("no curve yet",), ())
-    expected = signal(np.linspace(0, 4, 101), "expected: y_sim", "--")
-    root = drawn_with(FigureValue((upper, lower)), MissingCurve(lower, expected))
-    paths = [path for path in root.iter(f"{SVG}path") if "stroke-dasharray" in path.attrib]
-    assert len(paths) == 2  # the curve, and its line in the legend
-    assert "expected: y_sim" in texts(root)
-    assert "100" in texts(root)  # the empty panel has the limits of the curve
-    assert not [path for path in drawn(FigureValue((upper, lower))).iter() if "stroke-dasharray" in path.attrib]
 
 
 def test_line_styles_and_points_are_those_of_the_figure() -> None:
