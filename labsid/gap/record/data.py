@@ -105,9 +105,9 @@ class Data:
 
         A given simulation has no free offset at its input: within a dead zone its command is zero.
         """
-        zero = Scale(0.0, self.u_scale.unit)
-        if abs(zero.of(self.u_scale.centre)) > FAR_FROM_ZERO:
+        if abs(self.u_scale.centre) > FAR_FROM_ZERO * self.u_scale.unit:
             return self
+        zero = Scale(0.0, self.u_scale.unit)
         return replace(self, u=zero.of(np.asarray(self.u_scale.back(self.u))), u_scale=zero)
 
     @property
