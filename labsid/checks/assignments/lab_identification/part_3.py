@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import (
     LabData,
     known_data,
@@ -196,10 +197,7 @@ def _check_shape(ask: Ask, shape: tuple[int, ...]) -> Iterator[Verdict]:
         y = y_true + noise * float(np.ptp(data.y)) * ask.rng.standard_normal(y_true.size)
         value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
         if value is None:
-            raise NoAnswer(
-                "`simulate_from_start` returns nothing: end it with `return` and the simulated output.",
-                "nothing returned",
-            )
+            raise nothing_returned(ask, "simulate_from_start", "the simulated output", "nothing returned")
         got = read_output(name, value)
         if got.size == model.order:
             raise NoAnswer(

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray, freeze
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.question import Ask, returned
@@ -313,7 +314,7 @@ def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) ->
     right = closed_share(after, error_before, sigma)
     value = ask.call("share_closed", after, error_before, sigma)
     if value is None:
-        raise NoAnswer("`share_closed` returns nothing: end it with `return` and the share.", "no return")
+        raise nothing_returned(ask, "share_closed", "the share")
     if isinstance(value, float) and np.isnan(value):
         if after > sigma**2:
             raise NoAnswer(
