@@ -40,7 +40,7 @@ class AnswerCode:
 
     @property
     def numbers(self) -> frozenset[float]:
-        """The numbers that are written, and quotients, products, sums and differences of two of them, such as 2/3."""
+        """The numbers that are written, what an operation makes of two of them, such as 2/3, and 1/x of a divisor x."""
         return frozenset(number for node in in_order(self._tree) for number in _number(node))
 
     @property
@@ -63,7 +63,8 @@ class AnswerCode:
 
     def has(self, *numbers: float, within: float = 1e-9) -> bool:
         """Whether one of these numbers is written, up to a relative distance."""
-        return any(abs(one - number) <= within * abs(number) for one in self.numbers for number in numbers)
+        written = self.numbers
+        return any(abs(one - number) <= within * abs(number) for one in written for number in numbers)
 
     @property
     def ends_in_first_pass(self) -> str:
@@ -188,6 +189,9 @@ def _number(node: ast.AST) -> Iterator[float]:
         yield from _as_float(node.value)
     elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
         sides = [one.value for one in (node.left, node.right) if isinstance(one, ast.Constant)]
+        divides = isinstance(node.op, ast.Div) and isinstance(node.right, ast.Constant)
+        if divides and type(node.right.value) in (int, float) and node.right.value:  # type: ignore[attr-defined]
+            yield 1 / node.right.value  # type: ignore[attr-defined]
         if len(sides) == 2 and all(type(one) in (int, float) for one in sides):
             try:
                 yield float(_OPERATIONS[type(node.op)](*sides))  # type: ignore[arg-type]

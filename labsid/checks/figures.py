@@ -15,7 +15,6 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import AxesValue, CurveValue
 
-
 _SYMBOLS = frozenset("abcdekpqrtuvwxyz12345Y")
 """Single characters that name a signal, a parameter or an order."""
 
@@ -183,8 +182,8 @@ def require_legend(axes: AxesValue, where: str, entries: int) -> None:
     if axes.is_listed and _is_a_text_taken_apart(texts):
         letters = " and ".join(map(repr, texts[:2]))
         raise NoAnswer(
-            f"{asked}, and its entries are single letters, {letters}: `legend` was given one text, of which each letter "
-            'names a curve. It takes a list, `legend(["...", "..."])`, or nothing where each curve has a `label`.',
+            f"{asked}, and its entries are single letters, {letters}: `legend` was given one text, whose letters name "
+            'the curves. It takes a list, `legend(["...", "..."])`, or nothing where each curve has a `label`.',
             "one text for the legend",
         )
     if len(texts) >= entries and len(set(texts)) < entries:
@@ -211,8 +210,8 @@ def require_legend(axes: AxesValue, where: str, entries: int) -> None:
         )
     if texts and len(labels) >= entries:
         raise NoAnswer(
-            f"{asked}, and it names {len(texts)}, though {len(labels)} curves have a `label`: was `legend` called before "
-            "the others were drawn, or given fewer texts than there are curves? Call `legend()` last.",
+            f"{asked}, and it names {len(texts)}, though {len(labels)} curves have a `label`: was `legend` called "
+            "before the others were drawn, or given fewer texts than there are curves? Call `legend()` last.",
             "no legend",
         )
     if texts:

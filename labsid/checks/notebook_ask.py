@@ -30,8 +30,8 @@ _SMALL = 9
 class NotebookAsk:
     """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for.
 
-    `source` is the code of the answer cell, where it is known. Of the last function, `tried` says how it was called with
-    what result, `beside` which data of the notebook it reads.
+    `source` is the code of the answer cell, where it is known. Of the last function, `tried` says how it was called
+    with what result, `beside` which data of the notebook it reads.
     """
 
     origin: None = None
