@@ -49,6 +49,16 @@ class AnswerCode:
         called = (node.func for node in in_order(self._tree) if isinstance(node, ast.Call))
         return frozenset(name for one in called if (name := _last_name(one)))
 
+    def calls_without(self, name: str, keyword: str) -> bool:
+        """Whether a function of that name is called with one argument, and without this keyword."""
+        return any(
+            isinstance(node, ast.Call)
+            and _last_name(node.func) == name
+            and len(node.args) == 1
+            and all(one.arg != keyword for one in node.keywords)
+            for node in in_order(self._tree)
+        )
+
     @property
     def has_loop(self) -> bool:
         """Whether there is a `for` or a `while`."""

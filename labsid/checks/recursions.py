@@ -134,7 +134,7 @@ def told_of_terms(output: str, found: Terms, asked: Mapping[Key, Factor], measur
     else:
         compared = dict(found)
     for name in (one for one in names if one != measured or not of_measured):
-        differences += _differences(name, _of(name, compared), _of(name, asked))
+        differences += _differences(name, _of(name, compared), _of(name, asked), [*asked.values()])
     equation = _written(found, asked, {measured: output} if of_measured else {})
     because = "; ".join(differences)
     return f"What you computed obeys {output}(k) = {equation}" + (f": {because}." if because else ".")
@@ -152,7 +152,9 @@ def _tolerance(values: object) -> float:
     return 1e-5 * max(map(abs, values), default=1.0)  # type: ignore[call-overload]
 
 
-def _differences(name: str, got: Mapping[int, object], asked: Mapping[int, object]) -> Iterator[str]:
+def _differences(
+    name: str, got: Mapping[int, object], asked: Mapping[int, object], known: list[Factor]
+) -> Iterator[str]:
     """How the terms of one signal differ, in words."""
     factors = {lag: one for lag, one in asked.items() if isinstance(one, Factor)}
     right = {lag: one.value for lag, one in factors.items()}
@@ -185,7 +187,8 @@ def _differences(name: str, got: Mapping[int, object], asked: Mapping[int, objec
         yield f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
     for lag, factor in factors.items():
         if lag in have and abs(have[lag] - factor.value) > _tolerance(right.values()):
-            yield f"the factor of {_sample(name, lag)} is {have[lag]:.4g} and not {factor.symbol}"
+            written = _symbol(have[lag], known).replace("+ ", "").replace("- ", "-")
+            yield f"the factor of {_sample(name, lag)} is {written} and not {factor.symbol}"
     for lag in sorted(have.keys() - right.keys()):
         yield f"{_sample(name, lag)} does not belong into it"
 

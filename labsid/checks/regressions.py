@@ -33,7 +33,11 @@ def wrapped_filter(P: FloatArray, x: FloatArray) -> FloatArray:
 
 
 def slips_of_fit(
-    name: str, regressors: Sequence[Regressor], target: FloatArray, u: FloatArray | None = None
+    name: str,
+    regressors: Sequence[Regressor],
+    target: FloatArray,
+    u: FloatArray | None = None,
+    order: str = "",
 ) -> Iterator[Slip[FloatArray]]:
     """The theta that rows which wrap around give, and that of right rows beside another left-hand side.
 
@@ -46,12 +50,15 @@ def slips_of_fit(
         The output at all samples.
     u : ndarray, optional
         The input, which may have been taken for the output.
+    order : str
+        What the longest lag is called where it is an argument: the first row is then told by that name, too.
     """
     longest = max(lag for _, lag in regressors)
     rows, N = wrapped(regressors), target.size
+    begin = f"{order}, here {longest}" if order else f"{longest}"
     hint = (
         f"{name} takes samples from the *end* of the record for those before its first, as `np.roll` and an index "
-        f"below zero do. Begin at the first row for which every sample was recorded, k = {longest}."
+        f"below zero do. Begin at the first row for which every sample was recorded, k = {begin}."
     )
     for first in range(longest):
         yield Slip(WRAPS, hint, partial(_fit, rows[first:], target[first:]))

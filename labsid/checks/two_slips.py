@@ -1,7 +1,7 @@
 """Two known mistakes at once: formulas with two of their parts changed, and sums of terms with other factors."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.verdict import Answer, Slip
+from labsid.checks.verdict import Answer, Slip, Verdict
 
 TWO = "two mistakes at once"
 """The slip of an answer in which two parts of a formula are changed."""
@@ -94,6 +94,16 @@ def told_factors(name: str, got: FloatArray, terms: Mapping[str, FloatArray], as
     if all(abs(found[term] - asked.get(term, 0.0)) <= _SAME for term in found):
         return ""
     return f"{name} is {_sum_of(found)}; asked for is {_sum_of(asked)}."
+
+
+def with_factors(
+    verdict: Verdict, name: str, got: FloatArray, terms: Mapping[str, FloatArray], asked: Mapping[str, float]
+) -> Verdict:
+    """A verdict that names no mistake, with what `told_factors` says where that is anything."""
+    if verdict.passed or verdict.slip is not None:
+        return verdict
+    said = told_factors(name, got, terms, asked)
+    return replace(verdict, reason=said, slip=FACTORS) if said else verdict
 
 
 def _sum_of(factors: Mapping[str, float]) -> str:

@@ -17,6 +17,7 @@ from labsid.checks.compare import as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS
 from labsid.checks.trials import first_order
+from labsid.checks.two_slips import TWO
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 from labsid.model_structures.prediction import free_run
@@ -215,6 +216,11 @@ def _fit_of_run(u: FloatArray, y: FloatArray, start: ArrayLike, delay: int = 1) 
     )
 
 
+def _times(u: FloatArray, y: FloatArray, start: float, delay: int, sign: float, order: int) -> FloatArray:
+    """The fit with another delay, with the sign of a and the order of a and b."""
+    return (_fit_of_run(u, y, [start, 0.1], delay).theta * [sign, 1.0])[::order]
+
+
 def _run(theta: FloatArray, u: FloatArray, delay: int = 1) -> FloatArray:
     a, b = theta
     return free_run(first_order(a, b, delay=delay), u)
@@ -272,6 +278,24 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
             "lag off by one",
             "`fit_output_error` lets u act one sample too late: x(t) answers u(t-1).",
             lambda: _fit_of_run(u, y, [right[0], 0.1], 2).theta,
+        ),
+        *(
+            Slip(
+                TWO,
+                f"`fit_output_error` has two mistakes: u acts {when}, and x(t) answers u(t-1); {other}.",
+                partial(_times, u, y, start, delay, sign, order),
+            )
+            for start in (right[0], -right[0])  # with another delay the SSE has two valleys
+            for delay, when in ((0, "at once"), (2, "one sample too late"))
+            for sign, order, other in (
+                (-1.0, 1, "a has the other sign: it stands on the left side, x(t) + a x(t-1)"),
+                (1.0, -1, "b is returned before a"),
+            )
+        ),
+        Slip(
+            TWO,
+            "`fit_output_error` has two mistakes: a has the other sign; b is returned before a.",
+            lambda: (right * [-1, 1])[::-1],
         ),
         Slip(
             WRAPS,

@@ -129,7 +129,7 @@ def _slips(u: FloatArray, y: FloatArray, n: int, data: LabData) -> Iterator[Slip
     for k in range(n + 2):
         yield from _slips_from(u, y, n, k, data)
     past = [(signal, lag) for signal in (y, u) for lag in range(1, n + 1)]
-    yield from slips_of_fit("`fit_order`", past, y, u)
+    yield from slips_of_fit("`fit_order`", past, y, u, "n")
 
 
 def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> Iterator[Slip[FloatArray]]:
