@@ -124,7 +124,10 @@ def told_of_terms(output: str, found: Terms, asked: Mapping[Key, Factor], measur
         return ""
     names = list(dict.fromkeys(name for name, _ in [*asked, *found]))
     of_measured = {(output, lag): factor for (name, lag), factor in found.items() if name == measured}
-    differences = []
+    differences: list[str] = []
+    turned = {key: value if key[0] == output else -value for key, value in right.items()}
+    if _are_equal(found, turned):
+        return f"What you computed obeys {output}(k) = {_written(found, asked, {})}: it is right but for its sign."
     if of_measured and not any(name == output for name, _ in found):
         differences.append(
             f"the past outputs in it are the *measured* ones, `{measured}`, so that it predicts one step; a simulation "

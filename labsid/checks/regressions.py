@@ -195,6 +195,9 @@ def _causes(held: list[Sample], asked: list[Sample], phi: str, target: str) -> s
     moved = [(signal, 1.0, lag - shift) for signal, _, lag in held]
     if moved != asked and sorted(moved) == sorted(asked):
         causes.append("the columns are in another order")
+    missing = [_sample(one) for one in asked if one not in moved]
+    if missing:
+        causes.append(f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing")
     said = "; ".join(causes)
     return f"{said[:1].upper()}{said[1:]}." if said and not said.startswith("`") else f"{said}." if said else ""
 

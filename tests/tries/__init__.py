@@ -41,6 +41,7 @@ _KINDS = (
     "one_symptom",
     "other_repairs",
     "tried_repairs",
+    "two_at_once",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0

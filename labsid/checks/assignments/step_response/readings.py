@@ -1,6 +1,6 @@
 """Judge gain, time constant and delay by the response of their model, not by how they were read."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import permutations
 
@@ -86,7 +86,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
     right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
     within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
     within[1:] += 0.5 * float(step.t[1] - step.t[0])
-    for order in list(permutations(range(3)))[1:]:
+    for order in [] if _is_shown(got, step, fit, code) else list(permutations(range(3)))[1:]:
         if np.all(np.abs(got[list(order)] - right) <= within):
             return Verdict(False, f"{where}K, tau and td are right, but in another order.", "order of K, tau and td")
     for slip, levels, of_what in _other_levels(step, fit) if right_gain else ():
@@ -104,16 +104,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
             "outputs for times",
         )
     values = {"K": K, "tau": tau, "td": td}
-    matches: list[tuple[float, _Suspect]] = []
-    for suspect in _suspects(step, fit):
-        if (suspect.parameter == "K") == right_gain:
-            continue
-        if code is not None and suspect.shows and not code.has(*suspect.shows, within=_SAME_NUMBER):
-            continue
-        distance = abs(values[suspect.parameter] - suspect.value)
-        same = _SAME_WHERE_SHOWN if code is not None and suspect.shows else SAME_VALUE
-        if distance <= same * abs(suspect.value) + suspect.within:
-            matches.append((distance, suspect))
+    matches = list(_matches(values, step, fit, code))
     if matches:
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
@@ -130,6 +121,28 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
             "outputs for times",
         )
     return Verdict(False, where + _deviation(values, fit, right_gain))
+
+
+def _matches(
+    values: Mapping[str, float], step: Step, fit: StepResponseFit, code: AnswerCode | None
+) -> Iterator[tuple[float, _Suspect]]:
+    """The known mistakes whose value is near, with how near it is; of those with a number, where the code holds it."""
+    right_gain = _is_right_gain(values["K"], fit)
+    for suspect in _suspects(step, fit):
+        if (suspect.parameter == "K") == right_gain:
+            continue
+        if code is not None and suspect.shows and not code.has(*suspect.shows, within=_SAME_NUMBER):
+            continue
+        distance = abs(values[suspect.parameter] - suspect.value)
+        same = _SAME_WHERE_SHOWN if code is not None and suspect.shows else SAME_VALUE
+        if distance <= same * abs(suspect.value) + suspect.within:
+            yield distance, suspect
+
+
+def _is_shown(got: FloatArray, step: Step, fit: StepResponseFit, code: AnswerCode | None) -> bool:
+    """Whether the code holds the number of a known mistake that gives this value."""
+    values = dict(zip(("K", "tau", "td"), map(float, got), strict=True))
+    return code is not None and any(suspect.shows for _, suspect in _matches(values, step, fit, code))
 
 
 def _one_instant(code: AnswerCode | None) -> str:
