@@ -204,7 +204,7 @@ def _number(node: ast.AST) -> Iterator[float]:
             yield 1 / node.right.value  # type: ignore[attr-defined]
         if len(sides) == 2 and all(type(one) in (int, float) for one in sides):
             try:
-                yield float(_OPERATIONS[type(node.op)](*sides))  # type: ignore[arg-type]
+                yield float(_OPERATIONS[type(node.op)](*sides))
             except ArithmeticError:
                 return
 

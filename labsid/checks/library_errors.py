@@ -63,9 +63,9 @@ def uneven_parts(stop: Stop, _: re.Match[str]) -> str | None:
         if len(arrays) == len(node.elts) and len({shape for _, shape in arrays}) > 1:
             lengths = [shape[0] for _, shape in arrays]
             if len({*lengths}) == 1 or any(len(shape) > 1 for _, shape in arrays):
-                shapes = " and ".join(str(shape) for _, shape in arrays)
+                have = " and ".join(str(shape) for _, shape in arrays)
                 return (
-                    f"The parts of `{written}` have the shapes {shapes}, and to be parts of one array they must be "
+                    f"The parts of `{written}` have the shapes {have}, and to be parts of one array they must be "
                     "equal: `np.hstack` puts matrices side by side, `np.vstack` one below the other."
                 )
             return (

@@ -199,7 +199,7 @@ def _causes(held: list[Sample], asked: list[Sample], phi: str, target: str) -> s
     if missing:
         causes.append(f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing")
     said = "; ".join(causes)
-    return f"{said[:1].upper()}{said[1:]}." if said and not said.startswith("`") else f"{said}." if said else ""
+    return f"{said.replace('the ', 'The ', 1) if said.startswith('the ') else said}." if said else ""
 
 
 def _sample(held: Sample) -> str:

@@ -170,7 +170,8 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "lab-1c-loop",
             "return in a branch",
             "inside a condition or a loop, and was not reached",
-            "def first_period(u):\n    for k in range(1, len(u)):\n        if u[k] > 1.3 * u[0]:\n            return k\n\n"
+            "def first_period(u):\n    for k in range(1, len(u)):\n        if u[k] > 1.3 * u[0]:\n"
+            "            return k\n\n"
             "n_first = first_period(u_act)\n",
         ),
         (

@@ -14,7 +14,7 @@ from variants import Wrong, variants_of
 
 from labsid.checks.notebook import load_assignment
 from labsid.checks.recursions import RECURSION
-from labsid.checks.two_slips import FACTORS, TWO
+from labsid.checks.double_mistakes import FACTORS, TWO
 from labsid.checks.verdict import PYTHON_ERROR
 
 ELSEWHERE = {

@@ -17,7 +17,7 @@ from labsid.checks.compare import as_vector, close
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS
 from labsid.checks.trials import first_order
-from labsid.checks.two_slips import TWO
+from labsid.checks.double_mistakes import TWO
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 from labsid.model_structures.prediction import free_run

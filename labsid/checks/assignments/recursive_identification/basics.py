@@ -10,7 +10,7 @@ from labsid.checks.assignments.recursive_identification.reference_runs import re
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
-from labsid.checks.two_slips import Edit, pairs_of
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge, told_if_singular
 

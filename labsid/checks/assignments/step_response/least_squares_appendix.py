@@ -254,7 +254,7 @@ def check_minimum(ask: Ask) -> Verdict:
     verdict = _on_all(ask, one)
     if verdict.slip == ZEROS:  # with a square Phi, errors are zero
         tall = _on_all(ask, one, ((8, 3),))
-        verdict = tall if tall.slip is not None else verdict
+        verdict = verdict if tall.slip in (None, BEYOND_RESULTS) else tall
     return verdict
 
 

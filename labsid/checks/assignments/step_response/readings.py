@@ -74,7 +74,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
     if _is_right(got, step, fit):
         return Verdict(True, praise)
     right_gain = _is_right_gain(K, fit)
-    if right_gain and tau == td == 0:
+    if right_gain and tau == td == 0 and fit.y_final > 10 * abs(fit.y_initial):
         return Verdict(False, f"{where}tau is zero: {_one_instant(code)}", "one instant for both")
     opposite = abs(td + fit.reading.td) <= SAME_VALUE * fit.reading.td + float(step.t[1] - step.t[0])
     if right_gain and td != 0 and not opposite and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
@@ -155,8 +155,8 @@ def _one_instant(code: AnswerCode | None) -> str:
     if code is not None and "argmin" in code.calls:
         return f"{same} {least}"
     never = (
-        "`np.argmax(y >= level)` is 0 also where *no* sample is at or above the level: print both levels beside "
-        "`max(y)`."
+        "`np.argmax(y >= level)` is 0 where *no* sample is at or above the level, as where the first one is: print "
+        "both levels beside `max(y)`."
     )
     if code is not None and code.has(63.2, 63, 28.3, 28, within=_SAME_NUMBER) and not code.has(100, 0.01):
         return f"{same} No sample is at 63.2 times the final value: 63.2 % of it is 0.632 times it. ({never})"
