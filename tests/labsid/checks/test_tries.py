@@ -12,9 +12,9 @@ from tries import ACCEPTED, ASSIGNMENTS, Said, Try, fault_of, said_to, tries_of
 from tries.nonlinear_least_squares import lm
 from variants import Wrong, variants_of
 
+from labsid.checks.double_mistakes import FACTORS, TWO
 from labsid.checks.notebook import load_assignment
 from labsid.checks.recursions import RECURSION
-from labsid.checks.double_mistakes import FACTORS, TWO
 from labsid.checks.verdict import PYTHON_ERROR
 
 ELSEWHERE = {

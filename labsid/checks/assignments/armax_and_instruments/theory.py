@@ -7,9 +7,9 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_theta, close
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import first_order, trial_equations
-from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.likelihood import log_likelihood
 from labsid.least_squares.intervals import parameter_covariance

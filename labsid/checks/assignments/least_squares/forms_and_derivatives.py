@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from labsid._arrays import FloatArray
 from labsid.checks.asked_texts import KINDS
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
-from labsid.checks.question import Ask, returned
 from labsid.checks.double_mistakes import with_factors
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.gradients import gradient_quadratic, jacobian_cubic
 from labsid.least_squares.quadratic_form import definiteness

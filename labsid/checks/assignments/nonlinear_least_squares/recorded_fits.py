@@ -14,10 +14,10 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import (
     within,
 )
 from labsid.checks.compare import as_vector, close
+from labsid.checks.double_mistakes import TWO
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS
 from labsid.checks.trials import first_order
-from labsid.checks.double_mistakes import TWO
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 from labsid.model_structures.prediction import free_run

@@ -8,9 +8,9 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.recursive_identification.reference_runs import Update, reference_step, slips_of_update
 from labsid.checks.compare import SAME, as_matrix, as_number, as_vector
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
-from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 
 _WITHIN = 0.0015

@@ -13,8 +13,8 @@ from labsid._arrays import FloatArray, freeze
 from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import as_number, as_vector, close
-from labsid.checks.question import Ask, returned
 from labsid.checks.double_mistakes import Edit, pairs_of
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import arx_from_theta
 from labsid.lab.simulation import simulate

@@ -7,8 +7,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_vector, close
-from labsid.checks.question import Ask, returned
 from labsid.checks.double_mistakes import Edit, pairs_of
+from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 
