@@ -19,6 +19,7 @@ Terms = Mapping[Key, float]
 RECURSION = "terms of the recursion"
 """The slip of an output that obeys another recursion."""
 _EXACT = 1e-7  # relative: a recursion holds to rounding
+_SAME_FACTOR = 1e-5
 _ZERO = 1e-6  # relative to the largest factor
 _SPARE = 3
 """Equations more than unknowns, below which a fit may be chance."""
@@ -118,9 +119,15 @@ def told_of_terms(output: str, found: Terms, asked: Mapping[Key, Factor], measur
         What `terms_of` has found.
     asked : mapping
     measured : str
+
+    Returns
+    -------
+    str
+        Empty also where fewer than half of the factors are those of the right one, in any place and with any sign.
     """
     right = {key: factor.value for key, factor in asked.items()}
-    if _are_equal(found, right):
+    known = [factor for factor in found.values() if any(_is_symbol(factor, one) for one in asked.values())]
+    if _are_equal(found, right) or 2 * len(known) < len(found):  # another model altogether has factors of its own
         return ""
     names = list(dict.fromkeys(name for name, _ in [*asked, *found]))
     of_measured = {(output, lag): factor for (name, lag), factor in found.items() if name == measured}
@@ -152,7 +159,7 @@ def _are_equal(one: Mapping[Key, float], other: Mapping[Key, float]) -> bool:
 
 
 def _tolerance(values: object) -> float:
-    return 1e-5 * max(map(abs, values), default=1.0)  # type: ignore[call-overload]
+    return _SAME_FACTOR * max(map(abs, values), default=1.0)  # type: ignore[call-overload]
 
 
 def _differences(
@@ -216,10 +223,14 @@ def _written(found: Terms, asked: Mapping[Key, Factor], same_as: Mapping[str, st
     return f"-{written.removeprefix('- ')}" if written.startswith("- ") else written
 
 
+def _is_symbol(factor: float, one: Factor) -> bool:
+    """Whether a number is this factor, with either sign."""
+    return abs(abs(factor) - abs(one.value)) <= _SAME_FACTOR * abs(one.value)
+
+
 def _symbol(factor: float, known: list[Factor]) -> str:
     for one in known:
         plain, sign = one.symbol.lstrip("+-") or "1", -1.0 if one.symbol.startswith("-") else 1.0
-        for turned in (1.0, -1.0):
-            if abs(factor - turned * one.value) <= 1e-5 * abs(one.value):
-                return f"{'+' if sign * turned > 0 else '-'} {plain}"
+        if _is_symbol(factor, one):
+            return f"{'+' if sign * factor * one.value > 0 else '-'} {plain}"
     return f"{'+' if factor > 0 else '-'} {abs(factor):.4g}"

@@ -94,6 +94,7 @@ def test_measured_outputs_in_a_recursion_are_told() -> None:
     [
         lfilter(B, A, U),  # right
         lfilter(B, A, U) + E,  # no recursion of u
+        lfilter([0.3, 0.1], [1, -0.7, 0.2], U),  # another model altogether
         np.full(40, np.nan),
         lfilter(B, A, U)[:8],
         np.zeros(40),
