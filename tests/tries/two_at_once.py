@@ -394,6 +394,13 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ),
         (
             "ms-10-autocorrelation",
+            "from lag 1",
+            "begins with lag 1",
+            "def autocorrelation(e, lags):\n    e = e - e.mean()\n    c = np.correlate(e, e, 'full')[len(e) :]\n"
+            "    return c[: lags + 1] / c[0]\n",
+        ),
+        (
+            "ms-10-autocorrelation",
             "beginning of correlate, mean left in",
             "lag 0 is in its middle; and the mean is left in; and they are divided by the first",
             "def autocorrelation(e, lags):\n    c = np.correlate(e, e, mode='full')\n    return c[: lags + 1] / c[0]\n",
@@ -406,6 +413,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "products entry by entry",
             r"made with `\*`, `P \* phi \* phi.T \* P`",
             _step("(P * phi * phi.T * P)"),
+        ),
+        (
+            "ri-3-step",
+            "products from the left",
+            r"made with `\*`, `P @ phi \* phi.T @ P`",
+            _step("(P @ phi * phi @ P)"),
         ),
         (
             "ri-3-step",

@@ -441,6 +441,19 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
             ),
             *(
                 Slip(
+                    "begins with lag 1",
+                    "`autocorrelation` begins with lag 1: lag 0 is at index N - 1 of `np.correlate(e, e, 'full')`, as it "
+                    "is counted from 0.",
+                    partial(np.copy, made),
+                )
+                for kept in (centred, e)
+                for made in (
+                    _from_lag_1(kept, lags) / (kept @ kept),
+                    _from_lag_1(kept, lags) / _from_lag_1(kept, lags)[0],
+                )
+            ),
+            *(
+                Slip(
                     "first lags of correlate",
                     "`autocorrelation` takes the first values of `np.correlate(e, e, 'full')`: lag 0 is in its middle"
                     f"{beside}.",
@@ -498,6 +511,10 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
             ),
         ],
     )
+
+
+def _from_lag_1(e: FloatArray, lags: int) -> FloatArray:
+    return np.asarray(np.correlate(e, e, "full")[e.size : e.size + lags + 1], float)
 
 
 def _first_of_correlate(e: FloatArray, lags: int, by_first: bool) -> FloatArray:

@@ -199,6 +199,7 @@ def _edits_of_covariance(P: FloatArray, phi: FloatArray) -> tuple[Edit, ...]:
         Edit("numerator", P_phi @ P_phi * np.ones_like(P), "a number stands where the matrix P phi phi'P belongs"),
         Edit("numerator", P * phi * phi * P, "the numerator is made entry by entry, with `*`"),
         Edit("numerator", np.ones_like(P) * P_phi * P_phi, "the numerator is made entry by entry, with `*`"),
+        Edit("numerator", np.ones_like(P) * ((P_phi * phi) @ P), "the numerator is made entry by entry, with `*`"),
         Edit("denominator", q, "the 1 of the denominator is missing"),
         Edit("denominator", 1.0, "nothing is divided by 1 + phi'P phi"),
         Edit("denominator", 1 + float(phi @ phi), "the denominator is 1 + phi'phi, without P"),
@@ -278,7 +279,7 @@ def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
                 for what, one in (
                     ("P * phi * phi.T * P", P * phi * phi * P),
                     ("P * phi * phi.T @ P", P * phi * phi @ P),
-                    ("P @ phi * phi.T @ P", P_phi * P_phi),
+                    ("P @ phi * phi.T @ P", (P_phi * phi) @ P),
                     ("P @ phi * phi.T * P", P_phi * phi * P),
                     ("P @ (phi * phi) * P", P @ (phi * phi) * P),
                 )
