@@ -59,8 +59,9 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
                     made.append((one, other, make(**{one.part: one.value, other.part: other.value})))
             except (ValueError, LookupError, ArithmeticError):
                 continue
-    for i, (one, other, value) in enumerate(made):
-        if not any(_are_equal(value, another) for j, (_, _, another) in enumerate(made) if i != j):
+    alone = _found_once([np.ravel(np.asarray(value, float)) for _, _, value in made])
+    for (one, other, value), is_alone in zip(made, alone, strict=True):
+        if is_alone:
             yield Slip(TWO, f"{name} has two mistakes: {one.says}; {other.says}.", partial(_itself, value))
 
 
@@ -119,9 +120,14 @@ def _itself(value: Answer) -> Answer:
     return value
 
 
-def _are_equal(one: Any, other: Any) -> bool:
-    a, b = np.asarray(one), np.asarray(other)
-    if a.shape != b.shape or a.size == 0:
-        return False
-    size = max(float(np.max(np.abs(a))), float(np.max(np.abs(b))))
-    return bool(np.max(np.abs(a - b)) <= _SAME * size) if np.isfinite(size) else True
+def _found_once(values: list[FloatArray]) -> list[bool]:
+    """Of each of these arrays, all of one size, whether it is finite and no other one is equal to it."""
+    if not values:
+        return []
+    table = np.array(values)
+    finite = np.all(np.isfinite(table), axis=1)
+    table = np.where(np.isfinite(table), table, 0.0)
+    distance = np.max(np.abs(table[:, np.newaxis] - table), axis=2)
+    size = np.max(np.abs(table), axis=1)
+    same = distance <= _SAME * np.maximum(size[:, np.newaxis], size)
+    return [bool(one) for one in finite & (np.sum(same, axis=1) == 1)]

@@ -442,15 +442,13 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
             *(
                 Slip(
                     "begins with lag 1",
-                    "`autocorrelation` begins with lag 1: lag 0 is at index N - 1 of `np.correlate(e, e, 'full')`, as it "
-                    "is counted from 0.",
+                    "`autocorrelation` begins with lag 1: lag 0 is at index N - 1 of `np.correlate(e, e, 'full')`, "
+                    "counted from 0.",
                     partial(np.copy, made),
                 )
                 for kept in (centred, e)
-                for made in (
-                    _from_lag_1(kept, lags) / (kept @ kept),
-                    _from_lag_1(kept, lags) / _from_lag_1(kept, lags)[0],
-                )
+                for later in [_from_lag_1(kept, lags)]
+                for made in (later / (kept @ kept), later / later[0])
             ),
             *(
                 Slip(
