@@ -56,9 +56,11 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
         if one.part != other.part:
             try:
                 with np.errstate(all="ignore"):
-                    made.append((one, other, make(**{one.part: one.value, other.part: other.value})))
+                    value = make(**{one.part: one.value, other.part: other.value})
             except (ValueError, LookupError, ArithmeticError):
                 continue
+            if not np.iscomplexobj(value):
+                made.append((one, other, value))
     alone = _found_once([np.ravel(np.asarray(value, float)) for _, _, value in made])
     for (one, other, value), is_alone in zip(made, alone, strict=True):
         if is_alone:

@@ -37,8 +37,9 @@ def test_pairs_that_give_one_value_are_not_told() -> None:
     assert sorted(slip.wrong() for slip in pairs_of("`f`", edits, made)) == [11.0, 13.0]  # 12 is made in two ways
 
 
-def test_a_pair_that_cannot_be_computed_is_left_out() -> None:
-    edits = (Edit("first", -3.0, "a"), Edit("power", -1.0, "b"))
+@pytest.mark.parametrize(("first", "power"), [(-3.0, -1.0), (-5.0, 0.5), (np.inf, 2.0)])
+def test_a_pair_that_gives_no_real_number_is_left_out(first: float, power: float) -> None:
+    edits = (Edit("first", first, "a"), Edit("power", power, "b"))
     assert list(pairs_of("`f`", edits, made)) == []
 
 

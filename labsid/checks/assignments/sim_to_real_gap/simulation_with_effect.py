@@ -336,8 +336,8 @@ def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) ->
         swapped: bool = False,
     ) -> float:
         one, other = (error_before, after) if swapped else (after, error_before)
-        share = (max(one - noise[0], 0.0) / (other - noise[1])) ** power
-        return scale * (share if left else 1 - share)
+        share = np.float64(max(one - noise[0], 0.0) / (other - noise[1])) ** power  # nan, and no complex root
+        return float(scale * (share if left else 1 - share))
 
     value = ask.call("share_closed", after, error_before, sigma)
     if value is None:
