@@ -59,7 +59,7 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
                     value = make(**{one.part: one.value, other.part: other.value})
             except (ValueError, LookupError, ArithmeticError):
                 continue
-            if not np.iscomplexobj(value):
+            if not np.iscomplexobj(np.asarray(value)):
                 made.append((one, other, value))
     alone = _found_once([np.ravel(np.asarray(value, float)) for _, _, value in made])
     for (one, other, value), is_alone in zip(made, alone, strict=True):
