@@ -10,6 +10,7 @@ import numpy as np
 from autograder.judge.redaction import redact, redact_error
 from autograder.judge.stopped import explained
 from autograder.sandbox.isolation import Reply, StudentProcess
+from labsid.checks.answer_code import function_in
 from labsid.checks.question import Origin
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
@@ -101,6 +102,10 @@ class ProcessAsk:
         if not reply.ok:
             raise NoAnswer(f"There is no function `{name}`: it is not defined.")
         return redact(reply.value, self._source)
+
+    def source_of(self, name: str = "") -> str:
+        """The code of the function of that name in the notebook; empty if it has none."""
+        return function_in(self._source, name) if name else ""
 
     def changes(self, name: str, *arguments: Value) -> bool:
         """Whether the function changes an array that it is given."""

@@ -157,7 +157,7 @@ def _decode_record(kind: type, fields: dict[str, Any]) -> Value:
             checked[name] = None if value is None else float(value)
         elif name in ("title", "xlabel", "ylabel", "label", "where", "style", "kind"):
             checked[name] = str(value)[:1000]
-        elif name in ("grid", "steps", "joined"):
+        elif name in ("grid", "steps", "joined", "is_listed"):
             checked[name] = value is True
         elif name in ("xlim", "ylim", "color"):
             if len(value) != _LENGTHS[name]:

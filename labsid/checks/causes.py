@@ -124,9 +124,27 @@ def too_many_indices(stop: Stop, found: re.Match[str]) -> str | None:
                 zeros = zeros_of_one_size(stop, owner)
                 if len(shape) > 1:
                     return f"{said}: it takes {len(shape)} indices, not {len(node.slice.elts)}."
+                row = _made_by_one_index(stop, owner)
+                if row:
+                    return f"{said}: {row}"
                 takes = f"{said}: it is flat, and takes one index, not {len(node.slice.elts)}."
                 return f"{takes}{asked or ' ' * bool(zeros) + zeros}"
     return "The array has fewer axes than indices in the brackets: look at its `.shape`."
+
+
+def _made_by_one_index(stop: Stop, name: str) -> str:
+    """That a flat array is one row of a table, as `data[n]` is; empty where its line does not show that."""
+    tree = parsed_line(stop.made.get(name, ""))
+    for node in [] if tree is None else ast.walk(tree):
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Name | ast.Constant):
+            shape = stop.shape(node.value)
+            if shape is not None and len(shape) == 2 and stop.shape(ast.Name(name)) == shape[1:]:
+                table, index = ast.unparse(node.value), ast.unparse(node.slice)
+                return (
+                    f"`{table}[{index}]`, of which it is made, is row {index} alone. `{table}[{index}:]` is all rows "
+                    f"from row {index} on."
+                )
+    return ""
 
 
 def _from_zero(index: str) -> str:

@@ -40,6 +40,7 @@ from labsid.checks.column_causes import unequal_columns
 from labsid.checks.handed_over import one_list, starred_argument, wrong_arguments
 from labsid.checks.key_causes import field_of_a_dictionary, unknown_key
 from labsid.checks.library_errors import (
+    appended_to_an_array,
     arguments_of_a_filter,
     coefficients,
     function_for_numbers,
@@ -99,9 +100,7 @@ TABLE: tuple[Translation, ...] = (
         r"module 'numpy' has no attribute '(inv|solve|lstsq|det|eig|eigvals|pinv|norm|svd|matrix_rank)'",
         lambda stop, found: f"It is in numpy's part for linear algebra: `np.linalg.{found[1]}`.",
     ),
-    Translation(
-        "AttributeError", "'numpy.ndarray' object has no attribute 'append'", "Use `np.append(y, value)`, or a list."
-    ),
+    Translation("AttributeError", "'numpy.ndarray' object has no attribute 'append'", appended_to_an_array),
     Translation("AttributeError", r"'numpy.ndarray' object has no attribute '(\w+)'", unknown_in_an_array),
     Translation("AttributeError", r"'(?:int|float|numpy\.\w+)' object has no attribute '(\w+)'", unknown_in_a_number),
     Translation("KeyError", "(.*)", unknown_key),

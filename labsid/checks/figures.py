@@ -15,6 +15,9 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer
 from labsid.plots.figure_values import AxesValue, CurveValue
 
+_SYMBOLS = frozenset("abcdekpqrtuvwxyz12345Y")
+"""Single characters that name a signal, a parameter or an order."""
+
 
 def one_figure(name: str, value: Value) -> AxesValue:
     """Read a figure whose curves may stand in one panel or in several: all of its panels as one.
@@ -36,6 +39,7 @@ def one_figure(name: str, value: Value) -> AxesValue:
         legend=tuple(text for axes in panels for text in axes.legend),
         texts=tuple(text for axes in panels for text in axes.texts),
         curves=tuple(curve for axes in panels for curve in axes.curves),
+        is_listed=any(axes.is_listed for axes in panels),
     )
 
 
@@ -171,25 +175,53 @@ def require_limits(axes: AxesValue, where: str, xlim: tuple[float, float], ylim:
 
 
 def require_legend(axes: AxesValue, where: str, entries: int) -> None:
-    """Require a legend with at least `entries` entries."""
-    named = len([text for text in axes.legend if text.strip()])
-    labels = len([curve for curve in axes.curves if curve.label.strip() and not curve.label.startswith("_")])
-    if named >= entries:
+    """Require a legend with at least `entries` entries that tell the curves apart."""
+    texts = [text.strip() for text in axes.legend if text.strip()]
+    labels = {curve.label.strip() for curve in axes.curves if not curve.label.startswith("_")} - {""}
+    asked = f"In {where} the legend should name {entries} curves"
+    if axes.is_listed and _is_a_text_taken_apart(texts):
+        letters = " and ".join(map(repr, texts[:2]))
+        raise NoAnswer(
+            f"{asked}, and its entries are single letters, {letters}: `legend` was given one text, whose letters name "
+            'the curves. It takes a list, `legend(["...", "..."])`, or nothing where each curve has a `label`.',
+            "one text for the legend",
+        )
+    if len(texts) >= entries and len(set(texts)) < entries:
+        same = next(text for text in texts if texts.count(text) > 1)
+        raise NoAnswer(
+            f"{asked}, and {texts.count(same)} of its entries are {same!r}: give each curve a name of its own. (One "
+            "`label` for a table names all its columns alike: draw them one by one, or give a list of names.)",
+            "names not told apart",
+        )
+    if len(texts) >= entries:
         return
-    if not named and labels >= entries:
+    if not texts and len(labels) >= entries:
         raise NoAnswer(
-            f"In {where} the legend should name {entries} curves. {labels} curves have a `label`, but the axes show no "
-            "legend: `legend` of these axes is to be called after the curves are drawn.",
+            f"{asked}. {len(labels)} curves have a `label`, but the axes show no legend: `legend` of these axes is to "
+            "be called after the curves are drawn.",
             "no legend",
         )
-    if named:
+    if texts and axes.is_listed:
+        handed = "one text" if len(texts) == 1 else f"{len(texts)} texts"
         raise NoAnswer(
-            f"In {where} the legend should name {entries} curves, and it names {named}: each curve needs a `label`.",
+            f"{asked}, and it names {len(texts)}: `legend([...])` was given {handed}, for the curves in the order in "
+            "which they are drawn. Give it one for each curve, or give each curve a `label` and call `legend()`.",
+            "fewer texts than curves",
+        )
+    if texts and len(labels) >= entries:
+        raise NoAnswer(
+            f"{asked}, and it names {len(texts)}, though {len(labels)} curves have a `label`: was `legend` called "
+            "before the others were drawn, or given fewer texts than there are curves? Call `legend()` last.",
             "no legend",
         )
-    raise NoAnswer(
-        f"In {where} the legend should name {entries} curves: give each a `label` and call `legend`.", "no legend"
-    )
+    if texts:
+        raise NoAnswer(f"{asked}, and it names {len(texts)}: each curve needs a `label`.", "no legend")
+    raise NoAnswer(f"{asked}: give each a `label` and call `legend`.", "no legend")
+
+
+def _is_a_text_taken_apart(texts: list[str]) -> bool:
+    """Whether the entries are the letters of one text: single ones that are not all symbols of signals."""
+    return len(texts) > 1 and all(len(text) == 1 for text in texts) and not set(texts) <= _SYMBOLS
 
 
 def legend_text(axes: AxesValue, curve: CurveValue) -> str:

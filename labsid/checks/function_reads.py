@@ -5,6 +5,7 @@ import linecache
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping
 from inspect import getblock
+from textwrap import dedent
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -93,7 +94,7 @@ def made_without_return(name: str, sources: Iterable[str], variables: Mapping[st
     for source in sources:
         called = re.findall(rf"^{re.escape(name)}\s*=\s*(\w+)\(", source, re.MULTILINE)
         function = variables.get(called[-1]) if called else None
-        written = _written(function.__code__) if isinstance(function, FunctionType) else ""
+        written = function_text(function)
         if written and variables.get(name) is None and not _GIVES.search(written):
             made = _MAKES_A_FIGURE.search(written)
             return (
@@ -102,10 +103,12 @@ def made_without_return(name: str, sources: Iterable[str], variables: Mapping[st
     return ""
 
 
-def _written(code: CodeType) -> str:
-    """The text of a function; empty if Python does not keep it."""
-    lines = linecache.getlines(code.co_filename)
-    return "".join(getblock(lines[code.co_firstlineno - 1 :])) if lines else ""
+def function_text(function: object) -> str:
+    """The text of a function of the notebook; empty of anything else, and where Python does not keep it."""
+    if not isinstance(function, FunctionType):
+        return ""
+    lines = linecache.getlines(function.__code__.co_filename)
+    return dedent("".join(getblock(lines[function.__code__.co_firstlineno - 1 :]))) if lines else ""
 
 
 def length_beside(

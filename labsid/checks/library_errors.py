@@ -13,6 +13,27 @@ WITHIN = "It arises within the function that is called: look at what is handed o
 """Where the line does not tell more."""
 
 
+def appended_to_an_array(stop: Stop, _: re.Match[str]) -> str:
+    """The method of lists on an array: rows or numbers are to be added."""
+    tree = parsed_line(stop.line)  # the part that failed is the method without its argument
+    for node in [] if tree is None else ast.walk(tree):
+        method = node.func if isinstance(node, ast.Call) else None
+        if isinstance(method, ast.Attribute) and method.attr == "append" and len(node.args) == 1:  # type: ignore[attr-defined]
+            owner, added = ast.unparse(method.value), ast.unparse(node.args[0])  # type: ignore[attr-defined]
+            shape = stop.shape(method.value)
+            as_list = (
+                f"Begin with a list, `{owner} = []`, append to it, and make an array of it behind the loop, "
+                f"`{owner} = np.array({owner})`."
+            )
+            if shape is not None and len(shape) == 2:
+                return (
+                    f"{as_list} (Or set each row below: `{owner} = np.vstack([{owner}, {added}])`. `np.append` without "
+                    "`axis=0` would make it flat.)"
+                )
+            return f"{as_list} (Or `{owner} = np.append({owner}, {added})`, which makes a new array each time.)"
+    return "Begin with a list, `[]`, append to it, and make an array of it behind the loop with `np.array`."
+
+
 def uneven_parts(stop: Stop, _: re.Match[str]) -> str | None:
     """A list whose parts have different lengths, where it is to become an array."""
     for node in stop.expressions():
@@ -23,6 +44,12 @@ def uneven_parts(stop: Stop, _: re.Match[str]) -> str | None:
             lengths = [len(row.elts) for row in node.elts if isinstance(row, ast.List)]
             if len(set(lengths)) > 1:
                 return f"The rows of `{written}` have {_listed(lengths)} entries: these must be equal."
+            blocks = _matrices_in(stop, node)
+            if blocks:
+                return (
+                    f"{blocks}, and `np.array` puts no matrices together: `np.block({written})` does. (All in one row "
+                    "need as many rows, and all in one column as many columns.)"
+                )
         shapes = [_shape(stop, part) for part in node.elts]
         known = [(part, shape) for part, shape in zip(node.elts, shapes, strict=True) if shape is not None]
         arrays = [(part, shape) for part, shape in known if shape]
@@ -35,8 +62,27 @@ def uneven_parts(stop: Stop, _: re.Match[str]) -> str | None:
             )
         if len(arrays) == len(node.elts) and len({shape for _, shape in arrays}) > 1:
             lengths = [shape[0] for _, shape in arrays]
-            return f"The parts of `{written}` have {_listed(lengths)} entries: as rows of one array they must be equal."
+            if len({*lengths}) == 1 or any(len(shape) > 1 for _, shape in arrays):
+                have = " and ".join(str(shape) for _, shape in arrays)
+                return (
+                    f"The parts of `{written}` have the shapes {have}, and to be parts of one array they must be "
+                    "equal: `np.hstack` puts matrices side by side, `np.vstack` one below the other."
+                )
+            return (
+                f"The parts of `{written}` have {_listed(lengths)} entries: as rows of one array they must be equal. "
+                "(`np.concatenate` puts them end to end.)"
+            )
     return "What is to become one array has parts of different lengths: print the shape of each part."
+
+
+def _matrices_in(stop: Stop, rows: ast.List | ast.Tuple) -> str:
+    """Which parts of a list of lists are matrices; empty if none is."""
+    parts = (part for row in rows.elts if isinstance(row, ast.List) for part in row.elts)
+    found = [(ast.unparse(part), shape) for part in parts if len(shape := _shape(stop, part) or ()) == 2]
+    if not found:
+        return ""
+    named = " and ".join(f"`{part}`" for part, _ in found[:2])
+    return f"{named} {'are matrices' if len(found) > 1 else 'is a matrix'}"
 
 
 def _shape(stop: Stop, part: ast.expr) -> tuple[int, ...] | None:

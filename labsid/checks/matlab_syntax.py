@@ -104,6 +104,10 @@ SPELLINGS: tuple[Spelling, ...] = (
     ),
     Spelling(r"=\s*\[\s*(?P<shown>[-\w.]+\s*:\s*[-\w.*/]+(?:\s*:\s*[-\w.]+)?)\s*\]", _RANGE),
     Spelling(
+        r"(?<![\w\])])\(\s*(?P<shown>(?!lambda\b)[-\w.]+\s*:\s*(?!=)[-\w.*/]+(?:\s*:\s*[-\w.]+)?)\s*\)(?!')",
+        _RANGE,
+    ),
+    Spelling(
         r"[\w\])]+\s*\\\s*\w+",
         (
             "`{0}`: Python has no `\\`. A square system is `np.linalg.solve(A, b)`, least squares "
@@ -288,6 +292,12 @@ def cause_of_unknown_name(name: str, stop: Stop, made_by: Callable[[str], str] |
         return in_place_of_math(stop.line)
     if name in MATLAB and (is_called or is_power or name in _NO_FUNCTIONS):
         return f"In Python: {MATLAB[name]}."
+    if name == "z" and re.search(r"/.*\bz\b", stop.line):
+        power = " (And a power is `**`, not `^`.)" if re.search(r"\bz\s*\^", stop.line) else ""
+        return (
+            "In Python `z` is no variable of its own: a transfer function is made of its coefficients, the highest "
+            f"power first, `ct.tf(numerator, denominator, Ts)` with two lists.{power}"
+        )
     module = module_of(name, stop.line, is_called)
     if module:
         return module

@@ -111,7 +111,9 @@ class notebook_checks:  # noqa: N801  (called like a function, once, at the top 
         """Check one question and print the result; raise `CheckFailed` with the reason if it is wrong."""
         question = self._assignment.question(question_id)
         cells = self._cells(question_id)
-        ask = NotebookAsk(self._variables, self._record, self._known(), question_id)
+        run = None if cells is None else cells.answer
+        source = "" if run is None else run.source
+        ask = NotebookAsk(self._variables, self._record, self._known(), question_id, source)
         not_run = cells.not_run(question.outcome_of_mends(ask)) if cells is not None else None
         if not_run is None and self._still_skipped(question_id):
             self._show(SKIPPED, question_id, "you went on from the reference's value. It earns no marks.")

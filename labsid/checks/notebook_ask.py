@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from labsid.checks.answer_code import ended_early
 from labsid.checks.compare import kind_of
-from labsid.checks.function_reads import length_beside, numbers_beside, reads_beside
+from labsid.checks.function_reads import function_text, length_beside, numbers_beside, reads_beside
 from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, mended, mended_value
 from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
@@ -29,17 +30,24 @@ _SMALL = 9
 class NotebookAsk:
     """Asks the variables of a notebook, in the notebook's own process; `names` are those that were asked for.
 
-    Of the last function, `tried` says how it was called with what result, `beside` which data of the notebook it reads.
+    `source` is the code of the answer cell, where it is known. Of the last function, `tried` says how it was called
+    with what result, `beside` which data of the notebook it reads.
     """
 
     origin: None = None
 
     def __init__(
-        self, variables: Mapping[str, Any], record: Record | None, known: Mapping[str, Value], question_id: str
+        self,
+        variables: Mapping[str, Any],
+        record: Record | None,
+        known: Mapping[str, Value],
+        question_id: str,
+        source: str = "",
     ) -> None:
         self._variables = variables
         self._record = record
         self._known = known
+        self._source = source
         self.names: list[str] = []
         self.tried = ""
         self.beside = ""
@@ -72,7 +80,11 @@ class NotebookAsk:
                 name, [variable for variable, thing in self._variables.items() if isinstance(thing, FunctionType)]
             )
             raise NoAnswer(f"there is no function `{name}` yet. Define it with `def {name}(...):`.{near}")
-        self.tried, self.beside = "", reads_beside(name, function, self._variables)
+        said = (
+            reads_beside(name, function, self._variables),
+            ended_early(name, function_text(function)),
+        )
+        self.tried, self.beside = "", " ".join(filter(None, said))
         try:
             with limit_time(CALL_SECONDS):
                 result = plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
@@ -120,6 +132,10 @@ class NotebookAsk:
     def numbers_handed(self, function: str, name: str) -> tuple[float | None, ...]:
         """The numbers that the notebook hands over to its function of that name, in the call that makes a variable."""
         return numbers_handed(self._variables.get(function), name, self._variables)
+
+    def source_of(self, name: str = "") -> str:
+        """The code of the function of that name, or of the answer cell; empty where Python does not keep it."""
+        return function_text(self._variables.get(name)) if name else self._source
 
     def changes(self, name: str, *arguments: Value) -> bool:
         """Whether the function of that name changes an array that it is given."""

@@ -11,8 +11,9 @@ ALLOWED_PACKAGES = ("records", "rig.lab")
 """The packages of labsid that graded code may import with all their modules."""
 
 ALLOWED_MODULES = (
-    "_arrays", "_files", "checks", "checks.argument_orders", "checks.array_errors", "checks.asked_texts",
-    "checks.call_causes", "checks.causes", "checks.cell_names", "checks.cell_runs", "checks.cells",
+    "_arrays", "_files", "checks", "checks.answer_code", "checks.argument_orders", "checks.array_errors",
+    "checks.asked_texts", "checks.call_causes", "checks.causes", "checks.cell_names", "checks.cell_runs",
+    "checks.cells",
     "checks.column_causes", "checks.compare", "checks.empty_slices", "checks.error_table", "checks.function_reads",
     "checks.given_lines", "checks.grading_rules", "checks.handed_over", "checks.hints", "checks.kept_tries",
     "checks.key_causes", "checks.library_errors", "checks.line_values", "checks.loops", "checks.matlab_syntax",

@@ -8,6 +8,7 @@ from typing import Any, Protocol, cast
 
 import numpy as np
 
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.compare import kind_of
 from labsid.checks.mended_functions import Mend, assigned_by
 from labsid.checks.stops import OTHERWISE, RIGHT, SHAPED
@@ -275,7 +276,7 @@ def returned(ask: Ask, name: str, *arguments: Value) -> Value:
     """The result of a student's function; a function without `return` has its own message."""
     value = ask.call(name, *arguments)
     if value is None:
-        raise NoAnswer(f"`{name}` returns nothing: end it with `return` and the result.", "no return")
+        raise nothing_returned(ask, name)
     return value
 
 

@@ -14,6 +14,8 @@ from labsid.least_squares.solve import solve_least_squares
 
 Regressor = tuple[FloatArray, int]
 """A signal with its sign, and how many samples ago a row holds it."""
+Sample = tuple[str, float, int]
+"""What a column holds: the name of a signal, its sign, and how many samples ago."""
 WRAPS = "index wraps around"
 LEFT_SIDE = "Y is not y(k)"
 _NEAR = 1e-8
@@ -31,7 +33,11 @@ def wrapped_filter(P: FloatArray, x: FloatArray) -> FloatArray:
 
 
 def slips_of_fit(
-    name: str, regressors: Sequence[Regressor], target: FloatArray, u: FloatArray | None = None
+    name: str,
+    regressors: Sequence[Regressor],
+    target: FloatArray,
+    u: FloatArray | None = None,
+    order: str = "",
 ) -> Iterator[Slip[FloatArray]]:
     """The theta that rows which wrap around give, and that of right rows beside another left-hand side.
 
@@ -44,12 +50,15 @@ def slips_of_fit(
         The output at all samples.
     u : ndarray, optional
         The input, which may have been taken for the output.
+    order : str
+        What the longest lag is called where it is an argument: the first row is then told by that name, too.
     """
     longest = max(lag for _, lag in regressors)
     rows, N = wrapped(regressors), target.size
+    begin = f"{order}, here {longest}" if order else f"{longest}"
     hint = (
         f"{name} takes samples from the *end* of the record for those before its first, as `np.roll` and an index "
-        f"below zero do. Begin at the first row for which every sample was recorded, k = {longest}."
+        f"below zero do. Begin at the first row for which every sample was recorded, k = {begin}."
     )
     for first in range(longest):
         yield Slip(WRAPS, hint, partial(_fit, rows[first:], target[first:]))
@@ -125,6 +134,78 @@ def beside_right_rows(names: tuple[str, str], Y: FloatArray, y: FloatArray, u: F
     if np.ptp(right) > 0 and _same(Y - np.mean(Y - right), right):
         return f"{said} a constant is added to it, such as an offset; {should}."
     return f"{said} {should}."
+
+
+def told_columns(
+    names: tuple[str, str], Phi: FloatArray, Y: FloatArray, y: FloatArray, u: FloatArray, order: int
+) -> str:
+    """Which samples the columns of Phi hold beside y(k), where all are samples of y or u and not those asked for.
+
+    Parameters
+    ----------
+    names : (str, str)
+        What messages call Phi and Y.
+    Phi, Y : ndarray, shapes (n, 2 order) and (n,)
+    y, u : ndarray
+        Output and input.
+    order : int
+        The first rows, as many as this, may hold zeros for samples before the record.
+
+    Returns
+    -------
+    str
+        Empty where Y or a column is no part of these signals.
+    """
+    phi, target = names
+    start = _place(Y[order:], y)
+    if start is None:
+        return ""
+    held: list[Sample] = []
+    for column in Phi[order:].T:
+        places = (
+            (signal, sign, _place(sign * column, samples))
+            for signal, samples in (("y", y), ("u", u))
+            for sign in (1.0, -1.0)
+        )
+        found = next(((signal, sign, start - place) for signal, sign, place in places if place is not None), None)
+        if found is None:
+            return ""
+        held.append(found)
+    asked = [(signal, 1.0, lag) for signal in "yu" for lag in range(1, order + 1)]
+    if held == asked:
+        return ""
+    written, wanted = (", ".join(map(_sample, columns)) for columns in (held, asked))
+    return (
+        f"Beside y(k) in `{target}`, the columns of `{phi}` are {written}; asked for are {wanted}. "
+        f"{_causes(held, asked, phi, target)}"
+    ).rstrip()
+
+
+def _causes(held: list[Sample], asked: list[Sample], phi: str, target: str) -> str:
+    """The mistakes that make these columns of those."""
+    causes = []
+    if any(sign < 0 for _, sign, _ in held):
+        causes.append("the minus signs belong to theta")
+    lags = [lag for _, _, lag in held]
+    shift = min(lags) - 1
+    if shift and sorted(lags) == sorted(lag + shift for _, _, lag in asked):
+        late = "late" if shift > 0 else "early"
+        samples = "one sample" if abs(shift) == 1 else f"{abs(shift)} samples"
+        causes.append(f"`{target}` is {samples} too {late} for these rows of `{phi}`")
+    moved = [(signal, 1.0, lag - shift) for signal, _, lag in held]
+    if moved != asked and sorted(moved) == sorted(asked):
+        causes.append("the columns are in another order")
+    missing = [_sample(one) for one in asked if one not in moved]
+    if missing:
+        causes.append(f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing")
+    said = "; ".join(causes)
+    return f"{said.replace('the ', 'The ', 1) if said.startswith('the ') else said}." if said else ""
+
+
+def _sample(held: Sample) -> str:
+    signal, sign, lag = held
+    when = f"k-{lag}" if lag > 0 else f"k+{-lag}" if lag else "k"
+    return f"{'-' * (sign < 0)}{signal}({when})"
 
 
 def zero_rows(Phi: FloatArray, right: FloatArray) -> list[int]:

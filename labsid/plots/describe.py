@@ -53,6 +53,7 @@ def _describe_axes(ax: Any, legends: list[str], texts: list[str]) -> AxesValue:
         legend=(*(_legend_texts(legend) if legend is not None else ()), *legends),
         texts=tuple(text for text in [*written, *texts] if text),
         curves=tuple(_describe_curves(ax, _labels(ax))),
+        is_listed=_is_listed(ax, _own_labels(ax)),
     )
 
 
@@ -68,23 +69,38 @@ def _describe_curves(ax: Any, labels: dict[int, str]) -> Iterator[CurveValue]:
 
 def _labels(ax: Any) -> dict[int, str]:
     """The legend text of each artist, by its id: its label, or what ``legend(["first", "second"])`` gives to it."""
+    labels = _own_labels(ax)
+    if _is_listed(ax, labels):
+        drawn = _drawn(ax)
+        listed = [artist for artist in drawn if not any(artist in container for container in ax.containers)]
+        texts = _legend_texts(ax.get_legend())
+        labels |= {id(artist): text for artist, text in zip([*listed, *ax.containers], texts, strict=False)}
+    return labels
+
+
+def _is_listed(ax: Any, labels: dict[int, str]) -> bool:
+    """Whether the texts of the legend are labels of no artist."""
+    texts = [] if ax.get_legend() is None else _legend_texts(ax.get_legend())
+    return bool(texts) and not set(texts) & set(labels.values())
+
+
+def _drawn(ax: Any) -> list[Any]:
     drawn = []
     for child in ax.get_children():
         if isinstance(child, Spine):
             break  # the children before are those that were drawn
         if isinstance(child, (Line2D, Patch, Collection)):
             drawn.append(child)
-    labels = {id(artist): str(artist.get_label()) for artist in [*drawn, *ax.containers]}
+    return drawn
+
+
+def _own_labels(ax: Any) -> dict[int, str]:
+    """The label of each artist, by its id."""
+    labels = {id(artist): str(artist.get_label()) for artist in [*_drawn(ax), *ax.containers]}
     # `stem` and `errorbar` label their container, and not its line
     for container in ax.containers:
         for line in (getattr(container, "markerline", None), *getattr(container, "lines", ())[:1]):
             labels[id(line)] = labels[id(container)]
-    legend = ax.get_legend()
-    if legend is not None:
-        texts = _legend_texts(legend)
-        if not set(texts) & set(labels.values()):
-            listed = [artist for artist in drawn if not any(artist in container for container in ax.containers)]
-            labels |= {id(artist): text for artist, text in zip([*listed, *ax.containers], texts, strict=False)}
     return labels
 
 

@@ -41,7 +41,10 @@ class CurveValue:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AxesValue:
-    """Content of one set of axes."""
+    """Content of one set of axes.
+
+    `is_listed` says whether the entries of its legend were given to ``legend([...])``, and are labels of no curve.
+    """
 
     title: str
     xlabel: str
@@ -52,6 +55,7 @@ class AxesValue:
     legend: tuple[str, ...]
     texts: tuple[str, ...]
     curves: tuple[CurveValue, ...]
+    is_listed: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -41,6 +41,7 @@ _KINDS = (
     "one_symptom",
     "other_repairs",
     "tried_repairs",
+    "two_at_once",
 )
 """Modules with tries at several assignments."""
 _SECONDS = 5.0
@@ -118,7 +119,7 @@ def said_to(one: Try, solved: Solved) -> Said:
                 ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
                 stop = replace(stop_of(error, variables, source), outcome=question.outcome_of_mends(ask))
                 return Said(False, told(stop, "its answer cell"), PYTHON_ERROR)
-        ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question)
+        ask = NotebookAsk(variables, solved.record, solved.known[one.question], one.question, one.code)
         verdict = solved.assignment.question(one.question).verdict(ask)
     question = solved.assignment.question(one.question)
     for_values = question.reference is not None or question.gives is not None

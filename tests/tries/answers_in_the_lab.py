@@ -192,7 +192,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
         (
             "postlab-2-fit-order",
             "rolled",
-            f"`fit_order` takes samples {_END}",
+            f"`fit_order` takes samples {_END}.*k = n, here 1",
             "def fit_order(u, y, n):\n    past = [np.roll(x, i) for x in (y, u) for i in range(1, n + 1)]\n"
             "    return np.linalg.lstsq(np.column_stack(past), y)[0]\n\n\ntheta_2 = fit_order(u[:half], y[:half], 2)",
         ),

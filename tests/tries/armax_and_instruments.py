@@ -159,7 +159,9 @@ TRIES = (
     Try(
         F14, "rows", "fig_14, ax = plt.subplots()\nax.plot(theta_rels[-1])", r"3 points in place of 1000.*first \*row\*"
     ),
-    Try(F14, "no legend", "fig_14, ax = plt.subplots()\nax.plot(theta_rels)\nax.set_xlabel('n')", "legend"),
+    Try(
+        F14, "no legend", "fig_14, ax = plt.subplots()\nax.plot(theta_rels)\nax.set_xlabel('n')", "give each a `label`"
+    ),
     Try(IV, "predicted", iv("-theta[0] * np.r_[0, y[:-1]] + theta[1] * np.r_[0, u[:-1]]"), "measured output"),
     Try(IV, "Z for all", iv(solve="np.linalg.lstsq(Z, Y)[0]"), "Z instead of Phi"),
     Try(IV, "transposed", iv(solve="np.linalg.solve(Phi.T @ Z, Z.T @ Y)"), "asked for is its transpose, Z'Phi"),

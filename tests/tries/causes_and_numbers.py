@@ -72,7 +72,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
             "ls-3-derivatives",
             "three times",
             edited("ls-3-derivatives", (_OUTER, "3 * np.outer(x, x)")),
-            "is not the derivative of",
+            r"is x'x I \+ 3 x x'; asked for",
             never="entry by entry",
         ),
         Try(

@@ -256,7 +256,7 @@ TRIES = (
         ALL,
         "measured",
         "y_sim = -a1 * np.roll(y, 1) - a2 * np.roll(y, 2) + b1 * np.roll(u, 1) + b2 * np.roll(u, 2)",
-        "one step ahead|differs|right up to",
+        "predicts one step",
     ),
     Try(ALL, "y as input", "y_sim = ct.forced_response(G, inputs=y).outputs", "`y` as the input"),
     Try(
@@ -354,7 +354,7 @@ TRIES = (
         "one lag twice",
         f"{PHI_HEAD}Phi = np.column_stack([y[1 : half - 1], y[1 : half - 1], u[1 : half - 1], u[: half - 2]])\n"
         "Y = y[2:half]",
-        r"Column `\[:, 1\]` is wrong, the others are right",
+        r"are y\(k-1\), y\(k-1\).*y\(k-2\) is missing",
     ),
     Try(
         THETA,

@@ -130,7 +130,7 @@ TRIES = (
         SIM,
         "list slice sign",
         f("simulate(A, B, C, u, e)", "return scipy.signal.lfilter(B, -A, u) + scipy.signal.lfilter(C, -A, e)"),
-        "right but for the sign",
+        "right but for its sign",
     ),
     Try(EX, "plus y", ex("return np.linalg.lstsq(np.column_stack([y[:-1], u[:-1]]), y[1:])[0]"), "returns -a first"),
     Try(

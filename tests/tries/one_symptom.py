@@ -164,7 +164,7 @@ TRIES: dict[str, tuple[Try, ...]] = {
                 (
                     "a2 taken twice",
                     ("-theta_2[0], -theta_2[1]", "-theta_2[1], -theta_2[1]"),
-                    "not the free run",
+                    r"factor of y_sim_2\(k-1\) is -a2 and not -a1",
                     "sign of",
                 ),
             )

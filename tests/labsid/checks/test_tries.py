@@ -12,7 +12,9 @@ from tries import ACCEPTED, ASSIGNMENTS, Said, Try, fault_of, said_to, tries_of
 from tries.nonlinear_least_squares import lm
 from variants import Wrong, variants_of
 
+from labsid.checks.double_mistakes import FACTORS, TWO
 from labsid.checks.notebook import load_assignment
+from labsid.checks.recursions import RECURSION
 from labsid.checks.verdict import PYTHON_ERROR
 
 ELSEWHERE = {
@@ -32,6 +34,9 @@ NAMES_BOTH = {
     ("sev-1-read", "one signal only"): "one column is named, or taken: it asks",
 }
 """Messages that different mistakes with one result get, and why each of these is in it."""
+
+NAMES_SEVERAL = (TWO, RECURSION, FACTORS)
+"""Slips whose message names two mistakes, or all terms."""
 
 
 @cache
@@ -63,7 +68,7 @@ def test_what_names_a_mistake_is_not_said_to_its_neighbours(name: str) -> None:
 
 def _is_named_beside(one: Try, its: Said, others: Said) -> bool:
     """Whether the message that names another slip names this mistake, too."""
-    other_slip = others.slip not in (its.slip, None, PYTHON_ERROR)
+    other_slip = others.slip not in (its.slip, None, PYTHON_ERROR, *NAMES_SEVERAL)
     return other_slip and re.search(one.says, others.message, re.IGNORECASE) is not None
 
 

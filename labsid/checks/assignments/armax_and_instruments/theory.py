@@ -1,12 +1,13 @@
 """Checks of what is computed on paper: the limit of least squares, covariance in coloured noise, likelihood."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_theta, close
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import first_order, trial_equations
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
@@ -25,6 +26,33 @@ def check_limit(ask: Ask) -> Iterator[Verdict]:
         yield _judge_limit(ask, float(a), float(b), float(c), float(var_u), float(var_e))
 
 
+def _edits_of_limit(
+    a: float, b: float, c: float, var_u: float, var_e: float, signal: float, noise: float
+) -> tuple[Edit, ...]:
+    """Single mistakes in what y(t-1) and v(t) share, in the variance of y, and in what is returned."""
+    short, var_y = 1 - a**2, signal + noise
+    return (
+        Edit("shared", c, "var_e is left out of the correlation of y(t-1) with v(t)"),
+        Edit("shared", 2 * c * var_e, "the correlation of y(t-1) with v(t) is doubled: they share only e(t-1)"),
+        Edit("shared", c * var_u, "the correlation of y(t-1) with v(t) has var_u, and needs var_e"),
+        Edit("sign", 1.0, "a is pulled the wrong way: the regressor holds -y(t-1)"),
+        Edit("variance", var_y * short, "the variance of y is not divided by 1 - a^2"),
+        Edit("variance", a**2 + var_y * short, "a^2 is added to the variance of y, and multiplies var_y itself"),
+        Edit("variance", signal + (1 + c**2) * var_e / short, "the variance of y lacks -2ac"),
+        Edit("variance", signal + (1 + c**2 + 2 * a * c) * var_e / short, "the variance of y has +2ac for -2ac"),
+        Edit("variance", var_y * short / (1 + a**2), "the variance of y is divided by 1 + a^2"),
+        Edit("variance", var_y * short / (1 - a), "the variance of y has a without its square"),
+        Edit("variance", signal / b + noise, "the variance of y has b without its square"),
+        Edit("variance", signal + (1 + c - 2 * a * c) * var_e / short, "the variance of y has c without its square"),
+        Edit("variance", var_y**0.5, "the standard deviation of y stands for its variance"),
+        Edit("variance", signal, "the variance of y lacks that of the noise"),
+        Edit("variance", noise, "the variance of y lacks that of the input"),
+        Edit("variance", var_u, "var_u stands for the variance of y"),
+        Edit("kept", 0.0, "the bias alone is returned"),
+        Edit("order", -1, "b is returned before a"),
+    )
+
+
 def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: float) -> Verdict:
     impulse = np.zeros(600)
     impulse[0] = 1.0
@@ -37,13 +65,18 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
     def pulled(share: float) -> FloatArray:
         return np.array([a - share, b])
 
+    def made(
+        shared: float = c * var_e, variance: float = var_y, sign: float = -1.0, kept: float = 1.0, order: int = 1
+    ) -> FloatArray:
+        return np.array([kept * a + sign * shared / variance, kept * b])[::order]
+
     cross = "`limit_of_least_squares` has a wrong variance of y: y(t-1) and e(t-1) are correlated, which leaves -2ac."
     return judge(
         as_theta("limit_of_least_squares(...)", returned(ask, "limit_of_least_squares", a, b, c, var_u, var_e), 2),
         pulled(c * var_e / var_y),
         SAME,
         "coloured noise pulls a, and leaves b.",
-        "`limit_of_least_squares` is off: test it with c = 0, and against your own cloud of System 2.",
+        "`limit_of_least_squares` is off: compute the variance of y of your own cloud of System 2, and compare.",
         [
             Slip(
                 "sign of the pull",
@@ -104,6 +137,13 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 for where, wrong in (("a", var_y * short / (1 - a)), ("b", signal / b + noise), ("c", without_square))
             ),
             Slip(
+                "1 - a^2 forgotten",
+                "`limit_of_least_squares` adds a^2 to the variance of y. In var_y = a^2 var_y + ..., a^2 multiplies "
+                "var_y itself: solve for it.",
+                lambda: pulled(c * var_e / (a**2 + var_y * short)),
+                mend="The rest is divided by 1 - a^2.",
+            ),
+            Slip(
                 "1 + a^2",
                 "`limit_of_least_squares` divides by 1 + a^2: solve the equation for the variance of y once more.",
                 lambda: pulled(c * var_e / (var_y * short / (1 + a**2))),
@@ -143,6 +183,7 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 "`limit_of_least_squares` returns b before a.",
                 lambda: pulled(c * var_e / var_y)[::-1],
             ),
+            *pairs_of("`limit_of_least_squares`", _edits_of_limit(a, b, c, var_u, var_e, signal, noise), made),
         ],
     )
 
@@ -278,13 +319,55 @@ def check_likelihood(ask: Ask) -> Iterator[Verdict]:
     for n, p in ((6, 2), (11, 3)):
         Phi, Y = trial_equations(ask.rng, n, p)
         yield _judge_likelihood(ask, ask.rng.uniform(-1, 1, p), float(ask.rng.uniform(1.6, 4)), Phi, Y)
+    Phi, Y = trial_equations(ask.rng, _MANY, 2)
+    yield _judge_likelihood(ask, ask.rng.uniform(-1, 1, 2), float(ask.rng.uniform(1.6, 4)), Phi, Y)
+
+
+_MANY = 1200
+"""Samples: the product of as many densities is smaller than any number of double precision but zero."""
+
+
+def _edits_of_likelihood(n: int, p: int, var_e: float) -> tuple[Edit, ...]:
+    """Single mistakes in the constant of the log likelihood and in its sum of squares."""
+    return (
+        Edit("count", p, "N is the number of columns of Phi, and not that of its rows"),
+        Edit("count", n - p, "N - p stands for N"),
+        Edit("count", 1, "the constant is counted for one sample, and not for N"),
+        Edit("count", 0, "the constant is left out"),
+        Edit("log", np.log10, "the logarithm is that to base 10: `np.log` is the natural one"),
+        Edit("inside", 2 * np.pi, "sigma^2 is left out of the logarithm"),
+        Edit("inside", var_e, "2 pi is left out of the logarithm"),
+        Edit("inside", 2 * np.pi * var_e**2, "var_e is squared in the logarithm, and is a variance already"),
+        Edit("inside", 2 * np.pi * var_e**0.5, "sigma stands in the logarithm for sigma^2"),
+        Edit("half", 1.0, "the half before the logarithm is missing"),
+        Edit("squares", 1 / n, "the squared errors are averaged, and not added up"),
+        Edit("over", var_e, "the squares are divided by sigma^2, and not by twice that"),
+        Edit("over", 2 * var_e**2, "the squares are divided by 2 sigma^4: var_e is sigma^2 already"),
+        Edit("over", 2 * var_e**0.5, "the squares are divided by 2 sigma, and not by 2 sigma^2"),
+        Edit("over", 2 / var_e, "the squares are multiplied by var_e: `/ 2 * var_e` lacks brackets"),
+        Edit("sign", 1.0, "the squared errors are added, and lower the likelihood"),
+    )
 
 
 def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray, Y: FloatArray) -> Verdict:
     n, E = Y.size, Y - Phi @ theta
     right = log_likelihood(E, var_e)
     sse, constant = float(E @ E), -n / 2 * float(np.log(2 * np.pi * var_e))
+
+    def made(
+        count: float = n, log: Callable[[float], float] = np.log, inside: float = 2 * np.pi * var_e, half: float = 0.5,
+        squares: float = 1.0, over: float = 2 * var_e, sign: float = -1.0,
+    ) -> float:  # fmt: skip
+        return float(-half * count * log(inside) + sign * squares * sse / over)
+
     value = returned(ask, "log_likelihood", theta, var_e, Phi, Y)
+    if n == _MANY and isinstance(value, float) and not np.isfinite(value):
+        return Verdict(
+            False,
+            f"`log_likelihood` is right for few samples, and for {n} it returns {value:g}: the product of so many "
+            "densities is 0 in the computer. Add up the logarithms of the densities; the logarithm comes first.",
+            "product of densities underflows",
+        )
     if as_array("log_likelihood(...)", value).size == n:
         return Verdict(False, "`log_likelihood` returns one number a sample: add them up.", "not added up")
     return judge(
@@ -403,5 +486,6 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
                 "`log_likelihood` counts the constant once: every sample brings one.",
                 lambda: constant / n - sse / (2 * var_e),
             ),
+            *pairs_of("`log_likelihood`", _edits_of_likelihood(n, theta.size, var_e), made),
         ],
     )

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of, nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import (
     known_vector,
     measured_output,
@@ -188,13 +189,24 @@ def check_first_period(ask: Ask) -> Verdict:
     def slip(name: str, hint: str, wrong: Sequence[float]) -> Slip[FloatArray]:
         return Slip(name, hint, lambda: np.array(wrong, float))
 
+    code = code_of(ask, "first_period")
+    loop = "" if code is None else code.ends_in_first_pass
+    if loop and not np.array_equal(got, right):
+        return Verdict(
+            False,
+            f"The `return` stands inside the loop `{loop}`, and ends the function in the first pass: put it after the "
+            "loop, indented as the loop's first line is.",
+            "return inside the loop",
+        )
+    is_counted = code is not None and code.has_loop and code.reads("u")
     changes = [np.flatnonzero(np.diff(u)) for u in trials]
     fall = [float(np.argmax(u < u[0])) for u in trials]
     rise = [float(np.argmax(u > u[0])) for u in trials]
     slips = [
         slip(
             "the same number for every input",
-            "It returns the same number for every input: count in the argument `u`.",
+            f"It returns the same number for every input, {got[0]:g}: "
+            + ("print what it returns in each pass of its loop." if is_counted else "count in the argument `u`."),
             [float(got[0])] * len(trials),
         ),
         slip(
@@ -224,7 +236,8 @@ def check_first_period(ask: Ask) -> Verdict:
         ),
         slip(
             "if in place of while",
-            "It looks at one sample only: `if` asks once, `while` again and again.",
+            "It looks at one sample only: "
+            + ("does its loop end after one pass?" if is_counted else "`if` asks once, `while` again and again."),
             [1.0 + (u[1] == u[0]) for u in trials],
         ),
         slip(
@@ -290,7 +303,7 @@ def right_first_period(ask: Ask) -> dict[str, Value]:
 def _counted(ask: Ask, u: FloatArray) -> float:
     value = ask.call("first_period", u)
     if value is None:
-        raise NoAnswer("`first_period` returns nothing: end it with `return` and the number.", "nothing returned")
+        raise nothing_returned(ask, "first_period", "the number", "nothing returned")
     if np.ndim(value):  # type: ignore[arg-type]
         changed = np.flatnonzero(np.ravel(u) != np.ravel(u)[0])
         if np.size(value) == changed.size and np.array_equal(np.ravel(np.asarray(value, float)), changed):  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import (
     LabData,
     known_data,
@@ -196,10 +197,7 @@ def _check_shape(ask: Ask, shape: tuple[int, ...]) -> Iterator[Verdict]:
         y = y_true + noise * float(np.ptp(data.y)) * ask.rng.standard_normal(y_true.size)
         value = ask.call("simulate_from_start", u.reshape(shape), y.reshape(shape))
         if value is None:
-            raise NoAnswer(
-                "`simulate_from_start` returns nothing: end it with `return` and the simulated output.",
-                "nothing returned",
-            )
+            raise nothing_returned(ask, "simulate_from_start", "the simulated output", "nothing returned")
         got = read_output(name, value)
         if got.size == model.order:
             raise NoAnswer(
@@ -269,11 +267,36 @@ def _judge_start(got: FloatArray, u: FloatArray, y: FloatArray, y_true: FloatArr
             for state in (y[:2], y[1::-1], np.array([y[0], 0.0]), np.array([0.0, y[0]]), np.array([y[0], y[0]]))
         ),
     ]
+    one_state = (
+        "Only {} of the {} states is fitted, and the others are left at zero: fit all of them at once, by least "
+        "squares on all columns C A^k.{}"
+    )
+    slips += [
+        Slip(
+            "one state alone",
+            one_state.format(
+                f"state {i + 1}",
+                model.order,
+                "" if subtracted else " And the response from rest is to be subtracted from `y` before.",
+            ),
+            partial(_of_one_state, model, u, y, i, subtracted),
+        )
+        for i in range(model.order)
+        for subtracted in (True, False)
+        if model.order > 1
+    ]
     otherwise = (
         "It does not start at the measured output. For noise-free data from the model itself, it should reproduce "
         "the measured output."
     )
     return judge(got, y_true, _near, "", otherwise, slips)
+
+
+def _of_one_state(model: ArxModel, u: FloatArray, y: FloatArray, i: int, subtracted: bool) -> FloatArray:
+    """Output from a state with one entry, fitted to the output alone or to what the response from rest leaves."""
+    rest, column = simulate(model, u), free_response(model, u.size)[:, i]
+    wanted = y - rest if subtracted else y
+    return np.asarray(rest + column * (column @ wanted) / (column @ column), float)
 
 
 def _from_state(model: ArxModel, u: FloatArray, state: FloatArray) -> FloatArray:

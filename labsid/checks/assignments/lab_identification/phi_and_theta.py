@@ -10,7 +10,7 @@ from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_array, as_matrix, as_vector, close
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask
-from labsid.checks.regressions import LEFT_SIDE, beside_right_rows, zero_rows
+from labsid.checks.regressions import LEFT_SIDE, beside_right_rows, told_columns, zero_rows
 from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
@@ -72,6 +72,9 @@ def judge_equations(ask: Ask, names: tuple[str, str], data: LabData, order: int)
     zeros = _zero_rows(got, names[0], data, order)
     if zeros:
         return Verdict(False, zeros, "rows of zeros")
+    columns = told_columns(names, Phi, Y, data.y, data.u, order)
+    if columns:
+        return Verdict(False, columns, "other columns")
     return Verdict(False, _wrong_columns(got, names[0], data, order) or otherwise)
 
 

@@ -12,6 +12,8 @@ from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_vector, close, kind_of
 from labsid.checks.question import Ask
+from labsid.checks.recursions import Factor, with_recursion
+from labsid.checks.regressions import WRAPS, wrapped_filter
 from labsid.checks.values import Unreadable, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import ArxModel
@@ -98,7 +100,8 @@ def judge_entire_run(
         _step_response(name, got, model, "`u`"),
         more,
     )
-    return judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
+    verdict = judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
+    return _with_terms(verdict, name, got, data.u, data.y, model)
 
 
 def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
@@ -148,7 +151,14 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         *_step_response(name, got, model, "`u[half:]`"),
     ]
     right = simulate(model, u)
-    return judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+    verdict = judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+    return _with_terms(verdict, name, got, u, y, model)
+
+
+def _with_terms(verdict: Verdict, name: str, got: FloatArray, u: FloatArray, y: FloatArray, model: ArxModel) -> Verdict:
+    asked = {(name, i): Factor(f"-a{i}", -model.a[i]) for i in range(1, model.order + 1)}
+    asked |= {("u", i + 1): Factor(f"b{i + 1}", b) for i, b in enumerate(model.b)}
+    return with_recursion(verdict, (name, got), {"u": u, "y": y}, asked, "y")
 
 
 def _step_response(name: str, got: FloatArray, model: ArxModel, asked: str) -> Iterator[Slip[FloatArray]]:
@@ -336,6 +346,11 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
     late = "is one sample too late: y(k) depends on u(k-1)."
     yield slip("numerator one step late", late, lfilter(np.concatenate([[0.0], numerator]), model.a, u))
+    wraps = (
+        f"takes `u[-1]`{' and `u[-2]`' * (n > 1)}, the *last* samples, for those before the first: an index below zero "
+        f"goes round. Begin the loop with k = {n}."
+    )
+    yield slip(WRAPS, wraps, lfilter([1.0], model.a, wrapped_filter(numerator, u)))
     if n > 1:
         exchanged = "has a2 in the place of a1 and a1 in that of a2: a1 belongs to y(k-1), a2 to y(k-2)."
         yield slip("order of a", exchanged, lfilter(numerator, np.r_[1, model.a[:0:-1]], u))

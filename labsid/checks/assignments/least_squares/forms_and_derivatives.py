@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from labsid._arrays import FloatArray
 from labsid.checks.asked_texts import KINDS
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
+from labsid.checks.double_mistakes import with_factors
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.gradients import gradient_quadratic, jacobian_cubic
@@ -372,8 +373,9 @@ def check_derivatives(ask: Ask) -> Iterator[Verdict]:
 
 
 def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
-    return judge(
-        as_vector("gradient_form(A, x)", returned(ask, "gradient_form", A, x), x.size),
+    got = as_vector("gradient_form(A, x)", returned(ask, "gradient_form", A, x), x.size)
+    verdict = judge(
+        got,
         gradient_quadratic(A, x),
         _EXACT,
         "",
@@ -408,6 +410,8 @@ def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
             ),
         ],
     )
+    terms = {"A x": A @ x, "A'x": A.T @ x}
+    return with_factors(verdict, "`gradient_form`", got, terms, {"A x": 1.0, "A'x": 1.0})
 
 
 def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
@@ -420,8 +424,9 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             "vector instead of a Jacobian",
         )
     product = "`jacobian_cubic` lacks a term: by the product rule, differentiate both x'x and the second factor x."
-    return judge(
-        as_matrix("jacobian_cubic(x)", value, (n, n)),
+    got = as_matrix("jacobian_cubic(x)", value, (n, n))
+    verdict = judge(
+        got,
         jacobian_cubic(x),
         _EXACT,
         "",
@@ -477,3 +482,5 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             ),
         ],
     )
+    terms = {"x'x I": square, "x x'": outer, "x'x in every entry": (x @ x) * np.ones((n, n))}
+    return with_factors(verdict, "`jacobian_cubic`", got, terms, {"x'x I": 1.0, "x x'": 2.0})

@@ -1,6 +1,7 @@
 """Checks of confidence intervals, and of the Cayley-Hamilton theorem."""
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -189,6 +190,12 @@ def check_cayley_hamilton(ask: Ask) -> Iterator[Verdict]:
         yield _judge_weights(ask, A)
 
 
+def _weights_of_entries(A: FloatArray, first: int) -> FloatArray:
+    """Weights of n powers, taken entry by entry from the first on, with which they come nearest to the inverse."""
+    powers = np.column_stack([np.ravel(A ** float(k)) for k in range(first, first + len(A))])
+    return np.asarray(np.linalg.lstsq(powers, np.ravel(np.linalg.inv(A)), rcond=None)[0], float)
+
+
 def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
     n = A.shape[0]
     value = returned(ask, "inverse_weights", A)
@@ -252,6 +259,15 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
                 "eigenvalues of the inverse",
                 "`inverse_weights` returns the eigenvalues of the inverse: asked for are the weights of I, A, A^2, ...",
                 lambda: np.real(1 / np.linalg.eigvals(A)),
+            ),
+            *(
+                Slip(
+                    "powers entry by entry",
+                    "`inverse_weights` takes `A**k`, which raises each *entry* to a power: powers of a matrix are "
+                    "`np.linalg.matrix_power(A, k)`.",
+                    partial(_weights_of_entries, A, first),
+                )
+                for first in (0, 1)
             ),
             Slip(
                 "divided by the first coefficient",

@@ -238,6 +238,7 @@ def _judge_cancel(
     both_ways = ((roots_P, roots_Q), (roots_P[::-1], roots_Q[::-1]))
     one_by_one = _cancelled(roots_P, roots_Q, lambda p, q: abs(p.real - q.real) < within)
     fixed = [_cancelled(roots_P, roots_Q, partial(_nearer_than, limit)) for limit in _OTHER_LIMITS]
+    rounded = [(digits, made) for digits in range(1, 5) for made in _of_rounded(roots_P, roots_Q, digits)]
     for slip, hint, matches in (
         ("P and Q swapped", "returns what is left of Q first.", are(right[1], right[0])),
         (
@@ -274,6 +275,15 @@ def _judge_cancel(
             "within not used",
             "does not use `within`: it cancels roots with another limit.",
             any(are(*pair) for pair in fixed),
+        ),
+        *(
+            (
+                "rounded roots compared",
+                f"rounds the roots to {digits} digits and cancels those that are then equal; `within` is not used, and "
+                "what is left is rounded, too: compare `abs(p - q) < within`.",
+                are(*pair),
+            )
+            for digits, pair in rounded
         ),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(right[0], Q)),
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(P, right[1])),
@@ -343,6 +353,13 @@ def _cancelled(
         else:
             left_Q.pop(partner)
     return _poly(left_P), _poly(left_Q)
+
+
+def _of_rounded(roots_P: ArrayLike, roots_Q: ArrayLike, digits: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """What is left of rounded roots, one for one and, as sets have it, all that are equal."""
+    p, q = (np.round(np.asarray(roots, complex), digits) for roots in (roots_P, roots_Q))
+    yield _cancelled(p, q, lambda one, other: one == other)
+    yield _poly(np.setdiff1d(p, q)), _poly(np.setdiff1d(q, p))
 
 
 def _real(value: Value) -> FloatArray:
@@ -422,10 +439,26 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
                 "`autocorrelation` divides by the standard deviation: r(0) = 1 with the variance, its square.",
                 lambda: right * np.std(e),
             ),
-            Slip(
-                "first lags of correlate",
-                "`autocorrelation` takes the first values of `np.correlate(e, e, 'full')`: lag 0 is in its middle.",
-                lambda: np.correlate(centred, centred, "full")[: lags + 1] / (centred @ centred),
+            *(
+                Slip(
+                    "begins with lag 1",
+                    "`autocorrelation` begins with lag 1: lag 0 is at index N - 1 of `np.correlate(e, e, 'full')`, "
+                    "counted from 0.",
+                    partial(np.copy, made),
+                )
+                for kept in (centred, e)
+                for later in [_from_lag_1(kept, lags)]
+                for made in (later / (kept @ kept), later / later[0])
+            ),
+            *(
+                Slip(
+                    "first lags of correlate",
+                    "`autocorrelation` takes the first values of `np.correlate(e, e, 'full')`: lag 0 is in its middle"
+                    f"{beside}.",
+                    partial(_first_of_correlate, kept, lags, by_first),
+                )
+                for kept, of_mean in ((centred, ""), (e, "; and the mean is left in"))
+                for by_first, beside in ((False, of_mean), (True, f"{of_mean}; and they are divided by the first"))
             ),
             Slip(
                 "index wraps around",
@@ -476,6 +509,15 @@ def _judge_autocorrelation(ask: Ask, e: FloatArray, lags: int) -> Verdict:
             ),
         ],
     )
+
+
+def _from_lag_1(e: FloatArray, lags: int) -> FloatArray:
+    return np.asarray(np.correlate(e, e, "full")[e.size : e.size + lags + 1], float)
+
+
+def _first_of_correlate(e: FloatArray, lags: int, by_first: bool) -> FloatArray:
+    values = np.correlate(e, e, "full")[: lags + 1]
+    return np.asarray(values / (values[0] if by_first else e @ e), float)
 
 
 def _of_fewer_products(e: FloatArray, lags: int, at_end: bool, whole: bool) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_vector, close
 from labsid.checks.question import Ask, returned, with_lists
+from labsid.checks.recursions import Factor, with_recursion
 from labsid.checks.regressions import wrapped_filter
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.model_structures.polynomials import apply
@@ -142,8 +143,9 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
         "`simulate` adds the noise behind the plant, as in System 2. In A y = B u + C e it goes through 1/A, as the "
         "input does."
     )
-    return judge(
-        as_vector("simulate(A, B, C, u, e)", returned(ask, "simulate", A, B, C, u, e), u.size),
+    got = as_vector("simulate(A, B, C, u, e)", returned(ask, "simulate", A, B, C, u, e), u.size)
+    verdict = judge(
+        got,
         right,
         EXACT,
         "one function for ARX, ARMAX, FIR, AR and ARMA.",
@@ -233,6 +235,12 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
             ),
         ],
     )
+    asked = {
+        **{("y", i): Factor(f"-A[{i}]", -a) for i, a in enumerate(A) if i},
+        **{("u", i): Factor(f"B[{i}]", b) for i, b in enumerate(B) if b},
+        **{("e", i): Factor(f"C[{i}]", c) for i, c in enumerate(C)},
+    }
+    return with_recursion(verdict, ("y", got), {"u": u, "e": e}, asked)
 
 
 def _late_start(A: FloatArray, B: FloatArray, C: FloatArray, u: FloatArray, e: FloatArray) -> FloatArray:

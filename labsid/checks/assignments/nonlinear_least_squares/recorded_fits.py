@@ -1,7 +1,7 @@
 """Checks of the last two fits: a recorded step response with its standard errors, and output error."""
 
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import (
     within,
 )
 from labsid.checks.compare import as_vector, close
+from labsid.checks.double_mistakes import TWO
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS
 from labsid.checks.trials import first_order
@@ -252,6 +253,13 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
     def arx(start: int) -> FloatArray:
         return fit_structure(Structure(1, 1), u, y, start=start).model.theta[:2]
 
+    @cache
+    def fit_with(start: float, delay: int) -> FloatArray:
+        return _fit_of_run(u, y, [start, 0.1], delay).theta
+
+    def times(start: float, delay: int, sign: float, order: int) -> FloatArray:
+        return (fit_with(start, delay) * [sign, 1.0])[::order]
+
     slips: list[Slip[FloatArray]] = [
         Slip("one-step fit", one_step, lambda: arx(1)),
         Slip("one-step fit", one_step, lambda: arx(1) * [-1, 1]),
@@ -266,12 +274,33 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
         Slip(
             "lag off by one",
             "`fit_output_error` lets u(t) act at once; in this model x(t) answers u(t-1).",
-            lambda: _fit_of_run(u, y, [right[0], 0.1], 0).theta,
+            lambda: fit_with(right[0], 0),
         ),
         Slip(
             "lag off by one",
             "`fit_output_error` lets u act one sample too late: x(t) answers u(t-1).",
-            lambda: _fit_of_run(u, y, [right[0], 0.1], 2).theta,
+            lambda: fit_with(right[0], 2),
+        ),
+        *(
+            Slip(
+                TWO,
+                f"`fit_output_error` has two mistakes: u acts {when}, and x(t) answers u(t-1); {other}.",
+                partial(times, start, delay, sign, order),
+            )
+            for delay, start, when in (
+                (0, right[0], "at once"),
+                (0, -right[0], "at once"),  # without the delay the SSE has two valleys
+                (2, right[0], "one sample too late"),
+            )
+            for sign, order, other in (
+                (-1.0, 1, "a has the other sign: it stands on the left side, x(t) + a x(t-1)"),
+                (1.0, -1, "b is returned before a"),
+            )
+        ),
+        Slip(
+            TWO,
+            "`fit_output_error` has two mistakes: a has the other sign; b is returned before a.",
+            lambda: (right * [-1, 1])[::-1],
         ),
         Slip(
             WRAPS,

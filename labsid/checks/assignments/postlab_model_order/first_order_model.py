@@ -201,6 +201,12 @@ def _is_rounded(number: float, value: float) -> bool:
     return isinstance(exponent, int) and abs(number - value) <= 10.0**exponent
 
 
+def _has_too_few(text: str, value: float) -> bool:
+    """Whether a text is a value rounded to decimals that leave it one digit or none."""
+    decimals = len(text.partition(".")[2]) if "e" not in text.lower() else 0
+    return decimals > 0 and f"{value:.{decimals}f}" == text and value < 5 * 10.0**-decimals
+
+
 def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, ...]) -> tuple[str, str]:
     if not numbers and not texts:
         return ("Fig. 8 has no text yet: write both mean squared errors into it.", "no errors in the figure")
@@ -214,6 +220,13 @@ def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, .
         return (
             f"In Fig. 8 stands the root of the {name}-order model's mean squared error.",
             "root of the mean squared error",
+        )
+    few = next((text for text in _NUMBER.findall(" ".join(map(_plain, texts))) if _has_too_few(text, wanted)), "")
+    if few:
+        return (
+            f"In Fig. 8 the {name}-order model's mean squared error stands as {few}, which leaves no digits of so "
+            "small a number. Give three significant digits, as `:.3g` does, or `:.2e`.",
+            "too few digits",
         )
     near = [number for number in numbers if abs(number - wanted) <= 0.5 * wanted]
     if near and not any(_is_rounded(number, wanted) for number in near):

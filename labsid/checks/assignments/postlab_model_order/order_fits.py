@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.assignments.lab_identification.phi_and_theta import rounded
 from labsid.checks.compare import as_vector
@@ -78,7 +79,7 @@ def _fits(u: FloatArray, y: FloatArray, n: int, Ts: float) -> Iterator[FloatArra
 def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
     value = ask.call("fit_order", u, y, n)
     if value is None:
-        raise NoAnswer("`fit_order` returns nothing: end it with `return` and theta.", "nothing returned")
+        raise nothing_returned(ask, "fit_order", "theta", "nothing returned")
     if isinstance(value, tuple) and len(value) == 4:
         raise NoAnswer(
             "`fit_order` returns all that `lstsq` does; return the first of it, `[0]`.", "all that lstsq returns"
@@ -128,7 +129,7 @@ def _slips(u: FloatArray, y: FloatArray, n: int, data: LabData) -> Iterator[Slip
     for k in range(n + 2):
         yield from _slips_from(u, y, n, k, data)
     past = [(signal, lag) for signal in (y, u) for lag in range(1, n + 1)]
-    yield from slips_of_fit("`fit_order`", past, y, u)
+    yield from slips_of_fit("`fit_order`", past, y, u, "n")
 
 
 def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> Iterator[Slip[FloatArray]]:

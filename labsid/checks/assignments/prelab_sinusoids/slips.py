@@ -208,6 +208,15 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
             )
             for made in _rolled(data, n)
         ),
+        *(
+            slip(
+                "every second row deleted",
+                "deletes rows in a loop whose index grows: after row 0 is gone, row 1 is what was row 2, so every "
+                "second row stays. `data[n:]` is all rows from n on.",
+                partial(_deleted_in_a_loop, data, n, back),
+            )
+            for back in (True, False)
+        ),
         slip(*kept, lambda: data[:n]),
         slip(*kept, lambda: rest(0, n)),
         slip(*one_more, lambda: rest(n + 1)),
@@ -256,6 +265,14 @@ def cut_off_slips(data: FloatArray, n: int) -> Slips:
             lambda: data[n:] - data[n],
         ),
     ]
+
+
+def _deleted_in_a_loop(data: FloatArray, n: int, back: bool) -> FloatArray:
+    """The rows that stay when row i is deleted for i = 0 to n - 1, with the time set back to zero or not."""
+    rest = data
+    for i in range(n):
+        rest = np.delete(rest, i, axis=0)
+    return rest - back * rest[0, 0] * np.eye(1, data.shape[1])
 
 
 def _zeros_on_top(data: FloatArray, n: int) -> FloatArray:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.prelab_sinusoids.figure_panels import panels, require_panel, shows
 from labsid.checks.assignments.prelab_sinusoids.noise_statistics import (
     require_independent,
@@ -186,7 +187,7 @@ def _try_cut_off(ask: Ask, data: FloatArray, n: int) -> Verdict:
             raise
         raise NoAnswer(f"{stopped} (`data` had {columns} columns.)", "always three columns") from None
     if value is None:
-        raise NoAnswer("`cut_off` returns nothing: end it with `return` and the matrix.", "no return")
+        raise nothing_returned(ask, "cut_off", "the matrix")
     got = as_array("cut_off(data, n)", value)
     if columns != 3 and got.ndim == 2 and got.shape[1] == 3:
         raise NoAnswer(

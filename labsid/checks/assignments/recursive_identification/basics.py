@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.recursive_identification.reference_runs import reference_step, slips_of_update
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
 from labsid.checks.values import Value
@@ -187,10 +188,37 @@ def _one_step(ask: Ask, P: FloatArray) -> Verdict:
     return verdict if not verdict.passed else _judge_theta(got_theta, theta, P, phi, y)
 
 
+def _edits_of_covariance(P: FloatArray, phi: FloatArray) -> tuple[Edit, ...]:
+    """Single mistakes in the lemma: in its numerator, its denominator and its sign."""
+    P_phi = P @ phi
+    q = float(phi @ P_phi)
+    return (
+        Edit("numerator", np.outer(phi, phi), "the numerator is phi phi', without P on both sides"),
+        Edit("numerator", np.outer(phi, P_phi), "the numerator is phi phi'P, with one P"),
+        Edit("numerator", np.outer(P_phi, phi), "the numerator is P phi phi', with one P"),
+        Edit("numerator", P_phi @ P_phi * np.ones_like(P), "a number stands where the matrix P phi phi'P belongs"),
+        Edit("numerator", P * phi * phi * P, "the numerator is made entry by entry, with `*`"),
+        Edit("numerator", np.ones_like(P) * P_phi * P_phi, "the numerator is made entry by entry, with `*`"),
+        Edit("numerator", np.ones_like(P) * ((P_phi * phi) @ P), "the numerator is made entry by entry, with `*`"),
+        Edit("denominator", q, "the 1 of the denominator is missing"),
+        Edit("denominator", 1.0, "nothing is divided by 1 + phi'P phi"),
+        Edit("denominator", 1 + float(phi @ phi), "the denominator is 1 + phi'phi, without P"),
+        Edit("sign", 1.0, "the correction is added, and not taken away"),
+        Edit("first", 0.0, "the old P is left out"),
+    )
+
+
 def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
     P_phi = P @ phi
     q = float(phi @ P_phi)
     outer = np.outer(P_phi, P_phi)
+    both = "P phi phi'P is a matrix, `np.outer(P @ phi, P @ phi)`."
+
+    def made(
+        numerator: FloatArray = outer, denominator: float = 1 + q, sign: float = -1.0, first: float = 1.0
+    ) -> FloatArray:
+        return first * P + sign * numerator / denominator
+
     return judge(
         as_matrix("P of rls_step(theta, P, phi, y)", got, P.shape),
         reference_step(np.zeros(phi.size), P, phi, 0.0)[1],
@@ -231,6 +259,32 @@ def _judge_covariance(got: Value, P: FloatArray, phi: FloatArray) -> Verdict:
                 lambda: P - P_phi * P_phi / (1 + q),
             ),
             *slips_of_update("`rls_step`", lambda update: update(P, phi, 1.0)[1], "1"),
+            *(
+                Slip(
+                    "P only once",
+                    f"the numerator in `rls_step` is {what}, with one P. {both}",
+                    partial(np.subtract, P, one),
+                )
+                for what, one in (
+                    ("phi phi'P", np.outer(phi, P_phi) / (1 + q)),
+                    ("P phi phi'", np.outer(P_phi, phi) / (1 + q)),
+                )
+            ),
+            *(
+                Slip(
+                    "entry by entry",
+                    f"the numerator in `rls_step` is made with `*`, `{what}`, which multiplies entry by entry: {both}",
+                    partial(np.subtract, P, one / (1 + q)),
+                )
+                for what, one in (
+                    ("P * phi * phi.T * P", P * phi * phi * P),
+                    ("P * phi * phi.T @ P", P * phi * phi @ P),
+                    ("P @ phi * phi.T @ P", (P_phi * phi) @ P),
+                    ("P @ phi * phi.T * P", P_phi * phi * P),
+                    ("P @ (phi * phi) * P", P @ (phi * phi) * P),
+                )
+            ),
+            *pairs_of("P of `rls_step`", _edits_of_covariance(P, phi), made),
             Slip(
                 "P only once",
                 "the numerator in `rls_step` is phi phi'.",

@@ -8,6 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.recursive_identification.reference_runs import Update, reference_step, slips_of_update
 from labsid.checks.compare import SAME, as_matrix, as_number, as_vector
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
@@ -170,9 +171,37 @@ def check_drift(ask: Ask) -> Iterator[Verdict]:
     yield Verdict(True, "fast enough to follow, slow enough to average: the best lambda lies between.")
 
 
+def _edits_of_error(lam: float, slope: float, sigma: float) -> tuple[Edit, ...]:
+    """Single mistakes in the lag, its power, the standard deviation and the sum of the squared weights."""
+    return (
+        Edit("power", 1, "the lag is not squared"),
+        Edit("lag", slope / (1 - lam), "the lag is that of theta(n-1), before the new sample is used"),
+        Edit("lag", slope * (1 - lam) / lam, "the lag is upside down: it grows with lambda"),
+        Edit("lag", slope * lam - lam, "the lag lacks brackets: `slope * lam / 1 - lam` divides by 1 alone"),
+        Edit("lag", 0.0, "the lag is left out"),
+        Edit("lag", slope, "the lag is one slope, whatever lambda is"),
+        Edit("variance", sigma, "sigma is not squared"),
+        Edit("variance", 0.0, "the noise is left out"),
+        Edit("weights", (1 - lam) ** 2, "the noise is that of one step: sum over all ages"),
+        Edit("weights", 1 - lam, "the sum of the weights stands for the sum of their squares"),
+        Edit("weights", (1 + lam) / (1 - lam), "(1 - lambda)/(1 + lambda) is upside down"),
+        Edit("root", 0.5, "a root is taken, and asked for is the mean square"),
+    )
+
+
 def _one_error(ask: Ask) -> Verdict:
     lam, slope, sigma = ask.rng.uniform(0.6, 0.95), ask.rng.uniform(0.1, 0.4), ask.rng.uniform(1.2, 2)
     lag, variance = slope * lam / (1 - lam), sigma**2 * (1 - lam) / (1 + lam)
+
+    def made(
+        lag: float = lag,
+        power: int = 2,
+        variance: float = sigma**2,
+        weights: float = (1 - lam) / (1 + lam),
+        root: float = 1.0,
+    ) -> float:
+        return float((lag**power + variance * weights) ** root)
+
     wrong_variances = (
         ("sigma not squared", "sigma of `tracking_mse` is not squared.", variance / sigma),
         (
@@ -192,7 +221,8 @@ def _one_error(ask: Ask) -> Verdict:
         tracking_mse(lam, slope, sigma),
         SAME,
         "",
-        "`tracking_mse` is not the squared lag plus the variance. Put the ramp into the recursion and solve for L.",
+        "`tracking_mse` is not the squared lag plus the variance. Print both parts for lambda = 1/2: the lag is one "
+        "slope there, and the variance sigma^2/3.",
         [
             Slip(
                 "lag not squared",
@@ -223,6 +253,7 @@ def _one_error(ask: Ask) -> Verdict:
                 lambda: float((lag**2 + variance) ** 0.5),
             ),
             *(Slip(name, hint, partial(float, lag**2 + wrong)) for name, hint, wrong in wrong_variances),
+            *pairs_of("`tracking_mse`", _edits_of_error(lam, slope, sigma), made),
         ],
     )
 

@@ -9,6 +9,7 @@ import scipy.signal
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_vector
 from labsid.checks.question import Ask, returned
+from labsid.checks.recursions import Factor, with_recursion
 from labsid.checks.regressions import WRAPS, wrapped_filter
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.arx_system import simulate_system, system_from_thetas
@@ -59,7 +60,8 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
     right = _run(theta, u, n)
     alone = f"`{call}` has one input in it; the output is moved by all {nu}."
     flipped = np.concatenate([-a, b])
-    return judge(
+    blocks = b.reshape(nu, n)
+    verdict = judge(
         got,
         right,
         SAME,
@@ -67,6 +69,22 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
         f"`{call}` is not the free run from rest. Work out the first two samples by hand, with n = 1.",
         [
             Slip("filtered across the inputs", f"`{call}` {_ACROSS} {_EACH}", lambda: across.sum(axis=1)),
+            Slip(
+                "filtered across the inputs",
+                f"`{call}` hands `lfilter` the whole table `u` for each input, and filters each row, from one input to "
+                "the next: hand over one column, `u[:, j]`.",
+                lambda: np.asarray(
+                    sum(scipy.signal.lfilter(np.r_[0.0, block], whole[1], u).sum(axis=1) for block in blocks)
+                ),
+            ),
+            Slip(
+                "whole table for each input",
+                f"`{call}` filters the whole table `u` by the b's of each input: a block of b belongs to one column, "
+                "`u[:, j]`.",
+                lambda: np.asarray(
+                    sum(scipy.signal.lfilter(np.r_[0.0, block], whole[1], u, axis=0).sum(axis=1) for block in blocks)
+                ),
+            ),
             *(Slip("one input only", alone, partial(np.copy, part)) for part in parts.T),
             *(
                 Slip(
@@ -183,6 +201,11 @@ def _judge_run(ask: Ask, theta: FloatArray, u: FloatArray, n: int) -> Verdict:
             ),
         ],
     )
+    asked = {("y", i + 1): Factor(f"theta[{i}]", factor) for i, factor in enumerate(a)}
+    asked |= {
+        (f"u_{j + 1}", i + 1): Factor(f"theta[{n + j * n + i}]", blocks[j, i]) for j in range(nu) for i in range(n)
+    }
+    return with_recursion(verdict, ("y", got), {f"u_{j + 1}": column for j, column in enumerate(u.T)}, asked)
 
 
 def _all_of_b(theta: FloatArray, u: FloatArray, n: int) -> FloatArray:

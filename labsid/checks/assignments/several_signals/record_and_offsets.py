@@ -6,10 +6,11 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number
 from labsid.checks.question import Ask, returned_parts
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.offset import find_signal_offsets
 from labsid.rig.lab.heaters import SAMPLES, TS, heater_signals
 
@@ -115,6 +116,7 @@ def _trial(rng: np.random.Generator, nu: int, ny: int, first: int) -> tuple[Floa
 
 def _judge_offsets(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
     parts = returned_parts(ask, "without_offsets", "two arrays, u and y", 2, u, y)
+    _require_a_rest(ask, parts[1])
     got_u, got_y = (
         as_matrix(f"{name} of without_offsets(u, y)", part, array.shape)
         for name, part, array in zip("uy", parts, (u, y), strict=True)
@@ -207,6 +209,24 @@ def _judge_offsets(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 lambda: y - y.mean(axis=1, keepdims=True),
             ),
         ],
+    )
+
+
+def _require_a_rest(ask: Ask, y: Value) -> None:
+    """Refuse outputs that are nan throughout: the mean over no sample was taken off."""
+    if not (isinstance(y, np.ndarray) and y.dtype.kind == "f" and y.size and np.isnan(y).all()):
+        return
+    code = code_of(ask, "without_offsets")
+    whole = next((name for name in ("any", "all") if code is not None and code.calls_without(name, "axis")), "")
+    cause = (
+        f"`np.{whole}` of the whole table is one True or False, and the index of the first True is then 0: "
+        f"`np.{whole}(..., axis=1)` gives one for each sample."
+        if whole
+        else "Print the number of samples over which the mean goes."
+    )
+    raise NoAnswer(
+        f"y of `without_offsets(u, y)` is nan throughout, as where the mean of *no* sample is taken off. {cause}",
+        "mean of no sample",
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.assignments.sim_to_real_gap.linear_model import known_error
 from labsid.checks.compare import SAME, as_number, as_vector, close
@@ -198,8 +199,22 @@ def check_frequency(ask: Ask) -> Iterator[Verdict]:
         if close(0, 0.003)(got, _normed(_sorted(f, edges, twice))):
             continue
         slips = [*_band_slips(f, edges, power, Ts), *_complex_slips(f, edges, spectrum)]
-        yield _judge_shares("band_shares", got, _sorted(f, edges, power), slips, 0.003)
+        yield _with_estimate(ask, _judge_shares("band_shares", got, _sorted(f, edges, power), slips, 0.003))
     yield Verdict(True, "the shares of all bands add up to one.")
+
+
+def _with_estimate(ask: Ask, verdict: Verdict) -> Verdict:
+    """A verdict that names no mistake, with that of a spectrum which is an average, where the code computes one."""
+    code = code_of(ask, "band_shares")
+    averaging = next((name for name in ("welch", "csd", "spectrogram") if code is not None and name in code.calls), "")
+    if verdict.passed or verdict.slip is not None or not averaging:
+        return verdict
+    return Verdict(
+        False,
+        f"`band_shares` uses `{averaging}`, which takes means off, multiplies by windows and averages over parts of "
+        "the record: its shares are an estimate. Those of this error follow from its own DFT, `np.fft.rfft(e)`.",
+        "averaged spectrum",
+    )
 
 
 def _complex_slips(f: FloatArray, edges: FloatArray, spectrum: NDArray[np.complex128]) -> list[Slip[FloatArray]]:

@@ -10,8 +10,10 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray, freeze
+from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import arx_from_theta
@@ -309,11 +311,37 @@ def _handed_before(ask: Ask) -> float | None:
     return numbers[1] if len(numbers) == 3 else None
 
 
+def _edits_of_share(sigma: float) -> tuple[Edit, ...]:
+    """Single mistakes in the share that is closed."""
+    return (
+        Edit("scale", 100.0, "it is in per cent, and asked for is a number"),
+        Edit("power", 1.0, "mean squares are compared, without their roots"),
+        Edit("noise", (0.0, 0.0), "the noise is left in both errors"),
+        Edit("noise", (sigma, sigma), "sigma is subtracted without its square"),
+        Edit("noise", (sigma**2, 0.0), "the noise is taken from the error after alone"),
+        Edit("noise", (0.0, sigma**2), "the noise is taken from the error before alone"),
+        Edit("left", True, "it is the share that is left: take it from 1"),
+        Edit("swapped", True, "the errors before and after are swapped"),
+    )
+
+
 def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) -> Verdict:
     right = closed_share(after, error_before, sigma)
+
+    def made(
+        scale: float = 1.0,
+        power: float = 0.5,
+        noise: tuple[float, float] = (sigma**2, sigma**2),
+        left: bool = False,
+        swapped: bool = False,
+    ) -> float:
+        one, other = (error_before, after) if swapped else (after, error_before)
+        share = np.float64(max(one - noise[0], 0.0) / (other - noise[1])) ** power  # nan, and no complex root
+        return float(scale * (share if left else 1 - share))
+
     value = ask.call("share_closed", after, error_before, sigma)
     if value is None:
-        raise NoAnswer("`share_closed` returns nothing: end it with `return` and the share.", "no return")
+        raise nothing_returned(ask, "share_closed", "the share")
     if isinstance(value, float) and np.isnan(value):
         if after > sigma**2:
             raise NoAnswer(
@@ -337,7 +365,7 @@ def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) ->
         right,
         close(1e-6, 1e-9),
         "",
-        "`share_closed` is not the formula above: go through it term by term.",
+        "`share_closed` is not the formula above. Try it by hand: `share_closed(0.5, 1, 0)` is 1 less the root of 1/2.",
         [
             Slip("per cent", "`share_closed` is in per cent; return a number.", lambda: 100 * right),
             Slip(
@@ -379,6 +407,7 @@ def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) ->
                 "`share_closed` subtracts sigma from the roots; subtract its square from the mean squares.",
                 lambda: 1 - float(max(np.sqrt(after) - sigma, 0) / (np.sqrt(error_before) - sigma)),
             ),
+            *pairs_of("`share_closed`", _edits_of_share(sigma), made),
         ],
     )
 

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.assignments.lab_identification.simulated_output import means_of_a_part, wrong_divisors
 from labsid.checks.assignments.step_response.least_squares_appendix import (
     returned,
@@ -46,7 +47,9 @@ def check_read(ask: Ask) -> Verdict:
     """Step 1: K, tau and td of the recorded response."""
     got = np.array([as_number(name, ask.value(name)) for name in PARAMETERS])
     t, y = _recorded()
-    return judge_reading(got, Step(t, y, AMPLITUDE, 0.02), "", "gain, time constant and delay fit the response.")
+    return judge_reading(
+        got, Step(t, y, AMPLITUDE, 0.02), "", "gain, time constant and delay fit the response.", code_of(ask)
+    )
 
 
 def check_approximation(ask: Ask) -> Verdict:
@@ -180,7 +183,11 @@ def check_function(ask: Ask) -> Iterator[Verdict]:
         value = returned(ask, "read_step", step.t, step.y, step.amplitude)
         got = as_vector("read_step(...)", value, 3)
         yield judge_reading(
-            got, step, "`read_step`: ", "it also reads other processes, steps up and down, and noisy records."
+            got,
+            step,
+            "`read_step`: ",
+            "it also reads other processes, steps up and down, and noisy records.",
+            code_of(ask, "read_step"),
         )
 
 

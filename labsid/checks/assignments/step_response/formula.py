@@ -1,11 +1,13 @@
 """Check of step 2 of the appendix: the student's formula for the response of a first-order model with delay."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_vector, close
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
@@ -29,7 +31,7 @@ def check_response(ask: Ask) -> Iterator[Verdict]:
             close(1e-6),
             "zero up to the delay, then rising to K times the amplitude.",
             f"`first_order_response` does not follow the formula of step 1. {_seen(t, got, model, amplitude)}",
-            _response_slips(t, model, amplitude),
+            [*_response_slips(t, model, amplitude), *_two_slips(t, model, amplitude)],
         )
 
 
@@ -42,6 +44,37 @@ def _seen(t: FloatArray, got: FloatArray, model: FirstOrderDelay, amplitude: flo
     if abs(got[-1] - size * (1 - np.exp(-(t[-1] - model.td) / model.tau))) > 0.02 * abs(size):
         return f"At the end it is {got[-1] / size:.2g} times K times the amplitude, and should have reached that."
     return "Before td and at the end it is right, in between it is not: look at the exponent."
+
+
+def _two_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> Iterator[Slip[FloatArray]]:
+    """Two mistakes in the formula at once."""
+    K, tau, td = model.K, model.tau, model.td
+    since = np.maximum(t - td, 0)
+
+    def made(
+        gain: float = K,
+        size: float = amplitude,
+        time: FloatArray = since,
+        rate: float = -1 / tau,
+        one: float = 1.0,
+        from_td: bool = False,
+    ) -> FloatArray:
+        response = gain * size * (one - (1 if one else -1) * np.exp(time * rate))
+        return np.where(t >= td, response, 0.0) if from_td else response
+
+    edits = (
+        Edit("gain", 1.0, "it does not depend on K"),
+        Edit("size", 1.0, "it does not depend on the amplitude"),
+        Edit("time", t, "the time in the exponent is t, and not t - td"),
+        Edit("time", t - td, "it is not zero before td"),
+        Edit("time", t + td, "the time in the exponent is t + td, and not t - td"),
+        Edit("rate", 1 / tau, "the exponent has no minus, so that it grows without limit"),
+        Edit("rate", -tau, "the exponent is multiplied by tau, and not divided by it"),
+        Edit("rate", -1.0, "tau is missing in the exponent"),
+        Edit("one", 0.0, "it falls: 1 minus the exponential rises"),
+    )
+    yield from pairs_of("`first_order_response`", edits, made)
+    yield from pairs_of("`first_order_response`", edits, partial(made, from_td=True))
 
 
 def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> list[Slip[FloatArray]]:

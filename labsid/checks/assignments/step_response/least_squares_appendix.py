@@ -29,8 +29,11 @@ _same = close(1e-8)
 _SHAPES = ((3, 3), (5, 2), (8, 3), (4, 1))
 
 
+ZEROS = "zeros"
+
+
 def _zeros(name: str, because: str, wrong: Answer) -> Slip[Answer]:
-    return Slip("zeros", f"`{name}` returns zeros: {because}.", lambda: wrong)
+    return Slip(ZEROS, f"`{name}` returns zeros: {because}.", lambda: wrong)
 
 
 def check_solve_two(ask: Ask) -> Verdict:
@@ -183,14 +186,16 @@ def check_gradient(ask: Ask) -> Verdict:
     """The derivative of (A5), by (A6)."""
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
+        got = as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta), theta.size)
         return judge(
-            as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta), theta.size),
+            got,
             loss_gradient(Phi, Y, theta),
             _same,
             "it is the derivative of the loss with respect to each parameter.",
             "`gradient` is not the derivative of V: compare it with differences of the loss, as in the hint.",
             [
                 *gradient_slips(Phi, Y, theta),
+                *_differences(got, Phi, Y, theta),
                 _zeros("gradient", "away from the minimum the loss has a slope", np.zeros_like(theta)),
             ],
         )
@@ -201,12 +206,28 @@ def check_gradient(ask: Ask) -> Verdict:
     return verdict
 
 
+def _differences(got: FloatArray, Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Iterator[Slip[FloatArray]]:
+    """The quotient of differences with a step that is too large: V is quadratic, and the step adds half its bend."""
+    right, bend = loss_gradient(Phi, Y, theta), np.sum(Phi**2, axis=0)
+    step = 2 * float(np.mean((got - right) / bend))
+    text = (
+        f"`gradient` is the quotient of differences of the loss with a step of {abs(step):.3g}, so that the bend of V "
+        "is in it. Differences are for comparing; asked for is the derivative by (A6)."
+    )
+    yield Slip("differences with a large step", text, lambda: right + step / 2 * bend)
+
+
 def check_minimum(ask: Ask) -> Verdict:
     """Eq. (8)."""
 
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
         value = returned(ask, "best_theta", Phi, Y)
         require_whole_solution("best_theta", value, Phi.T @ Phi, Phi.T @ Y)
+        fitted = Phi @ solve_least_squares(Phi, Y).theta
+        if isinstance(value, np.ndarray) and value.size == Y.size and len(Phi) > Phi.shape[1]:
+            for made, what in ((fitted, "Phi theta, the model output"), (Y - fitted, "Y - Phi theta, the errors")):
+                if close(1e-6)(np.ravel(value), made):
+                    raise NoAnswer(f"`best_theta` returns {what}: return theta itself.", "output in place of theta")
         if isinstance(value, np.ndarray) and value.ndim == 2 and 1 not in value.shape:
             raise NoAnswer(
                 f"`best_theta` returns a table of shape {value.shape}; theta has {Phi.shape[1]} numbers. "
@@ -230,7 +251,11 @@ def check_minimum(ask: Ask) -> Verdict:
             ],
         )
 
-    return _on_all(ask, one)
+    verdict = _on_all(ask, one)
+    if verdict.slip == ZEROS:  # with a square Phi, errors are zero
+        tall = _on_all(ask, one, ((8, 3),))
+        verdict = verdict if tall.slip in (None, BEYOND_RESULTS) else tall
+    return verdict
 
 
 def _products(Phi: FloatArray, Y: FloatArray) -> Iterator[FloatArray]:

@@ -1,12 +1,13 @@
 """Judge gain, time constant and delay by the response of their model, not by how they were read."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import AnswerCode
 from labsid.checks.compare import as_vector
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
@@ -17,8 +18,13 @@ GAIN_WITHIN = 0.04
 """Relative; a careful reading of the final level is within 1 %."""
 COARSE = 0.5
 """Sampling time in seconds above which a delay in samples cannot be distinguished from one in seconds."""
+_SAME_WHERE_SHOWN = 0.08
+"""Relative distance from the value of a known mistake whose number stands in the code: levels are read in many ways."""
+_HALF = (0.5, 50.0)
 SAME_READING = 0.01
 """Relative distance of tau and td that are read as a known mistake reads them, in the same samples."""
+_SAME_NUMBER = 0.02
+"""Relative distance of a number in the code: 0.63 is written for 0.632."""
 SAME_VALUE = 0.04
 """Relative distance from the value of a known mistake, up to which it is recognised (times: plus 1.5 samples)."""
 
@@ -52,22 +58,24 @@ class _Suspect:
     value: float
     within: float
     hint: str
+    shows: tuple[float, ...] = ()
+    """Numbers of which the code holds one, where it computes the parameter."""
 
 
-def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdict:
-    """Judge ``[K, tau, td]`` as read from a step; `where` is a prefix of each reason, such as "``read_step``: "."""
+def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: AnswerCode | None = None) -> Verdict:
+    """Judge ``[K, tau, td]`` as read from a step; `where` is a prefix of each reason, such as "``read_step``: ".
+
+    Of mistakes that give nearly the same number, the `code` that computes them tells one from the other.
+    """
+    if code is not None and not code.calls:
+        code = None  # read by eye
     fit = fit_step_response(step.t, step.y, step.amplitude)
     K, tau, td = map(float, got)
     if _is_right(got, step, fit):
         return Verdict(True, praise)
     right_gain = _is_right_gain(K, fit)
     if right_gain and tau == td == 0 and fit.y_final > 10 * abs(fit.y_initial):
-        return Verdict(
-            False,
-            f"{where}tau is zero: t_28 and t_63 are the same instant. The first sample at or above a level is "
-            "`np.argmax(y >= level)`; `np.argmin(y - level)` gives the one that is farthest *below* it.",
-            "one instant for both",
-        )
+        return Verdict(False, f"{where}tau is zero: {_one_instant(code)}", "one instant for both")
     opposite = abs(td + fit.reading.td) <= SAME_VALUE * fit.reading.td + float(step.t[1] - step.t[0])
     if right_gain and td != 0 and not opposite and _is_right(np.array([K, tau, td + 2 / 3 * tau]), step, fit):
         return Verdict(
@@ -78,7 +86,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
     right = np.array([fit.reading.K, fit.reading.tau, fit.reading.td])
     within = SAME_VALUE * np.abs([fit.reading.K, fit.reading.tau, fit.reading.tau])
     within[1:] += 0.5 * float(step.t[1] - step.t[0])
-    for order in list(permutations(range(3)))[1:]:
+    for order in [] if _is_shown(got, step, fit, code) else list(permutations(range(3)))[1:]:
         if np.all(np.abs(got[list(order)] - right) <= within):
             return Verdict(False, f"{where}K, tau and td are right, but in another order.", "order of K, tau and td")
     for slip, levels, of_what in _other_levels(step, fit) if right_gain else ():
@@ -96,13 +104,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             "outputs for times",
         )
     values = {"K": K, "tau": tau, "td": td}
-    matches: list[tuple[float, _Suspect]] = []
-    for suspect in _suspects(step, fit):
-        if (suspect.parameter == "K") == right_gain:
-            continue
-        distance = abs(values[suspect.parameter] - suspect.value)
-        if distance <= SAME_VALUE * abs(suspect.value) + suspect.within:
-            matches.append((distance, suspect))
+    matches = list(_matches(values, step, fit, code))
     if matches:
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
@@ -119,6 +121,46 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str) -> Verdi
             "outputs for times",
         )
     return Verdict(False, where + _deviation(values, fit, right_gain))
+
+
+def _matches(
+    values: Mapping[str, float], step: Step, fit: StepResponseFit, code: AnswerCode | None
+) -> Iterator[tuple[float, _Suspect]]:
+    """The known mistakes whose value is near, with how near it is; of those with a number, where the code holds it."""
+    right_gain = _is_right_gain(values["K"], fit)
+    for suspect in _suspects(step, fit):
+        if (suspect.parameter == "K") == right_gain:
+            continue
+        if code is not None and suspect.shows and not code.has(*suspect.shows, within=_SAME_NUMBER):
+            continue
+        distance = abs(values[suspect.parameter] - suspect.value)
+        same = _SAME_WHERE_SHOWN if code is not None and suspect.shows else SAME_VALUE
+        if distance <= same * abs(suspect.value) + suspect.within:
+            yield distance, suspect
+
+
+def _is_shown(got: FloatArray, step: Step, fit: StepResponseFit, code: AnswerCode | None) -> bool:
+    """Whether the code holds the number of a known mistake that gives this value."""
+    values = dict(zip(("K", "tau", "td"), map(float, got), strict=True))
+    return code is not None and any(suspect.shows for _, suspect in _matches(values, step, fit, code))
+
+
+def _one_instant(code: AnswerCode | None) -> str:
+    """Why the times of both levels are the first sample."""
+    same = "t_28 and t_63 are the same instant, the first sample."
+    least = (
+        "`np.argmin(y - level)` gives the sample that is farthest *below* the level; the first one at or above it is "
+        "`np.argmax(y >= level)`."
+    )
+    if code is not None and "argmin" in code.calls:
+        return f"{same} {least}"
+    never = (
+        "`np.argmax(y >= level)` is 0 where *no* sample is at or above the level, as where the first one is: print "
+        "both levels beside `max(y)`."
+    )
+    if code is not None and code.has(63.2, 63, 28.3, 28, within=_SAME_NUMBER) and not code.has(100, 0.01):
+        return f"{same} No sample is at 63.2 times the final value: 63.2 % of it is 0.632 times it. ({never})"
+    return f"{same} {never}" if code is not None else f"{same} {never} {least}"
 
 
 def _other_levels(step: Step, fit: StepResponseFit) -> Iterator[tuple[str, tuple[float, float], str]]:
@@ -256,7 +298,7 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
         t_63, t_28 = (_first_time(step, fit.y_initial + share * right.K) for share in (0.632, 0.283))
         yield _Suspect("shares of K", "tau", 1.5 * (t_63 - t_28), grid, of_change)
     upside_down = "tau is 2/3 of t_63 - t_28; by the text t_63 - t_28 is 2/3 of tau."
-    yield _Suspect("the factor 3/2 inverted", "tau", 2 / 3 * (fit.t_632 - fit.t_283), Ts, upside_down)
+    yield _Suspect("the factor 3/2 inverted", "tau", 2 / 3 * (fit.t_632 - fit.t_283), Ts, upside_down, (2 / 3,))
     two_thirds = "tau is t_63 - t_28, which is only two thirds of the time constant."
     yield _Suspect("the factor 3/2 forgotten", "tau", fit.t_632 - fit.t_283, grid, two_thirds)
     way = (step.y - fit.y_initial) / change
@@ -264,12 +306,14 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     third_of_it = (
         "tau is 3/2 of the time from 33.3 % to 63.2 %; at t_d + tau/3 the response is at 28.3 %, 1 - e^(-1/3)."
     )
-    yield _Suspect("a third taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_33), 0.0, third_of_it)
+    yield _Suspect("a third taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_33), 0.0, third_of_it, (1 / 3,))
     t_50 = float(step.t[np.argmax(way >= 0.5)])
+    between = third_of_it.replace("33.3 %", "50 %")
+    yield _Suspect("50 % taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_50), 0.0, between, _HALF)
     half = "tau is measured to 50 % of the change; the time constant is the time to 63.2 %."
-    yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half)
+    yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half, _HALF)
     if abs(t_50 - right.tau) > 2 * SAME_VALUE * right.tau + grid:
-        yield _Suspect("50 % taken for 63.2 %", "tau", t_50, grid, half)
+        yield _Suspect("50 % taken for 63.2 %", "tau", t_50, grid, half, _HALF)
     if abs(fit.t_283 - right.td) > grid + 2 * SAME_VALUE * right.td:
         third = "td is the time to 28.3 %, which is t_d + tau/3: take tau off the time to 63.2 %."
         yield _Suspect("28.3 % taken for the delay", "td", fit.t_283, grid, third)

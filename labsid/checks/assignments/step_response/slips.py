@@ -120,6 +120,14 @@ def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[f
             )
             for factor in (0.5, 1.0)
         ),
+        *(
+            Slip(
+                "sum before the square",
+                "`loss` squares the *sum* of the errors, in which they cancel: square each of them, then add up.",
+                partial(float, factor * float(np.sum(Y - Phi @ theta)) ** 2),
+            )
+            for factor in (0.5, 1.0, 1 / Y.size, 0.5 / Y.size)
+        ),
         Slip(
             "transposed Phi",
             f"`loss` multiplies theta by the transpose, Phi'; (A5) has Phi theta, not transposed: {_ROWS}",
