@@ -455,11 +455,12 @@ def _time_faults(t: FloatArray) -> list[Fault]:
     if odd.size:
         k = odd[0]
         many = f", {odd.size} such intervals in all" if odd.size > 1 else ""
+        even = float(steps.mean()) if steps.max() < 2.0 * usual else usual  # no sample is missing: stamps with jitter
         text = (
             f"sampling is irregular: {usual:g} s as a rule, but {steps[k]:g} s from sample {k} (t = {t[k]:g} s) "
             f"to the next{many}. If the samples are even and only their stamps are not, say so with Ts (--Ts "
-            f"{usual:.3g}), or read it without times (columns u,y and Ts); if the samples are uneven, resample "
-            f"(--resample {usual:.3g}) or cut the record (--from, --to)."
+            f"{even:.4g}), or read it without times (columns u,y and Ts); if the samples are uneven, resample "
+            f"(--resample {even:.4g}) or cut the record (--from, --to)."
         )
         return [Fault("sampling", text)]
     return []
