@@ -145,6 +145,8 @@ def prepare(
         notes += more
         holdout = None if holdout is None else with_levels(holdout)[0]
     data = scaled(filtered_input(record), record.y, rows, record.Ts, float(record.t[0]), scales)
+    if isinstance(simulation, Simulator) and simulation.joint is not None:
+        data = data.about_zero_command()
     if is_slow:
         data = replace(data, at=np.flatnonzero(measured), stride=compared.stride)
     else:
@@ -220,6 +222,8 @@ def prepare_several(
     simulation = read_exported(simulation, joined.record.Ts)
     scales = (simulation.u_scale, simulation.y_scale) if isinstance(simulation, ExportedModel) else None
     data = joined.data(scales)
+    if isinstance(simulation, Simulator) and simulation.joint is not None:
+        data = data.about_zero_command()
     if compared.is_slow:
         data = replace(data, at=np.flatnonzero(data.rows), stride=compared.stride)
     base = make_baseline(data, joined.record.t, simulation, order)

@@ -236,7 +236,7 @@ def _joined(arm: ArmRecord, main: int, order: tuple[int, ...]) -> Data:
         pieces.append((at, at + len(signals)))
         at += len(signals)
     data = scaled(np.concatenate(u), np.concatenate(y), np.concatenate(rows), signals.Ts, float(signals.t[0]))
-    return replace(data, beside=tuple(pieces))
+    return replace(data.about_zero_command(), beside=tuple(pieces))
 
 
 def _structure(

@@ -99,6 +99,14 @@ class Data:
         """N."""
         return int(self.u.size)
 
+    def about_zero_command(self) -> "Data":
+        """The same with a scaled input of zero where the command is zero.
+
+        A simulation that opens has no free offset at its input: within a dead zone its command is zero.
+        """
+        zero = Scale(0.0, self.u_scale.unit)
+        return replace(self, u=zero.of(np.asarray(self.u_scale.back(self.u))), u_scale=zero)
+
     @property
     def times(self) -> np.ndarray:
         """The number of each sample in its output, shape (N,); of one between two outputs 0."""

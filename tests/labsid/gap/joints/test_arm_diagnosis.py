@@ -1,5 +1,6 @@
 """Effects at one of several joints: named with the joint, and the mended model."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
 import mujoco  # type: ignore[import-untyped, unused-ignore]
-from mjcf_arms import NOISE, chain, measured_chain, written
+from mjcf_arms import NOISE, chain, measured_chain, player, written
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.joints.arm_diagnosis import JointsDiagnosis, replay_joints
@@ -17,6 +18,7 @@ from labsid.gap.joints.joint_numbers import numbers_by_joint, sentences_by_joint
 from labsid.gap.joints.joint_search import find_at_joints
 from labsid.gap.joints.mjcf_export import write_mended_model
 from labsid.gap.joints.views import arm_record, joint_view
+from labsid.gap.search.explanation import explain
 from labsid.gap.signals.preparation import prepare
 from labsid.records.record import Record
 from labsid.simulators.mjcf.simulation import open_mjcf
@@ -64,6 +66,22 @@ def test_the_mended_model_holds_on_another_record(found: JointsDiagnosis, model:
     )
     assert (error < 1.3).all()
     assert before.max() > 3.0
+
+
+def test_within_a_dead_zone_the_command_is_zero(model: Path) -> None:
+    """Though the mean of the command is not."""
+    plain = measured_chain(model, 5, SAMPLES)
+    assert abs(plain.u[:, 1].mean()) > 0.05
+    u = np.sign(plain.u) * np.maximum(np.abs(plain.u) - [0.0, 0.1], 0.0)
+    y = player(model).run(plain.t, u, {})
+    record = replace(plain, y=y + NOISE * np.std(y, axis=0) * np.random.default_rng(5).standard_normal(y.shape))
+    view = joint_view(arm_record(prepare(record).signals, open_mjcf(MjcfSource(model))), 1, {}, {})
+    data = replace(view.data, tried=frozenset({"input-dead-zone"}))
+    fit = explain(data, view.base.structure, view.base.start, 1).best
+    (effect,) = fit.hypothesis.found
+    ends = data.u_scale.back(np.sort(fit.theta[fit.hypothesis.slices[effect.key]][:2]))
+    np.testing.assert_allclose(ends, [-0.1, 0.1], atol=0.01)
+    assert np.sqrt(fit.free_run) * data.y_scale.unit < 1.2
 
 
 def test_without_a_gap_no_effect_is_found(model: Path) -> None:
