@@ -1,5 +1,6 @@
 """Small arms in MJCF, and records of them with changes that the models do not have."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,15 @@ def chain(count: int, kind: str = "motor", option: str = "") -> str:
 """
 
 
+def geared(text: str, joint: str, width: float, contact: float = 0.006) -> str:
+    """A model with a play of this width in the gear of a joint: a second joint behind it, between stops."""
+    own = re.search(f'<joint name="{joint}" ([^>]*?)(damping|armature)=[^>]*/>', text)
+    assert own is not None
+    half = 0.5 * (width if 'type="slide"' in own[1] else np.degrees(width))
+    stops = f'range="{-half} {half}" limited="true" solreflimit="{contact} 1"'
+    return text.replace(own[0], f'{own[0]}<joint name="{joint}-play" {own[1]}{stops}/>')
+
+
 def written(path: Path, text: str) -> Path:
     """The file, with this text in it."""
     path.write_text(text, encoding="utf-8")
@@ -107,20 +117,26 @@ def measured_chain(
     amplitudes: tuple[float, ...] = TORQUES,
     late: int = 0,
     play: float = 0.0,
+    seen: bool = False,
     **changes: float,
 ) -> Record:
     """A record of the same for several joints; changes by names such as ``inside elbow:friction``.
 
-    The command of the second joint acts `late` samples later than it is logged, and behind a `play` of this width.
+    The command of the second joint acts `late` samples later than it is logged, and behind a `play` of this width. The
+    outputs are the joints with actuators; if `seen`, with a play in the gear of one.
     """
     rig = player(path)
-    count = len(rig.joints)
+    driven = rig.opened.inputs
+    count = len(driven)
     u = np.column_stack([commands(100 * seed + i, samples, amplitudes[i]) for i in range(count)])
     t = TS * np.arange(samples)
     acting = u.copy()
     acting[:, 1] = behind_play(np.concatenate([np.full(late, u[0, 1]), u[:, 1]])[:samples], play)
-    y = rig.run(t, acting, changes)
+    position = rig.play(t, acting, changes)[0][:, :, 0]
+    y = position[:, driven]
+    for place in set(range(len(rig.joints))) - set(driven) if seen else ():
+        y[:, driven.index(place - 1)] += position[:, place]
     rng = np.random.default_rng(1000 + seed)
     noisy = y + NOISE * np.std(y, axis=0) * rng.standard_normal(y.shape)
-    inputs = tuple(one.actuator_name for one in rig.opened.joints)
+    inputs = tuple(rig.opened.joints[place].actuator_name for place in driven)
     return Record(t, u, noisy, TS, name="run", inputs=inputs, outputs=NAMES[:count])
