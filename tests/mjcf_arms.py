@@ -1,6 +1,7 @@
 """Small arms in MJCF, and records of them with changes that the models do not have."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -100,6 +101,26 @@ def measured(path: Path, seed: int, samples: int = 500, amplitude: float = 1.0, 
     return Record(t, u, y + NOISE * np.std(y) * rng.standard_normal(samples), TS, name="run")
 
 
+def as_logged(u: np.ndarray) -> np.ndarray:
+    """The command itself."""
+    return u
+
+
+def late(u: np.ndarray, samples: int) -> np.ndarray:
+    """The command, that acts some samples later."""
+    return np.concatenate([np.full(samples, u[0]), u])[: u.size]
+
+
+def limited(u: np.ndarray, limit: float) -> np.ndarray:
+    """The command, that goes no higher."""
+    return np.minimum(u, limit)
+
+
+def beyond_band(u: np.ndarray, half: float) -> np.ndarray:
+    """The command beyond a dead zone about zero."""
+    return np.asarray(np.sign(u) * np.maximum(np.abs(u) - half, 0.0))
+
+
 def behind_play(u: np.ndarray, width: float) -> np.ndarray:
     """What follows a signal behind a play, from its middle on."""
     out = np.empty(u.size)
@@ -115,15 +136,14 @@ def measured_chain(
     seed: int,
     samples: int = 500,
     amplitudes: tuple[float, ...] = TORQUES,
-    late: int = 0,
-    play: float = 0.0,
+    command: Callable[[np.ndarray], np.ndarray] = as_logged,
     seen: bool = False,
     **changes: float,
 ) -> Record:
     """A record of the same for several joints; changes by names such as ``inside elbow:friction``.
 
-    The command of the second joint acts `late` samples later than it is logged, and behind a `play` of this width. The
-    outputs are the joints with actuators; if `seen`, with a play in the gear of one.
+    What acts at the second joint is its `command`, a function of the logged one over its amplitude. The outputs are the
+    joints with actuators; if `seen`, with a play in the gear of one.
     """
     rig = player(path)
     driven = rig.opened.inputs
@@ -131,7 +151,7 @@ def measured_chain(
     u = np.column_stack([commands(100 * seed + i, samples, amplitudes[i]) for i in range(count)])
     t = TS * np.arange(samples)
     acting = u.copy()
-    acting[:, 1] = behind_play(np.concatenate([np.full(late, u[0, 1]), u[:, 1]])[:samples], play)
+    acting[:, 1] = amplitudes[1] * command(u[:, 1] / amplitudes[1])
     position = rig.play(t, acting, changes)[0][:, :, 0]
     y = position[:, driven]
     for place in set(range(len(rig.joints))) - set(driven) if seen else ():

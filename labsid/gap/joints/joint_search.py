@@ -71,9 +71,14 @@ class AtJoint:
         return np.asarray(data.u_scale.back(driven))
 
     @property
+    def at_command(self) -> frozenset[str]:
+        """Names of the effects that act on the command, a gain that drifts among them."""
+        return frozenset(effect.name for effect in self.fit.hypothesis.found if isinstance(effect, InputEffect))
+
+    @property
     def changes_command(self) -> bool:
         """Whether an effect acts on the command."""
-        return any(isinstance(effect, InputEffect) for effect in self.fit.hypothesis.found)
+        return bool(self.at_command)
 
 
 def is_state(name: str) -> bool:

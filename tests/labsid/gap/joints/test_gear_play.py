@@ -1,6 +1,7 @@
 """A play in the gear of one of several joints: named with the joint, and a joint of the mended model."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
-from mjcf_arms import ANGLES, NOISE, TORQUES, chain, geared, measured_chain, written
+from mjcf_arms import ANGLES, NOISE, TORQUES, behind_play, chain, geared, measured_chain, written
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.joints.arm_diagnosis import JointsDiagnosis, replay_joints
@@ -62,7 +63,8 @@ def test_a_play_between_actuator_and_sensor_is_another_form(tmp_path: Path) -> N
 
 def test_a_play_of_the_command_is_none_of_the_gear(tmp_path: Path) -> None:
     model = written(tmp_path / "arm.xml", chain(2, "position"))
-    assert best_form(model, measured_chain(model, 1, SAMPLES, ANGLES, play=0.2)) == "input-backlash"
+    record = measured_chain(model, 1, SAMPLES, ANGLES, partial(behind_play, width=0.25))
+    assert best_form(model, record) == "input-backlash"
 
 
 @pytest.mark.parametrize(("armature", "possible"), [("0.01", True), ("0", False)])
