@@ -21,7 +21,7 @@ MISMATCH = "parameter-mismatch"
 FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start; numerics
 SHRUNK = 0.7 ** np.arange(1, 13)  # shares of a number that does not act, from which it may act; numerics
 WOKEN = 0.1  # of the error: what a number moves where it acts; numerics
-CONTACT_TIME = 0.02  # s, in which contacts come to rest: the default of MuJoCo (solref)
+CONTACT_TIME = 0.02  # s, in which contacts come to rest by default in MuJoCo (solref); definition
 STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop; set by hand
 
 
