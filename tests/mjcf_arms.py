@@ -1,5 +1,7 @@
 """Small arms in MJCF, and records of them with changes that the models do not have."""
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +67,15 @@ def chain(count: int, kind: str = "motor", option: str = "") -> str:
 """
 
 
+def geared(text: str, joint: str, width: float, contact: float = 0.006) -> str:
+    """A model with a play of this width in the gear of a joint: a second joint behind it, between stops."""
+    own = re.search(f'<joint name="{joint}" ([^>]*?)(damping|armature)=[^>]*/>', text)
+    assert own is not None
+    half = 0.5 * (width if 'type="slide"' in own[1] else np.degrees(width))
+    stops = f'range="{-half} {half}" limited="true" solreflimit="{contact} 1"'
+    return text.replace(own[0], f'{own[0]}<joint name="{joint}-play" {own[1]}{stops}/>')
+
+
 def written(path: Path, text: str) -> Path:
     """The file, with this text in it."""
     path.write_text(text, encoding="utf-8")
@@ -90,6 +101,26 @@ def measured(path: Path, seed: int, samples: int = 500, amplitude: float = 1.0, 
     return Record(t, u, y + NOISE * np.std(y) * rng.standard_normal(samples), TS, name="run")
 
 
+def as_logged(u: np.ndarray) -> np.ndarray:
+    """The command itself."""
+    return u
+
+
+def late(u: np.ndarray, samples: int) -> np.ndarray:
+    """The command, that acts some samples later."""
+    return np.concatenate([np.full(samples, u[0]), u])[: u.size]
+
+
+def limited(u: np.ndarray, limit: float) -> np.ndarray:
+    """The command, that goes no higher."""
+    return np.minimum(u, limit)
+
+
+def beyond_band(u: np.ndarray, half: float) -> np.ndarray:
+    """The command beyond a dead zone about zero."""
+    return np.asarray(np.sign(u) * np.maximum(np.abs(u) - half, 0.0))
+
+
 def behind_play(u: np.ndarray, width: float) -> np.ndarray:
     """What follows a signal behind a play, from its middle on."""
     out = np.empty(u.size)
@@ -105,22 +136,27 @@ def measured_chain(
     seed: int,
     samples: int = 500,
     amplitudes: tuple[float, ...] = TORQUES,
-    late: int = 0,
-    play: float = 0.0,
+    command: Callable[[np.ndarray], np.ndarray] = as_logged,
+    seen: bool = False,
     **changes: float,
 ) -> Record:
     """A record of the same for several joints; changes by names such as ``inside elbow:friction``.
 
-    The command of the second joint acts `late` samples later than it is logged, and behind a `play` of this width.
+    What acts at the second joint is its `command`, a function of the logged one over its amplitude. The outputs are the
+    joints with actuators; if `seen`, with a play in the gear of one.
     """
     rig = player(path)
-    count = len(rig.joints)
+    driven = rig.opened.inputs
+    count = len(driven)
     u = np.column_stack([commands(100 * seed + i, samples, amplitudes[i]) for i in range(count)])
     t = TS * np.arange(samples)
     acting = u.copy()
-    acting[:, 1] = behind_play(np.concatenate([np.full(late, u[0, 1]), u[:, 1]])[:samples], play)
-    y = rig.run(t, acting, changes)
+    acting[:, 1] = amplitudes[1] * command(u[:, 1] / amplitudes[1])
+    position = rig.play(t, acting, changes)[0][:, :, 0]
+    y = position[:, driven]
+    for place in set(range(len(rig.joints))) - set(driven) if seen else ():
+        y[:, driven.index(place - 1)] += position[:, place]
     rng = np.random.default_rng(1000 + seed)
     noisy = y + NOISE * np.std(y, axis=0) * rng.standard_normal(y.shape)
-    inputs = tuple(one.actuator_name for one in rig.opened.joints)
+    inputs = tuple(rig.opened.joints[place].actuator_name for place in driven)
     return Record(t, u, noisy, TS, name="run", inputs=inputs, outputs=NAMES[:count])

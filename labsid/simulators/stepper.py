@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.mjcf.one_joint import FREE, PREFIX, changes_in
+from labsid.simulators.mjcf.loop_constants import FREE
+from labsid.simulators.mjcf.one_joint import PREFIX, changes_in
 from labsid.simulators.simulator import Simulator, SimulatorError, function_simulator
 
 COLUMN = PREFIX + "column"

@@ -36,6 +36,15 @@ def _part(change: str, unit: str, lower: float, upper: float, **others: float) -
     return Part(change, unit, Parameter(f"in_{change}", lower, upper, others.pop("step", 1e-3), **others))
 
 
+def _play(change: str) -> tuple[Part, ...]:
+    """Width of a play, the time in which its teeth come to rest, and the initial position in it."""
+    return (
+        Part(change, "position", Parameter(f"in_{change}", 0.0, 20.0, 1e-3, leap=0.03)),
+        Part("contact_time", "sample", Parameter("log_contact", -4.0, 4.0, 1e-2)),
+        Part("start_play", "one", Parameter("in_start_play", -0.5, 0.5, 1e-2)),
+    )
+
+
 FRICTION = Part("friction", "torque", Parameter("friction", 0.0, 20.0, 1e-3, leap=0.03))
 PARTS: dict[str, tuple[Part, ...]] = {
     "friction": (FRICTION,),
@@ -56,6 +65,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
     "low": (Part("low", "place", Parameter("stop_low", -FAR, FAR, 1e-3, leap=0.05)),),
     "high": (Part("high", "place", Parameter("stop_high", -FAR, FAR, 1e-3, leap=0.05)),),
     "limit": (Part("limit", "force", Parameter("limit", 1e-3, FAR, 1e-3, leap=0.05, start=FAR)),),
+    "play": _play("play"),
+    "seen_play": _play("seen_play"),
     "load": (
         Part("load", "torque", Parameter("load", -20.0, 20.0, 1e-3)),
         Part("onset", "span", Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)),
@@ -173,7 +184,7 @@ class InsidePort:
 
     def value(self, part: Part, theta: float) -> float:
         """A number in the simulation's unit, for a parameter in theta."""
-        if part.change in ("stribeck", "lag"):
+        if part.change in ("stribeck", "lag", "contact_time"):
             theta = float(np.exp(theta))
         return theta * self.units[part.unit] + (self.place if part.unit == "place" else 0.0)
 

@@ -21,6 +21,7 @@ MISMATCH = "parameter-mismatch"
 FORCE_QUANTILES = (0.98, 0.85, 0.6)  # of the size of the force, from which limits start; numerics
 SHRUNK = 0.7 ** np.arange(1, 13)  # shares of a number that does not act, from which it may act; numerics
 WOKEN = 0.1  # of the error: what a number moves where it acts; numerics
+CONTACT_TIME = 0.02  # s, in which contacts come to rest by default in MuJoCo (solref); definition
 STOP_DEPTH = 0.02  # of the range of the motion: within it of its end, the joint is at a stop; set by hand
 
 
@@ -28,7 +29,7 @@ class Inside(PlantEffect):
     """A change at the joint or the actuator of a simulation that opens.
 
     `variant` is "joint", or "joint-" and a form of it. Variants that are `apart` are different causes of one name,
-    each of which is fitted.
+    each of which is fitted. One that is `everywhere` acts outside a simulation that opens, too.
     """
 
     before_given = True
@@ -36,6 +37,7 @@ class Inside(PlantEffect):
     variants: ClassVar[tuple[str, ...]] = (INSIDE,)
     parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     apart: ClassVar[bool] = False
+    everywhere: ClassVar[bool] = False
 
     @property
     def changes(self) -> tuple[str, ...]:
@@ -305,6 +307,28 @@ class Lag(Inside):
         return {"tau": Value(in_units(fit, "lag")[0], "s")}
 
 
+class Play(Inside):
+    """A play in the gear, which its sensor does not see, or "joint-seen" does: the link moves freely within it.
+
+    A play ahead of the drive, in the command, is another form of the same name.
+    """
+
+    name = "input-backlash"
+    everywhere = True
+    variants: ClassVar[tuple[str, ...]] = (INSIDE, "joint-seen")
+    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {INSIDE: ("play",), "joint-seen": ("seen_play",)}
+
+    def plant_starts(self, context: Context) -> list[dict[str, float]]:
+        """Narrow and wide plays, with the contacts that MuJoCo has by default."""
+        contact = float(np.log(CONTACT_TIME / port_of(context.parent).units["sample"]))
+        (change,) = self.changes
+        return [{f"in_{change}": width, "log_contact": contact} for width in (0.05, 0.2, 0.6)]
+
+    def values(self, fit: Fitted) -> dict[str, Value]:
+        """`width`."""
+        return {"width": Value(in_units(fit, self.changes[0])[0], port_of(fit).unit_of("position"))}
+
+
 class Load(Inside, StepLoad):
     """A force on the joint that begins at an instant."""
 
@@ -421,7 +445,19 @@ def is_apart(family: type[Effect]) -> bool:
     return issubclass(family, Inside) and family.apart
 
 
-FAMILIES: tuple[type[Effect], ...] = (Friction, Drag, Spring, Gravity, EndStop, ForceLimit, Lag, Load, Wave, Mismatch)
+FAMILIES: tuple[type[Inside], ...] = (
+    Friction,
+    Drag,
+    Spring,
+    Gravity,
+    EndStop,
+    ForceLimit,
+    Lag,
+    Play,
+    Load,
+    Wave,
+    Mismatch,
+)
 """In the order of the search."""
-INSIDE_NAMES = frozenset(family.name for family in FAMILIES)
+INSIDE_NAMES = frozenset(family.name for family in FAMILIES if not family.everywhere)
 """Effects that act inside a simulation that opens, and not around it."""

@@ -173,7 +173,7 @@ def _effects(
     found = []
     for part in parts:
         for effect in part.report["effects"]:
-            at_input = effect["path"] == "input" and "joint" not in effect
+            at_input = effect["name"] in part.at.at_command and "joint" not in effect
             signal = part.at.view.arm.signals.inputs[part.at.view.main] if at_input else None
             placed = {"signal": signal, "outputs": list(outputs), "probability": effect["probability"] * share}
             found.append(effect | placed)

@@ -19,7 +19,12 @@ MOST_EFFECTS = 3
 SEARCHED = 6  # best effects of a joint in brief trials, which are then searched there
 CLOSE = 0.5  # of the logarithm of the mean square error: a joint whose best trial is as near to the best of all
 RIVAL = 2.0  # the same of an effect at one joint over the best one there: a rival
-OF_STATES = ("start", "start_speed", "start_lag")  # numbers of an initial state, which every view estimates
+OF_STATES = (
+    "start",
+    "start_speed",
+    "start_lag",
+    "start_play",
+)  # numbers of an initial state, which every view estimates
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,9 +71,14 @@ class AtJoint:
         return np.asarray(data.u_scale.back(driven))
 
     @property
+    def at_command(self) -> frozenset[str]:
+        """Names of the effects that act on the command, a gain that drifts among them."""
+        return frozenset(effect.name for effect in self.fit.hypothesis.found if isinstance(effect, InputEffect))
+
+    @property
     def changes_command(self) -> bool:
         """Whether an effect acts on the command."""
-        return any(isinstance(effect, InputEffect) for effect in self.fit.hypothesis.found)
+        return bool(self.at_command)
 
 
 def is_state(name: str) -> bool:

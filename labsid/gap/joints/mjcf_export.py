@@ -19,7 +19,8 @@ from labsid.gap.reports.inside_texts import inside_clause
 from labsid.gap.reports.result import Diagnosis
 from labsid.gap.simulations.python_export import write_python_module
 from labsid.simulators.mjcf.describing import describe_model, joints_in
-from labsid.simulators.mjcf.one_joint import FREE, STANDING_SOLIMP, STANDING_SOLREF, OneJoint, changes_in
+from labsid.simulators.mjcf.loop_constants import FREE
+from labsid.simulators.mjcf.one_joint import STANDING_SOLIMP, STANDING_SOLREF, OneJoint, changes_in
 from labsid.simulators.mjcf.opening import OpenedModel, import_mujoco, open_model
 from labsid.simulators.mjcf.playing import changed_bodies
 from labsid.simulators.mjcf.sources import parse_mjcf
@@ -28,6 +29,7 @@ IN_MJCF = ("input-delay", "input-saturation")
 """Effects ahead of the joint that attributes of an actuator describe."""
 LAWS = ("transmitted", "peak")  # of friction, which depends on the motion
 WEIGHT = ["gravity"]  # on one of several joints
+SEEN_PLAY = "a play between an actuator and its sensor"
 SMALL = 1e-12
 HISTORY = 2  # commands that a delayed actuator keeps beyond its delay
 
@@ -65,6 +67,7 @@ def write_mended_model(path: Path, found: Diagnosis | JointsDiagnosis) -> list[s
     left: dict[str, None] = {}
     for place, one in enumerate(joints if numbers else ()):
         left |= dict.fromkeys(_change_joint(spec, opened, place, one, numbers))
+    _add_plays(spec, opened, joints, numbers)
     Ts = found.summary["record"]["Ts"]
     for place, (hypothesis, theta, scale) in commands.items():
         left |= dict.fromkeys(_change_actuator(spec, opened, place, joints[place], hypothesis, theta, scale, Ts))
@@ -132,7 +135,7 @@ def _change_joint(spec: Any, opened: OpenedModel, place: int, one: OneJoint, num
     scale = numbers.get(f"{one.link}:mass", one.mass) / (one.mass or 1.0)
     if one.mass and (scale != 1.0 or changes["mass"]):
         _change_mass(spec, mujoco, opened, opened.joints[place].joint, scale, changes["mass"])
-    left = [law for law in LAWS if changes[law]]
+    left = [law for law in LAWS if changes[law]] + ([SEEN_PLAY] if changes["seen_play"] else [])
     if changes["gravity_sin"] or changes["gravity_cos"]:
         left += _change_gravity(spec, mujoco, opened, (c[6], c[7])) if alone else WEIGHT
     if not one.actuator:
@@ -149,6 +152,22 @@ def _change_joint(spec: Any, opened: OpenedModel, place: int, one: OneJoint, num
     elif one.dynamics in ("filter", "filterexact"):
         actuator.dynprm[0] = c[33]
     return left
+
+
+def _add_plays(spec: Any, opened: OpenedModel, joints: Sequence[OneJoint], numbers: Mapping[str, float]) -> None:
+    """Add a joint between stops behind each joint whose gear has a play."""
+    rotors = list(spec.joints)
+    for place, one in enumerate(joints):
+        changes = changes_in(numbers, "" if len(joints) == 1 else one.joint)
+        if not changes["play"]:
+            continue
+        rotor = rotors[opened.joints[place].joint]
+        turn = np.degrees(1.0) if spec.compiler.degree and not one.slides else 1.0
+        play = rotor.parent.add_joint(
+            name=f"{one.joint}-play", type=rotor.type, axis=rotor.axis, pos=rotor.pos, limited=1
+        )
+        play.range[:] = -0.5 * turn * changes["play"], 0.5 * turn * changes["play"]
+        play.solref_limit[:] = changes["contact_time"], 1.0
 
 
 def _change_mass(spec: Any, mujoco: Any, opened: OpenedModel, joint: int, scale: float, at_tip: float) -> None:

@@ -308,7 +308,7 @@ def _port(arm: ArmRecord, joint: int, data: Data, own: Data, output: int) -> Ins
     """Where effects are put at a joint."""
     joints, scale = arm.joints, arm.scales[output]
     reads = joints.outputs[output] == (joint, "position")
-    port = make_port(joints.joint(joint), own, arm.motion[:, joint], reads)
+    port = make_port(joints.joint(joint), own, arm.motion[:, joint], reads, arm.simulator.run == joints.run)
     others = {}
     for place, one in enumerate(joints.joints):
         if place != joint:

@@ -39,6 +39,10 @@ CLAUSES: dict[str, tuple[str, ...]] = {
         "{drive} has a lag of {tau}",
         "{drive} has a lag",
     ),
+    "input-backlash": (
+        "{drive} moves it through a gear with a play of {width}",
+        "{drive} moves it through a gear with a play",
+    ),
     "load-step": (
         "From {onset} on, a load of {torque} acts on {place}",
         "A load acts on {place} from an instant on",
@@ -52,6 +56,7 @@ _FORCE = ("N m", "N", "units of force")
 INSIDE_LABELS: dict[str, dict[str, str]] = {
     "friction": dict.fromkeys(_FORCE, "friction"),
     "break_away": dict.fromkeys(_FORCE, "friction at rest"),
+    "width": dict.fromkeys(("rad", "m"), "play in the gear"),
     "drag": dict.fromkeys(("N m s²/rad²", "N s²/m²", "force s^2/y^2"), "drag"),
     "torque": dict.fromkeys(_FORCE, "largest torque"),
     "limit": dict.fromkeys(_FORCE, "largest force of the actuator"),

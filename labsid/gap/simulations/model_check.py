@@ -9,7 +9,8 @@ from labsid.gap.simulations.opened import initial_state
 from labsid.gap.simulations.stepper_port import as_read
 from labsid.lab.findings import Finding
 from labsid.records.record import Record
-from labsid.simulators.mjcf.one_joint import FREE, OneJoint, substeps
+from labsid.simulators.mjcf.loop_constants import FREE
+from labsid.simulators.mjcf.one_joint import OneJoint, substeps
 from labsid.simulators.mjcf.simulation import CONTACTS
 from labsid.simulators.simulator import Simulator
 from labsid.simulators.stepper import Stepper

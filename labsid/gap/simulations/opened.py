@@ -25,7 +25,8 @@ from labsid.simulators.stepper import Stepper
 SAME = 1e-6  # of the range of the output: largest difference of the compiled loop from MuJoCo; numerics
 FIRST = 8  # samples that give the initial state; numerics
 LEAST_UNIT = 1e-9  # of a signal that does not move; numerics
-OF_ACTUATOR = ("transmitted", "gain", "lag", "limit")  # changes that a joint without an actuator has not
+OF_GEAR = ("play", "seen_play")  # changes of the compiled loop, of a rotor with inertia of its own (armature)
+OF_ACTUATOR = ("transmitted", "gain", "lag", "limit", *OF_GEAR)  # changes that a joint without an actuator has not
 START_ITERATIONS = 30  # of the fit of the initial state; numerics
 
 
@@ -60,7 +61,7 @@ def opened_structure(data: Data, simulate: Simulator, rates: tuple[float, float]
         start = initial_state(one, y, data.Ts)
         motion = _motion(one, t, u, start)
         fast = _agreeing(simulate, one, t, u, start)
-        port = make_port(one, data, motion)
+        port = make_port(one, data, motion, compiled=fast is not simulate)
         given = GivenSimulation.of(fast, scales, data.Ts, rates, float(data.start), data.pieces)
         given = replace(given, port=port, units=sizes_of_numbers(one, port))
     plant = Plant(kind="given", simulation=given)
@@ -110,7 +111,7 @@ def _agreeing(
     return loop if np.abs(played - looped).max() <= SAME * max(float(np.ptp(played)), LEAST_UNIT) else simulate
 
 
-def make_port(one: OneJoint, data: Data, motion: FloatArray, reads: bool = True) -> InsidePort:
+def make_port(one: OneJoint, data: Data, motion: FloatArray, reads: bool = True, compiled: bool = True) -> InsidePort:
     """Where effects are put, with sizes that matter on a record.
 
     Parameters
@@ -121,6 +122,8 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray, reads: bool = True)
         Position, speed and force of the actuator of the simulation.
     reads : bool
         Whether the output is one of this joint.
+    compiled : bool
+        Whether the compiled loop plays the model.
     """
     measured = np.asarray(data.y_scale.back(data.y))
     reads = reads and one.output == "position"
@@ -160,7 +163,7 @@ def make_port(one: OneJoint, data: Data, motion: FloatArray, reads: bool = True)
         reads=reads,
         scale=(float(data.y_scale.centre), float(data.y_scale.unit)),
         forces=np.abs(motion[:, 2]) / force,
-        unable=() if one.actuator else OF_ACTUATOR,
+        unable=(() if compiled and one.armature else OF_GEAR) if one.actuator else OF_ACTUATOR,
     )
 
 

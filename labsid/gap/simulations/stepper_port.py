@@ -12,8 +12,8 @@ from labsid.gap.simulations.number_sizes import motion_units
 from labsid.simulators.simulator import Simulator, SimulatorError
 from labsid.simulators.stepper import COLUMN, COLUMNS, LONGEST_UNSOLVED, Stepper
 
-OF_THE_DRIVE = ("transmitted", "limit", "gain", "armature", "mass")
-"""Changes that need the force of the drive, or the inertia."""
+OF_THE_DRIVE = ("transmitted", "limit", "gain", "armature", "mass", "play", "seen_play")
+"""Changes that need the force of the drive, the inertia, or a rotor apart from what it moves."""
 HOLDING = ("friction", "peak", "low", "high")
 SAME = 1e-9  # of the range of the output; numerics
 LEAST_UNIT = 1e-9  # of a signal that does not move; numerics

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.simulators.mjcf.one_joint import FREE, OneJoint
+from labsid.simulators.mjcf.loop_constants import FREE
+from labsid.simulators.mjcf.one_joint import OneJoint
 from labsid.simulators.mjcf.opening import OpenedJoint, OpenedModel, import_mujoco
 from labsid.simulators.mjcf.several_joints import Links, SeveralJoints
 

@@ -8,20 +8,21 @@ Source: the chapters "Computation" (constraint model, solver parameters, integra
 documentation of MuJoCo, https://mujoco.readthedocs.io.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.simulators.mjcf import loop_constants as at
+from labsid.simulators.mjcf.gear_play import NO_PLAY, GearPlay, fold_play, split_play
+from labsid.simulators.mjcf.loop_constants import FREE, MAX_IMPEDANCE, MIN_IMPEDANCE, stiffness_of
 
 STANDING_SOLREF = (0.004, 1.0)
 STANDING_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
 """With these a joint that dry friction holds creeps by 1e-4 to 3e-4 rad/s at 0.65 of it; by default by 0.07."""
-MIN_IMPEDANCE, MAX_IMPEDANCE = 1e-4, 0.9999
 EQUAL = 1e-6  # relative difference of two numbers that are the same
-FREE = 1e30  # of a limit that is none
 CHANGES = (
     "friction",
     "transmitted",
@@ -46,72 +47,33 @@ CHANGES = (
     "wave_sin",
     "frequency",
     "lag",
+    "play",
+    "seen_play",
+    "contact_time",
     "start",
     "start_speed",
     "start_lag",
+    "start_play",
 )
 """Changes of a joint and its actuator, in SI units: `transmitted` is friction over the torque of the actuator, `peak`
 the excess of friction at rest, which decays with the speed `stribeck`; `mass` sits at the end of the link; `low` and
 `high` are stops, `limit` bounds the force of the actuator, `gain` is a relative change of its gain; `load` acts from
-`onset` seconds on; `lag` is the time constant of an actuator that has no dynamics. `start` (from the default position),
-`start_speed`, and `start_lag` (from the first command) are the initial state."""
-SWITCHED_OFF = {"low": -FREE, "high": FREE, "limit": FREE, "stribeck": 1.0, "frequency": 1.0}
+`onset` seconds on; `lag` is the time constant of an actuator that has no dynamics. `play` is the width of a play in the
+gear behind the sensor, `seen_play` of one between the actuator and the sensor; the teeth come to rest within
+`contact_time` seconds. `start` (from the default position), `start_speed`, `start_lag` (from the first command) and
+`start_play` (share of the play, from its middle) are the initial state."""
+SWITCHED_OFF = {
+    "low": -FREE,
+    "high": FREE,
+    "limit": FREE,
+    "stribeck": 1.0,
+    "frequency": 1.0,
+    "contact_time": 0.02,
+}
 PREFIX = "inside "  # ahead of the name of a change among the numbers of a simulation
 NO_LINKS, NO_GRAVITY = np.zeros((1, 19)), np.zeros(3)  # of a single joint, whose constants hold both
 DYNAMICS = ("none", "filter", "filterexact", "integrator")
 OUTPUTS = ("position", "speed", "force")
-
-# Places in the array of constants.
-(
-    _INERTIA,
-    _DAMPING,
-    _DRAG,
-    _STIFFNESS,
-    _SPRINGREF,
-    _CUBIC,
-    _SIN,
-    _COS,
-    _CONSTANT,
-    _FRICTION,
-    _TRANSMITTED,
-    _PEAK,
-    _STRIBECK,
-    _FRICTION_B,
-    _FRICTION_IMPEDANCE,
-    _LOW,
-    _HIGH,
-    _MARGIN,
-    _LIMIT_B,
-    _LIMIT_K,
-    _D0,
-    _D1,
-    _WIDTH,
-    _MID,
-    _POWER,
-    _GEAR,
-    _GAIN0,
-    _GAIN1,
-    _GAIN2,
-    _BIAS0,
-    _BIAS1,
-    _BIAS2,
-    _DYNAMICS,
-    _TIME_CONSTANT,
-    _CTRL_LOW,
-    _CTRL_HIGH,
-    _FORCE_LOW,
-    _FORCE_HIGH,
-    _ACT_LOW,
-    _ACT_HIGH,
-    _JOINT_LOW,
-    _JOINT_HIGH,
-    _LOAD,
-    _ONSET,
-    _WAVE_COS,
-    _WAVE_SIN,
-    _OMEGA,
-    _IMPLICIT,
-) = range(48)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,6 +179,7 @@ class OneJoint:
             np.array([changes["start_speed"]]),
             np.array([self.activation(float(u[0]), changes)]),
             self.constants(numbers, changes)[None, :],
+            plays=[self.play(changes)],
         )
         return np.ascontiguousarray(motion[:: steps if late else 1, 0, OUTPUTS.index(self.output)])
 
@@ -227,6 +190,15 @@ class OneJoint:
         else:
             first = min(max(command, self.ctrlrange[0]), self.ctrlrange[1])
         return min(max(first + changes["start_lag"], self.actrange[0]), self.actrange[1])
+
+    def play(self, changes: Mapping[str, float]) -> GearPlay:
+        """The play in the gear, whose rotor has the armature of the joint."""
+        width = max(changes["play"], changes["seen_play"])
+        if width <= 0.0:
+            return NO_PLAY
+        contact = stiffness_of((changes["contact_time"], 1.0), self.solimp_limit, self.timestep)
+        seen, armature = changes["seen_play"] > 0.0, self.armature + changes["armature"]
+        return GearPlay(width, changes["start_play"] * width, seen, armature, contact, self.solimp_limit)
 
     def constants(self, numbers: Mapping[str, float], changes: Mapping[str, float]) -> FloatArray:
         """The array of constants of `run_loop`."""
@@ -241,43 +213,43 @@ class OneJoint:
         limit_b, limit_k = stiffness_of(self.solref_limit, self.solimp_limit, self.timestep)
         gear = numbers.get(f"{self.actuator}:gear", self.gear)
         gain, bias = self._force(numbers, changes)
-        c = np.empty(48)
-        c[_INERTIA] = max(scale * (self.inertia - self.armature) + armature + at_tip * self.tip[0], 1e-12)
-        c[_DAMPING] = own["damping"] + changes["damping"]
-        c[_DRAG] = own["drag"] + changes["drag"]
-        c[_STIFFNESS], c[_SPRINGREF] = own["stiffness"] + changes["stiffness"], own["springref"]
-        c[_CUBIC] = own["cubic"] + changes["cubic"]
-        c[_SIN] = heavy[0] + at_tip * self.tip[1] + changes["gravity_sin"]
-        c[_COS] = heavy[1] + at_tip * self.tip[2] + changes["gravity_cos"]
-        c[_CONSTANT] = heavy[2] + at_tip * self.tip[3]
-        c[_FRICTION] = max(own["frictionloss"] + changes["friction"], 0.0)
-        c[_TRANSMITTED], c[_PEAK] = changes["transmitted"], changes["peak"]
-        c[_STRIBECK] = max(abs(changes["stribeck"]), 1e-9)
-        c[_FRICTION_B] = friction_b
-        c[_FRICTION_IMPEDANCE] = min(max(solimp[0], MIN_IMPEDANCE), MAX_IMPEDANCE)
-        c[_LOW] = max(self.range[0], changes["low"])
-        c[_HIGH] = min(self.range[1], changes["high"])
-        c[_MARGIN] = self.range[2]
-        c[_LIMIT_B], c[_LIMIT_K] = limit_b, limit_k
-        c[_D0], c[_D1] = np.clip(self.solimp_limit[:2], MIN_IMPEDANCE, MAX_IMPEDANCE)
-        c[_WIDTH], c[_MID], c[_POWER] = self.solimp_limit[2:]
-        c[_GEAR] = gear
-        c[_GAIN0 : _GAIN2 + 1] = gain
-        c[_BIAS0 : _BIAS2 + 1] = bias
+        c = np.empty(at.COUNT)
+        c[at.INERTIA] = max(scale * (self.inertia - self.armature) + armature + at_tip * self.tip[0], 1e-12)
+        c[at.DAMPING] = own["damping"] + changes["damping"]
+        c[at.DRAG] = own["drag"] + changes["drag"]
+        c[at.STIFFNESS], c[at.SPRINGREF] = own["stiffness"] + changes["stiffness"], own["springref"]
+        c[at.CUBIC] = own["cubic"] + changes["cubic"]
+        c[at.SIN] = heavy[0] + at_tip * self.tip[1] + changes["gravity_sin"]
+        c[at.COS] = heavy[1] + at_tip * self.tip[2] + changes["gravity_cos"]
+        c[at.CONSTANT] = heavy[2] + at_tip * self.tip[3]
+        c[at.FRICTION] = max(own["frictionloss"] + changes["friction"], 0.0)
+        c[at.TRANSMITTED], c[at.PEAK] = changes["transmitted"], changes["peak"]
+        c[at.STRIBECK] = max(abs(changes["stribeck"]), 1e-9)
+        c[at.FRICTION_B] = friction_b
+        c[at.FRICTION_IMPEDANCE] = min(max(solimp[0], MIN_IMPEDANCE), MAX_IMPEDANCE)
+        c[at.LOW] = max(self.range[0], changes["low"])
+        c[at.HIGH] = min(self.range[1], changes["high"])
+        c[at.MARGIN] = self.range[2]
+        c[at.LIMIT_B], c[at.LIMIT_K] = limit_b, limit_k
+        c[at.D0], c[at.D1] = np.clip(self.solimp_limit[:2], MIN_IMPEDANCE, MAX_IMPEDANCE)
+        c[at.WIDTH], c[at.MID], c[at.POWER] = self.solimp_limit[2:]
+        c[at.GEAR] = gear
+        c[at.GAIN0 : at.GAIN2 + 1] = gain
+        c[at.BIAS0 : at.BIAS2 + 1] = bias
         lag = changes["lag"] if self.dynamics == "none" else 0.0
-        c[_DYNAMICS] = DYNAMICS.index("filterexact" if lag > 0.0 else self.dynamics)
-        c[_TIME_CONSTANT] = max(lag or numbers.get(f"{self.actuator}:timeconst", self.time_constant), 1e-9)
-        c[_CTRL_LOW], c[_CTRL_HIGH] = self.ctrlrange
+        c[at.DYNAMICS] = DYNAMICS.index("filterexact" if lag > 0.0 else self.dynamics)
+        c[at.TIME_CONSTANT] = max(lag or numbers.get(f"{self.actuator}:timeconst", self.time_constant), 1e-9)
+        c[at.CTRL_LOW], c[at.CTRL_HIGH] = self.ctrlrange
         limit = abs(changes["limit"])
         most = numbers.get(f"{self.actuator}:forcelimit", self.forcerange[1])
-        c[_FORCE_LOW] = max(-most if self.symmetric else self.forcerange[0], -limit)
-        c[_FORCE_HIGH] = min(most if self.symmetric else self.forcerange[1], limit)
-        c[_ACT_LOW], c[_ACT_HIGH] = self.actrange
-        c[_JOINT_LOW], c[_JOINT_HIGH] = self.jointrange
-        c[_LOAD], c[_ONSET] = changes["load"], changes["onset"]
-        c[_WAVE_COS], c[_WAVE_SIN] = changes["wave_cos"], changes["wave_sin"]
-        c[_OMEGA] = 2.0 * np.pi * changes["frequency"]
-        c[_IMPLICIT] = 2.0 if self.implicit else float(self.euler_damping)
+        c[at.FORCE_LOW] = max(-most if self.symmetric else self.forcerange[0], -limit)
+        c[at.FORCE_HIGH] = min(most if self.symmetric else self.forcerange[1], limit)
+        c[at.ACT_LOW], c[at.ACT_HIGH] = self.actrange
+        c[at.JOINT_LOW], c[at.JOINT_HIGH] = self.jointrange
+        c[at.LOAD], c[at.ONSET] = changes["load"], changes["onset"]
+        c[at.WAVE_COS], c[at.WAVE_SIN] = changes["wave_cos"], changes["wave_sin"]
+        c[at.OMEGA] = 2.0 * np.pi * changes["frequency"]
+        c[at.IMPLICIT] = 2.0 if self.implicit else float(self.euler_damping)
         return c
 
     def _force(self, numbers: Mapping[str, float], changes: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
@@ -286,8 +258,8 @@ class OneJoint:
         if self.kind != "torque":
             name = {"position": "kp", "velocity": "kv"}[self.kind]
             ratio = numbers.get(f"{self.actuator}:{name}", gain[0]) / gain[0] + changes["gain"]
-            at = 1 if self.kind == "position" else 2
-            gain, bias[at] = gain * ratio, bias[at] * ratio
+            column = 1 if self.kind == "position" else 2
+            gain, bias[column] = gain * ratio, bias[column] * ratio
             if self.kind == "position":
                 bias[2] = -numbers.get(f"{self.actuator}:kv", -bias[2])
         else:
@@ -366,15 +338,6 @@ def substeps(Ts: float, timestep: float) -> int:
     return count
 
 
-def stiffness_of(solref: tuple[float, ...], solimp: tuple[float, ...], timestep: float) -> tuple[float, float]:
-    """Damping b and stiffness k of a constraint's reference acceleration."""
-    most = min(max(solimp[1], MIN_IMPEDANCE), MAX_IMPEDANCE)
-    if solref[0] <= 0.0:
-        return -solref[1] / most, -solref[0] / most**2
-    time_constant = max(solref[0], 2.0 * timestep)
-    return 2.0 / (most * time_constant), 1.0 / (most * time_constant * solref[1]) ** 2
-
-
 def run_loop(
     u: FloatArray,
     steps: int,
@@ -385,11 +348,16 @@ def run_loop(
     c: FloatArray,
     links: FloatArray = NO_LINKS,
     gravity: FloatArray = NO_GRAVITY,
+    plays: Sequence[GearPlay] = (),
 ) -> FloatArray:
     """Position, speed and force of the actuator of each joint at each sample, shape (N, n, 3).
 
-    The arguments are those of the compiled loop; numba is loaded at the first call.
+    The arguments are those of the compiled loop, and the play in the gear of each joint; numba is loaded at the first
+    call.
     """
     from labsid.simulators.mjcf._joint_loop import play_compiled
 
-    return np.asarray(play_compiled(u, steps, h, q, v, act, c, links, gravity))
+    if not any(one.width for one in plays):
+        return np.asarray(play_compiled(u, steps, h, q, v, act, c, links, gravity))
+    u, q, v, act, c, links, gravity = split_play(plays, u, q, v, act, c, links, gravity)
+    return fold_play(plays, np.asarray(play_compiled(u, steps, h, q, v, act, c, links, gravity)))

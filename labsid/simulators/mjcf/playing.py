@@ -8,8 +8,8 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.simulators.mjcf.describing import describe_model, joint_of, joints_in, spread, tip_of
+from labsid.simulators.mjcf.loop_constants import FREE
 from labsid.simulators.mjcf.one_joint import (
-    FREE,
     STANDING_SOLIMP,
     STANDING_SOLREF,
     OneJoint,

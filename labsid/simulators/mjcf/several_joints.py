@@ -154,6 +154,7 @@ class SeveralJoints:
                 np.array([own["mass"] for own in changes]),
             ),
             self.links.gravity,
+            [one.play(own) for one, own in zip(self.joints, changes, strict=True)],
         )
         return np.ascontiguousarray(motion[:: steps if any(late) else 1])
 

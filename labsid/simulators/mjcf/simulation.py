@@ -12,6 +12,7 @@ from labsid.simulators.mjcf.sources import MjcfSource
 from labsid.simulators.simulator import Simulator
 
 MOST = 1e9
+PLAYS = ("play", "seen_play")  # changes that the model as it is loaded cannot make
 FREE_SIGN = (":springref", ":stiffness", ":cubic")  # numbers that may be negative
 CONTACTS = PREFIX + "contacts"
 """Among the numbers of a run: the output is the pair of geoms in contact at each sample, or -1.
@@ -37,6 +38,8 @@ def open_mjcf(source: MjcfSource) -> Simulator:
             return (
                 pairs if isinstance(player.one, OneJoint) else np.repeat(pairs[:, None], len(player.one.names), axis=1)
             )
+        if any(value and name.rpartition(":")[2].removeprefix(PREFIX) in PLAYS for name, value in numbers.items()):
+            return player.one.run(t, u, numbers)  # the model of MuJoCo has no joint for a play
         return player.run(t, u, numbers)
 
     nominal = player.one.nominal()

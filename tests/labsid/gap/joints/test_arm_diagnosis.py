@@ -1,6 +1,7 @@
 """Effects at one of several joints: named with the joint, and the mended model."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
 import mujoco  # type: ignore[import-untyped, unused-ignore]
-from mjcf_arms import NOISE, chain, measured_chain, player, written
+from mjcf_arms import NOISE, TORQUES, beyond_band, chain, measured_chain, written
 
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.joints.arm_diagnosis import JointsDiagnosis, replay_joints
@@ -70,17 +71,15 @@ def test_the_mended_model_holds_on_another_record(found: JointsDiagnosis, model:
 
 def test_within_a_dead_zone_the_command_is_zero(model: Path) -> None:
     """Though the mean of the command is not."""
-    plain = measured_chain(model, 5, SAMPLES)
-    assert abs(plain.u[:, 1].mean()) > 0.05
-    u = np.sign(plain.u) * np.maximum(np.abs(plain.u) - [0.0, 0.1], 0.0)
-    y = player(model).run(plain.t, u, {})
-    record = replace(plain, y=y + NOISE * np.std(y, axis=0) * np.random.default_rng(5).standard_normal(y.shape))
+    half = 0.17
+    record = measured_chain(model, 5, SAMPLES, TORQUES, partial(beyond_band, half=half))
+    assert abs(record.u[:, 1].mean()) > 0.05
     view = joint_view(arm_record(prepare(record).signals, open_mjcf(MjcfSource(model))), 1, {}, {})
     data = replace(view.data, tried=frozenset({"input-dead-zone"}))
     fit = explain(data, view.base.structure, view.base.start, 1).best
     (effect,) = fit.hypothesis.found
     ends = data.u_scale.back(np.sort(fit.theta[fit.hypothesis.slices[effect.key]][:2]))
-    np.testing.assert_allclose(ends, [-0.1, 0.1], atol=0.01)
+    np.testing.assert_allclose(ends, np.multiply(TORQUES[1], [-half, half]), atol=0.01)
     assert np.sqrt(fit.free_run) * data.y_scale.unit < 1.2
 
 
