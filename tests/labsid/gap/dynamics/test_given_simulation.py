@@ -329,3 +329,27 @@ def test_a_model_without_a_file_of_its_own_is_exported_as_a_module_too(u: FloatA
 def test_a_function_that_is_no_file_is_diagnosed_and_not_exported(right: Diagnosis) -> None:
     with pytest.raises(ValueError, match=r"it is no file that can be run again"):
         right.model.to_json_dict()
+
+
+def dragged(t: FloatArray, u: FloatArray) -> FloatArray:
+    """Speed of a mass with quadratic drag, which no offset of its input leaves as it is."""
+    speed, found = 0.5, np.empty(t.size)
+    for k in range(t.size):
+        found[k] = speed
+        for _ in range(4):
+            speed += TS / 4 * (u[k] - 2.0 * speed * abs(speed) - 0.3 * speed)
+    return found
+
+
+@searched("input-dead-zone", "input-saturation", "output-nonlinearity")
+def test_a_dead_zone_is_one_about_zero_where_the_mean_of_the_input_is_not() -> None:
+    rng = np.random.default_rng(5)
+    t, u = TS * np.arange(600), np.repeat(rng.uniform(-1.0, 3.0, 30), 20)
+    y = dragged(t, np.maximum(u - 0.5, 0.0) + np.minimum(u + 0.3, 0.0))
+    noise = 0.01 * np.std(y) * rng.standard_normal(t.size)
+    (cause,) = diagnose(Record(t, u, y + noise, TS), dragged).report["effects"]
+    assert cause["name"] == "input-dead-zone"
+    ends = [cause["parameters"][side]["value"] for side in ("low", "high")]
+    np.testing.assert_allclose(ends, [-0.3, 0.5], atol=0.01)
+    right = diagnose(Record(t, u, dragged(t, u) + noise, TS), dragged).report
+    assert (right["verdict"], right["screen"]) == ("none", [])  # neither a gap nor a level that is another one
