@@ -5,6 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from scipy.special import gammaincc
 
 from labsid._arrays import FloatArray, stretches_of, up_to_next
 from labsid.gap.effects.base import Effect, Fitted
@@ -34,7 +35,6 @@ from labsid.gap.verdict.answer import Answer
 from labsid.gap.verdict.baseline_choice import without_unseen_pole
 from labsid.gap.verdict.decision import Decision
 from labsid.gap.verdict.scores import closed_share
-from labsid.model_structures.residuals import ljung_box
 from labsid.records.record import Record
 from labsid.records.signal_quality import lattice_step
 
@@ -377,11 +377,17 @@ def _unexplained(answer: Answer) -> dict[str, Any]:
 
 
 def _whiteness(e: FloatArray, data: Data) -> float:
-    """P-value of the Ljung-Box test on the residual."""
+    """P-value of a test of the autocorrelation of the residual, whose size may vary along the record.
+
+    The products of each lag are over their own squares, as for noise that is white and not of one size; for noise of
+    one size this is the test of Box and Pierce (Lobato, Nankervis and Savin, 2001, "Testing for autocorrelation using a
+    modified Box-Pierce Q test", International Economic Review 42).
+    """
     x = data.readings(e - e[data.rows].mean() * data.rows)
-    energy = float(x @ x)
-    r = [float(x[lag:] @ x[:-lag]) / energy for lag in range(1, LAGS + 1)]
-    return ljung_box(r, int(data.rows.sum())).p_value
+    products = [x[lag:] * x[:-lag] for lag in range(1, LAGS + 1)]
+    squares = np.array([one @ one for one in products])
+    sums = np.array([one.sum() for one in products])
+    return float(gammaincc(LAGS / 2.0, 0.5 * np.sum(sums**2 / np.where(squares > 0.0, squares, np.inf))))
 
 
 def _experiment(
