@@ -195,7 +195,11 @@ def _causes(held: list[Sample], asked: list[Sample], phi: str, target: str) -> s
     moved = [(signal, 1.0, lag - shift) for signal, _, lag in held]
     if moved != asked and sorted(moved) == sorted(asked):
         causes.append("the columns are in another order")
-    missing = [_sample(one) for one in asked if one not in moved]
+    if shift and sorted(moved) != sorted(asked):
+        moved = held  # columns of one signal alone are shifted: Y is not
+    missing = [
+        _sample((signal, 1.0, lag)) for signal, _, lag in asked if (signal, lag) not in {(x, n) for x, _, n in moved}
+    ]
     if missing:
         causes.append(f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing")
     said = "; ".join(causes)

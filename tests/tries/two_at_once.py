@@ -22,6 +22,15 @@ _LEVELS = (
     "    t63 = t[np.argmax(way >= 0.632)]\n    t28 = t[np.argmax(way >= {})]\n    tau = {} * (t63 - t28)\n"
     "    return (y_b - y_a) / amplitude, tau, t63 - tau\n"
 )
+_FREQUENCY = (
+    "def fit_frequency(t, y, low, high):\n    scan = np.linspace(low, high, 2000)\n    found = []\n    for w in scan:\n"
+    "        H = np.column_stack([np.sin(w * t), np.cos(w * t)])\n        e = y - H @ np.linalg.lstsq(H, y)[0]\n"
+    "        found.append(e @ e)\n    return scan[{}(found)]{}\n"
+)
+_LAYOUT = (
+    "def layout(beacons):\n    dx, dy = np.ptp(beacons, axis=0)\n    if dx < {0} and dy < {0}:\n"
+    "        return 'undetermined'\n    return 'mirror' if dx < {0} or dy < {0} or len(beacons) == 2 else 'unique'\n"
+)
 _READ = "K = max(y_step) / 2\nt63 = t_step[np.{}]\nt28 = t_step[np.{}]\ntau = 1.5 * (t63 - t28)\ntd = t63 - tau"
 
 
@@ -221,6 +230,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
             _HALF + "rows = range(2, half - 1)\n"
             "Phi = np.array([[y[k - 2], y[k - 1], u[k - 2], u[k - 1]] for k in rows])\n"
             "Y = np.array([y[k + 1] for k in rows])\n",
+        ),
+        (
+            "lab-2a-phi",
+            "inputs one sample late, and the first rows from the end",
+            r"are y\(k-1\), y\(k-2\), u\(k\), u\(k-1\); asked for .* u\(k-2\) is missing",
+            _HALF + "Phi = np.array([[y[k - 1], y[k - 2], u[k], u[k - 1]] for k in range(half)])\nY = y[:half]\n",
         ),
         (
             "lab-2a-phi",
@@ -481,6 +496,27 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ),
     ),
     "nonlinear-least-squares": in_rows(
+        (
+            "nl-6-frequency",
+            "largest SSE, in hertz",
+            r"outside low = .* Times 2 pi it lies between them: is it in Hz\?",
+            _FREQUENCY.format("np.argmax", " / (2 * np.pi)"),
+        ),
+        ("nl-6-frequency", "smallest SSE, in hertz", "returns Hz", _FREQUENCY.format("np.argmin", " / (2 * np.pi)")),
+        (
+            "nl-7-layout",
+            "lines along an axis, with a tolerance",
+            "only sees lines along an axis",
+            _LAYOUT.format("1e-9"),
+        ),
+        (
+            "nl-7-layout",
+            "compared exactly",
+            "misses beacons on a slanting line: through rounding",
+            "def layout(beacons):\n    d = beacons - beacons[0]\n    if not d.any():\n        return 'undetermined'\n"
+            "    far = d[np.argmax((d ** 2).sum(axis=1))]\n    off = d[:, 0] * far[1] - d[:, 1] * far[0]\n"
+            "    return 'unique' if np.any(off != 0) else 'mirror'\n",
+        ),
         (
             "nl-9-output-error",
             "no delay, other sign",

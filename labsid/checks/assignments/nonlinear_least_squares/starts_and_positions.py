@@ -107,10 +107,12 @@ def _judge_frequency(w: float, fit: NonlinearFit, t: FloatArray, y: FloatArray, 
             "index for frequency",
         )
     if not low <= abs(w) <= high:
+        hertz = low <= 2 * np.pi * abs(w) <= high
+        unit = " Times 2 pi it lies between them: is it in Hz? `low` and `high` are in rad/s." if hertz else ""
         return Verdict(
             False,
-            "`fit_frequency` returns a frequency outside low and high, where the SSE may be smaller still. Compare "
-            "only those between its two arguments.",
+            f"`fit_frequency` returns {w:.4g}, outside low = {low:.4g} and high = {high:.4g}.{unit} Compare the SSE of "
+            "frequencies between these two only.",
             "outside the range",
         )
     if any(same([w], [_alone(t, y, column, right, valley)]) for column in (np.sin, np.cos)):
@@ -313,8 +315,7 @@ def check_layout(ask: Ask) -> Verdict:
         ),
         (
             "along the axes only",
-            "only sees lines along an axis: a line may run in any direction. (Or zero is compared exactly: through "
-            "rounding, what should be zero is about 1e-16 on a slanting line. Compare with a small tolerance.)",
+            _ALONG_AXES,
             [_of_rank(int(np.count_nonzero(np.ptp(beacons, axis=0) > 1e-9))) for beacons, _ in trials],
         ),
     )
@@ -322,7 +323,10 @@ def check_layout(ask: Ask) -> Verdict:
         if answers == wrong:
             return Verdict(False, f"`layout` {hint}", slip)
     first = next(i for i, (answer, kind) in enumerate(zip(answers, truth, strict=True)) if answer != kind)
-    if all(answers[i] == truth[i] or order[i] in SLANTING for i in range(len(trials))):
+    missed = {int(order[i]) for i in range(len(trials)) if answers[i] != truth[i]}
+    if missed <= set(SLANTING) and EXACT_SLANTING in missed:
+        return Verdict(False, f"`layout` {_ALONG_AXES}", "along the axes only")
+    if missed <= set(SLANTING):
         return Verdict(
             False,
             "`layout` misses beacons on a slanting line: through rounding, what should be zero is about 1e-16. Compare "
@@ -335,9 +339,15 @@ def check_layout(ask: Ask) -> Verdict:
     )
 
 
+_ALONG_AXES = (
+    "only sees lines along an axis: a line may run in any direction. (Or zero is compared exactly: through rounding, "
+    "what should be zero is about 1e-16 on a slanting line. Compare with a small tolerance.)"
+)
 _SAID = {"unique": "span the plane", "mirror": "lie on one line", "undetermined": "are in one place"}
 SLANTING = (2, 4, 6, 7)
 """Those of the trial layouts that lie on a line along neither axis; the last two have rounded coordinates."""
+EXACT_SLANTING = 4
+"""One of them with several beacons, whose coordinates and differences are exact."""
 
 
 def right_layout(beacons: FloatArray) -> str:
