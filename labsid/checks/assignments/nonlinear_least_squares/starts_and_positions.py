@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.asked_texts import LAYOUTS
 from labsid.checks.assignments.nonlinear_least_squares.estimates import (
     SQUARED,
@@ -324,7 +325,7 @@ def check_layout(ask: Ask) -> Verdict:
             return Verdict(False, f"`layout` {hint}", slip)
     first = next(i for i, (answer, kind) in enumerate(zip(answers, truth, strict=True)) if answer != kind)
     missed = {int(order[i]) for i in range(len(trials)) if answers[i] != truth[i]}
-    if missed <= set(SLANTING) and EXACT_SLANTING in missed:
+    if missed <= set(SLANTING) and EXACT_SLANTING in missed and _has_tolerance(ask):
         return Verdict(False, f"`layout` {_ALONG_AXES}", "along the axes only")
     if missed <= set(SLANTING):
         return Verdict(
@@ -348,6 +349,12 @@ SLANTING = (2, 4, 6, 7)
 """Those of the trial layouts that lie on a line along neither axis; the last two have rounded coordinates."""
 EXACT_SLANTING = 4
 """One of them with several beacons, whose coordinates and differences are exact."""
+
+
+def _has_tolerance(ask: Ask) -> bool:
+    """Whether the code of `layout` compares with a small number."""
+    code = code_of(ask, "layout")
+    return code is not None and (bool(code.calls & {"isclose", "allclose"}) or any(0 < n < 1e-3 for n in code.numbers))
 
 
 def right_layout(beacons: FloatArray) -> str:
