@@ -19,7 +19,7 @@ from labsid.plots.gap_curves import (
 )
 from labsid.plots.gap_details import figure_poles, figure_residual, figure_responses
 from labsid.plots.gap_records import figure_records
-from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, palette_png
+from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, page_style, palette_png
 from labsid.plots.signal_names import as_text_lines, one_line, units_of
 from labsid.plots.style import (
     BLACK,
@@ -339,5 +339,6 @@ def figures_as_png(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     if any(row["detect"] is not None for row in report["limits"]):
         figures["limits"] = figure_limits
     # The script replaces the figure of one record; without it a telephone shows the wide one.
-    one = {} if several else {"simulations": {"wide": palette_png(figure_simulations(report), DPI_ON_PAPER)}}
+    with page_style():
+        one = {} if several else {"simulations": {"wide": palette_png(figure_simulations(report), DPI_ON_PAPER)}}
     return one | in_both_widths(figures, report)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from contextlib import contextmanager
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from labsid.plots.style import new_figure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from matplotlib.figure import Figure
 
@@ -25,6 +26,15 @@ COLOURS = 32  # of a picture
 def page_figure(narrow: bool, wide_height: float, narrow_height: float) -> Figure:
     """Create an empty figure of the width of a desktop or of a telephone, with its height in inches for each."""
     return new_figure(NARROW, narrow_height) if narrow else new_figure(WIDE, wide_height)
+
+
+@contextmanager
+def page_style() -> Iterator[None]:
+    """The defaults of matplotlib, whatever style a notebook or a file of settings has set."""
+    from matplotlib import style
+
+    with style.context("default"):
+        yield
 
 
 def palette_png(figure: Figure, dpi: int = DPI) -> bytes:
@@ -47,7 +57,8 @@ def palette_png(figure: Figure, dpi: int = DPI) -> bytes:
 
 def in_both_widths(figures: Mapping[str, PageFigure], report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """The figures of a report as PNG, for a wide and for a narrow screen."""
-    return {
-        name: {"wide": palette_png(draw(report, False)), "narrow": palette_png(draw(report, True))}
-        for name, draw in figures.items()
-    }
+    with page_style():
+        return {
+            name: {"wide": palette_png(draw(report, False)), "narrow": palette_png(draw(report, True))}
+            for name, draw in figures.items()
+        }

@@ -378,7 +378,8 @@ def _missing(data: Data, fit: Fit, rows: Iterable[tuple[str, str]]) -> Iterator[
         if name in there:
             continue
         forms = [form for family in FAMILIES if family.name == name for form in family.searched()]
-        if not any(is_compatible(fit, form) for form in forms):
+        forms = [form for form in forms if is_compatible(fit, form)]
+        if not forms:
             stabilised, given = fit.hypothesis.feedback is not None, fit.hypothesis.plant.kind == "given"
             yield name, "stabilised" if stabilised else "closed" if given else "beside"
         elif all(isinstance(form, InputEffect) and not form.applies(context) for form in forms):

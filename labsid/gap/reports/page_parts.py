@@ -135,10 +135,11 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
 def effect_pictures(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
     """The curve of each effect that has one as PNG, by the place of the effect; the same on both screens."""
     from labsid.plots.gap_details import figure_effect
-    from labsid.plots.page_figures import palette_png
+    from labsid.plots.page_figures import page_style, palette_png
 
     curves = {f"effect {i}": effect_curve(report, effect) for i, effect in enumerate(report["effects"], 1)}
-    drawn = {name: palette_png(figure_effect(curve)) for name, curve in curves.items() if curve is not None}
+    with page_style():
+        drawn = {name: palette_png(figure_effect(curve)) for name, curve in curves.items() if curve is not None}
     return {name: {"wide": png} for name, png in drawn.items()}
 
 

@@ -7,11 +7,13 @@ from io import BytesIO
 from itertools import combinations
 from xml.etree import ElementTree
 
+import matplotlib.style
 import numpy as np
 import pytest
 from figure_faults import OBSERVERS, lab_of
 
 from labsid.plots import figure_4, save_png, save_svg, style
+from labsid.plots.page_figures import in_both_widths, page_figure
 
 
 def _run(program: str) -> str:
@@ -97,3 +99,14 @@ def test_colours_of_one_panel_stay_apart_for_colour_blind_readers(seen_by):
 def test_pages_and_figures_have_the_same_colours() -> None:
     light = re.findall(r"--(before|after): (#\w+)", (style.STYLE_SHEETS / "page.css").read_text(encoding="utf-8"))[:2]
     assert {name: colour.upper() for name, colour in light} == {"before": style.VERMILION, "after": style.BLUE}
+
+
+def test_the_figures_of_a_page_are_the_same_in_any_style():
+    def drawn(report, narrow):
+        figure = page_figure(narrow, 3.0, 3.0)
+        figure.add_subplot(title="Output (V)").plot([1.0, 2.0])
+        return figure
+
+    before = in_both_widths({"output": drawn}, {})
+    with matplotlib.style.context([style.NOTEBOOK_STYLE, {"font.size": 20.0}]):
+        assert in_both_widths({"output": drawn}, {}) == before

@@ -218,6 +218,6 @@ def test_a_simulated_output_at_another_level_is_shifted_and_that_is_said():
     report = diagnose(run, simulated).report
     assert report["verdict"] == "none"
     (said,) = [text for text in report["screen"] if "shifted" in text]
-    assert said.startswith("The output of your simulation is 3.00 below that of the record")
+    assert said.startswith("The output of your simulation is on average 3.00 below that of the record")
     level = diagnose(Record(run.t, u, y - 3.0, 0.1), simulated).report
     assert not [text for text in level["screen"] if "shifted" in text]
