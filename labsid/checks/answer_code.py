@@ -10,7 +10,7 @@ from typing import Any
 
 from labsid.checks.cell_names import parse_python
 from labsid.checks.permitted import without_magic
-from labsid.checks.syntax_trees import in_order
+from labsid.checks.syntax_trees import in_order, last_name
 from labsid.checks.verdict import NoAnswer
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
@@ -47,13 +47,13 @@ class AnswerCode:
     def calls(self) -> frozenset[str]:
         """The names of the functions and methods that are called, without what stands before the last point."""
         called = (node.func for node in in_order(self._tree) if isinstance(node, ast.Call))
-        return frozenset(name for one in called if (name := _last_name(one)))
+        return frozenset(name for one in called if (name := last_name(one)))
 
     def calls_without(self, name: str, keyword: str) -> bool:
         """Whether a function of that name is called with one argument, and without this keyword."""
         return any(
             isinstance(node, ast.Call)
-            and _last_name(node.func) == name
+            and last_name(node.func) == name
             and len(node.args) == 1
             and all(one.arg != keyword for one in node.keywords)
             for node in in_order(self._tree)
@@ -104,8 +104,8 @@ class AnswerCode:
         """The name of a function that returns None and whose result a `return` hands back; empty if there is none."""
         for node in in_order(self._tree):
             value = node.value if isinstance(node, ast.Return) else None
-            if isinstance(value, ast.Call) and _last_name(value.func) in _RETURN_NONE:
-                return _last_name(value.func)
+            if isinstance(value, ast.Call) and last_name(value.func) in _RETURN_NONE:
+                return last_name(value.func)
         return ""
 
     def _line(self, node: ast.stmt) -> str:
@@ -214,9 +214,3 @@ def _as_float(value: Any) -> Iterator[float]:
         yield float(value)
     except OverflowError:
         return
-
-
-def _last_name(node: ast.expr) -> str:
-    if isinstance(node, ast.Attribute):
-        return node.attr
-    return node.id if isinstance(node, ast.Name) else ""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from labsid.checks.cell_names import parse_python
-from labsid.checks.syntax_trees import is_deep
+from labsid.checks.syntax_trees import is_deep, last_name
 
 MOST_PARTS = 60
 _MOST_ITEMS, _MOST_KEYS = 8, 12
@@ -224,7 +224,7 @@ def _product(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:
 
 def _called(node: ast.Call, names: Mapping[str, Any]) -> Any:
     """The results of the few functions whose shapes follow from their arguments."""
-    called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+    called = last_name(node.func)
     if called == "len" and len(node.args) == 1:
         return int(_shape(_value(node.args[0], names))[0])
     if called in ("ravel", "flatten"):

@@ -7,6 +7,8 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
+from labsid.checks.syntax_trees import last_name
+
 ALLOWED_PACKAGES = ("records", "rig.lab")
 """The packages of labsid that graded code may import with all their modules."""
 
@@ -112,7 +114,7 @@ def _taught_names(source: str, variables: Mapping[str, Any]) -> Iterator[str]:
                 yield f"{node.value.id}.{node.attr}"
         elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
             named = node.args[0].value
-            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            called = last_name(node.func)
             if called in ("import_module", "__import__") and isinstance(named, str) and is_reference(named):
                 yield named
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.regressions import sample_name
 from labsid.checks.verdict import Verdict
 
 Key = tuple[str, int]
@@ -192,24 +193,20 @@ def _differences(
             if _same(have, candidate):
                 yield " and ".join(filter(None, (when, what)))
                 return
-    missing = [_sample(name, lag) for lag in factors if lag not in have]
+    missing = [sample_name(name, lag) for lag in factors if lag not in have]
     if missing:
         yield f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
     for lag, factor in factors.items():
         if lag in have and abs(have[lag] - factor.value) > _tolerance(right.values()):
             written = _symbol(have[lag], known).replace("+ ", "").replace("- ", "-")
-            yield f"the factor of {_sample(name, lag)} is {written} and not {factor.symbol}"
+            yield f"the factor of {sample_name(name, lag)} is {written} and not {factor.symbol}"
     for lag in sorted(have.keys() - right.keys()):
-        yield f"{_sample(name, lag)} does not belong into it"
+        yield f"{sample_name(name, lag)} does not belong into it"
 
 
 def _same(one: Mapping[int, float], other: Mapping[int, float]) -> bool:
     keys = {lag for lag in {*one, *other} if abs(one.get(lag, 0.0)) + abs(other.get(lag, 0.0)) > 0}
     return all(abs(one.get(lag, 0.0) - other.get(lag, 0.0)) <= _tolerance(other.values()) for lag in keys)
-
-
-def _sample(name: str, lag: int) -> str:
-    return f"{name}(k-{lag})" if lag else f"{name}(k)"
 
 
 def _written(found: Terms, asked: Mapping[Key, Factor], same_as: Mapping[str, str]) -> str:
@@ -218,7 +215,7 @@ def _written(found: Terms, asked: Mapping[Key, Factor], same_as: Mapping[str, st
     for (name, lag), factor in found.items():
         own = asked.get((same_as.get(name, name), lag))
         symbol = _symbol(factor, [*([own] if own else []), *asked.values()])
-        terms.append(f"{symbol} {_sample(name, lag)}".replace("+ 1 ", "+ ").replace("- 1 ", "- "))
+        terms.append(f"{symbol} {sample_name(name, lag)}".replace("+ 1 ", "+ ").replace("- 1 ", "- "))
     written = " ".join(terms).removeprefix("+ ")
     return f"-{written.removeprefix('- ')}" if written.startswith("- ") else written
 

@@ -174,7 +174,9 @@ def told_columns(
     asked = [(signal, 1.0, lag) for signal in "yu" for lag in range(1, order + 1)]
     if held == asked:
         return ""
-    written, wanted = (", ".join(map(_sample, columns)) for columns in (held, asked))
+    written, wanted = (
+        ", ".join(sample_name(signal, lag, sign) for signal, sign, lag in columns) for columns in (held, asked)
+    )
     return (
         f"Beside y(k) in `{target}`, the columns of `{phi}` are {written}; asked for are {wanted}. "
         f"{_causes(held, asked, phi, target)}"
@@ -198,7 +200,7 @@ def _causes(held: list[Sample], asked: list[Sample], phi: str, target: str) -> s
     if shift and sorted(moved) != sorted(asked):
         moved = held  # columns of one signal alone are shifted: Y is not
     missing = [
-        _sample((signal, 1.0, lag)) for signal, _, lag in asked if (signal, lag) not in {(x, n) for x, _, n in moved}
+        sample_name(signal, lag) for signal, _, lag in asked if (signal, lag) not in {(x, n) for x, _, n in moved}
     ]
     if missing:
         causes.append(f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing")
@@ -206,8 +208,8 @@ def _causes(held: list[Sample], asked: list[Sample], phi: str, target: str) -> s
     return f"{said.replace('the ', 'The ', 1) if said.startswith('the ') else said}." if said else ""
 
 
-def _sample(held: Sample) -> str:
-    signal, sign, lag = held
+def sample_name(signal: str, lag: int, sign: float = 1.0) -> str:
+    """A sample as it is written: ``u(k-1)``, ``-y(k)``, ``u(k+1)`` for a lag of -1."""
     when = f"k-{lag}" if lag > 0 else f"k+{-lag}" if lag else "k"
     return f"{'-' * (sign < 0)}{signal}({when})"
 

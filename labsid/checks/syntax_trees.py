@@ -28,6 +28,14 @@ def in_order(root: ast.AST, closed: tuple[type[ast.AST], ...] = ()) -> Iterator[
             waiting.extend(reversed(list(ast.iter_child_nodes(node))))
 
 
+def last_name(node: ast.expr) -> str:
+    """The name of a variable or of an attribute, such as a function that is called, without what stands before its dot.
+
+    Empty for any other expression.
+    """
+    return node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
+
+
 def flat_text(node: ast.AST) -> str:
     """A text that is equal for equal trees alone, wherever they stand in the source."""
     parts: list[str] = []

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from labsid.checks.line_values import parsed_line
 from labsid.checks.stops import Stop
+from labsid.checks.syntax_trees import last_name
 
 _FINDS = ("where", "nonzero", "flatnonzero", "argwhere")
 _SIZED = ("zeros", "ones", "empty", "eye", "range", "arange", "full", "reshape")
@@ -20,14 +21,14 @@ def tuple_for_a_part(stop: Stop, _: re.Match[str] | None = None) -> str | None:
             thing = stop.things.get(node.id)
             if thing is not None and thing.kind == "tuple":
                 return _all_of(stop, node.id, stop.made.get(node.id, ""))
-        if isinstance(node, ast.Call) and _function(node) in _FINDS[:2]:
+        if isinstance(node, ast.Call) and last_name(node.func) in _FINDS[:2]:
             return _found(ast.unparse(node), node)
     return _whole_shape(stop.line)
 
 
 def _all_of(stop: Stop, name: str, made: str) -> str | None:
     """Of what a tuple with that name is the whole; None if that is not known."""
-    call = next((node for node in _calls(made) if _function(node) in _FINDS[:2]), None)
+    call = next((node for node in _calls(made) if last_name(node.func) in _FINDS[:2]), None)
     if call is not None:
         return _found(name, call)
     if re.search(r"\.shape\b(?!\s*\[)", made):
@@ -47,7 +48,7 @@ def _all_of(stop: Stop, name: str, made: str) -> str | None:
 def _found(name: str, call: ast.Call) -> str:
     condition = call.args[0] if call.args else None
     said = (
-        f"`np.{_function(call)}` returns a tuple, with an array of all the indices in it. The first index is "
+        f"`np.{last_name(call.func)}` returns a tuple, with an array of all the indices in it. The first index is "
         f"`{name}[0][0]`"
     )
     if isinstance(condition, ast.Compare):
@@ -68,11 +69,12 @@ def all_that_is_found(stop: Stop, _: re.Match[str]) -> str | None:
     """All entries that meet a condition, in a computation with one of them."""
     for node in stop.expressions():
         made = stop.made.get(node.id, "") if isinstance(node, ast.Name) else ""
-        call = next((one for one in _calls(made) if _function(one) in _FINDS), None)
+        call = next((one for one in _calls(made) if last_name(one.func) in _FINDS), None)
         thing = stop.things.get(node.id) if isinstance(node, ast.Name) else None
         if call is not None and thing is not None and thing.kind == "array" and thing.shape:
             return (
-                f"`{ast.unparse(node)}` has {thing.shape[0]} entries, one for each index that `np.{_function(call)}` "
+                f"`{ast.unparse(node)}` has {thing.shape[0]} entries, "
+                f"one for each index that `np.{last_name(call.func)}` "
                 f"finds, by `{made}`. The first of them is `[0]`."
             )
     return None
@@ -82,7 +84,7 @@ def value_for_an_index(stop: Stop, _: re.Match[str]) -> str | None:
     """The smallest or the largest value where its index is asked for."""
     for node in stop.expressions():
         for part in node.args if isinstance(node, ast.Call) else ():
-            if isinstance(part, ast.Call) and _function(part) in _EXTREMES:
+            if isinstance(part, ast.Call) and last_name(part.func) in _EXTREMES:
                 return _no_index(stop, part)
     return None
 
@@ -121,7 +123,7 @@ def no_whole_number(stop: Stop, _: re.Match[str]) -> str | None:
     if any(re.search(r"(?<!/)/(?!/)", line) for line in lines):
         return f"{whole}: `/` always gives a float, `//` a whole number."
     for node in (one for one in nodes if isinstance(one, ast.Call)):
-        sized = node.args[0] if node.args and _function(node) in ("eye", "identity") else None
+        sized = node.args[0] if node.args and last_name(node.func) in ("eye", "identity") else None
         if isinstance(sized, ast.Name) and _is_fraction(stop, sized):
             called = ast.unparse(node.func)
             return (
@@ -130,7 +132,7 @@ def no_whole_number(stop: Stop, _: re.Match[str]) -> str | None:
             )
         for part in node.args:
             thing, name = stop.things.get(ast.unparse(part)), ast.unparse(part)
-            if thing is not None and thing.kind == "array" and thing.shape and _function(node) in _SIZED:
+            if thing is not None and thing.kind == "array" and thing.shape and last_name(node.func) in _SIZED:
                 return f"{whole}, and `{name}` is an array, of shape {thing.shape}: its length is `len({name})`."
             if isinstance(part, ast.Constant) and type(part.value) is float:
                 return f"{whole}, and `{name}` is none."
@@ -160,7 +162,7 @@ def _indices(node: ast.Subscript) -> Iterator[ast.expr]:
 def _no_index(stop: Stop, part: ast.expr) -> str:
     """Why an expression is no index; empty if that cannot be told."""
     name, thing = ast.unparse(part), stop.things.get(ast.unparse(part))
-    call = next((one for one in ast.walk(part) if isinstance(one, ast.Call) and _function(one) in _FINDS), None)
+    call = next((one for one in ast.walk(part) if isinstance(one, ast.Call) and last_name(one.func) in _FINDS), None)
     if call is not None:
         condition = call.args[0] if call.args else None
         first = (
@@ -169,8 +171,8 @@ def _no_index(stop: Stop, part: ast.expr) -> str:
             else ""
         )
         return f"`{name}` holds all the indices that are found, and an index is one number.{first}"
-    if isinstance(part, ast.Call) and _function(part) in _EXTREMES:
-        other = _EXTREMES[_function(part)]
+    if isinstance(part, ast.Call) and last_name(part.func) in _EXTREMES:
+        other = _EXTREMES[last_name(part.func)]
         return f"`{name}` is a value, and an index is asked for: where it is, `np.{other}(...)` tells."
     if isinstance(part, ast.Constant) and type(part.value) is float:
         return f"`{name}` is no whole number. {_COUNTS}"
@@ -204,8 +206,3 @@ def _no_index(stop: Stop, part: ast.expr) -> str:
 def _calls(line: str) -> Iterator[ast.Call]:
     tree = parsed_line(line)
     yield from (node for node in ([] if tree is None else ast.walk(tree)) if isinstance(node, ast.Call))
-
-
-def _function(call: ast.Call) -> str:
-    """The name of the function that is called, without what stands before its dot."""
-    return call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from labsid.checks.cell_names import parse_python
 from labsid.checks.permitted import without_magic
+from labsid.checks.syntax_trees import last_name
 
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _MAKERS = frozenset(
@@ -176,7 +177,7 @@ def _parts_written(value: ast.expr) -> list[ast.expr] | None:
         return [value.slice] if isinstance(value.value, ast.Attribute) and value.value.attr in _MAKERS else None
     if isinstance(value, ast.Call):
         function = value.func
-        named = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+        named = last_name(function)
         owner = function.value if isinstance(function, ast.Attribute) else None
         owners = [] if owner is None or isinstance(owner, ast.Name) else [owner]
         keywords = [one.value for one in value.keywords if one.arg not in ("dtype", "ndmin", "copy")]

@@ -10,7 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
-from labsid.checks.regressions import WRAPS, wrapped
+from labsid.checks.regressions import WRAPS, sample_name, wrapped
 from labsid.checks.trials import trial_equations
 from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
@@ -138,9 +138,9 @@ def _wrong_lags(lags: tuple[int, int, int]) -> str:
     wrong = [
         text
         for text, is_wrong in (
-            (f"the column of a holds {_lagged('y', of_y)} in place of y(k-2)", of_y != 2),
-            (f"{_lagged('u', of_known)} is taken off y(k) in place of the known term u(k-1)", of_known != 1),
-            (f"the column of b holds {_lagged('u', of_u)} in place of u(k-3)", of_u != 3),
+            (f"the column of a holds {sample_name('y', of_y)} in place of y(k-2)", of_y != 2),
+            (f"{sample_name('u', of_known)} is taken off y(k) in place of the known term u(k-1)", of_known != 1),
+            (f"the column of b holds {sample_name('u', of_u)} in place of u(k-3)", of_u != 3),
         )
         if is_wrong
     ]
@@ -158,10 +158,6 @@ def _other_factor(got: FloatArray, without: FloatArray, of_known: FloatArray) ->
         yield Slip("known term with another factor", text, lambda: without - factor * of_known)
 
 
-def _lagged(signal: str, lag: int) -> str:
-    return f"{signal}(k-{lag})" if lag else f"{signal}(k)"
-
-
 def _rows_used(u: FloatArray, y: FloatArray, value: Value) -> str:
     """Which lags and rows give the student's result, in words; else which row to write down."""
     got = np.ravel(value) if isinstance(value, np.ndarray) else np.empty(0)
@@ -172,9 +168,10 @@ def _rows_used(u: FloatArray, y: FloatArray, value: Value) -> str:
             target = y[k] - u[k - of_known] if is_taken_off else y[k]
             theta_of_rows = solve_least_squares(np.column_stack([-y[k - of_y], u[k - of_u]]), target).theta
             if SAME(got, theta_of_rows):
-                side = f"y(k) - {_lagged('u', of_known)}" if is_taken_off else "y(k)"
+                side = f"y(k) - {sample_name('u', of_known)}" if is_taken_off else "y(k)"
                 return (
-                    f"It is that of the rows [-{_lagged('y', of_y)}, {_lagged('u', of_u)}] with {side} on the left, "
+                    f"It is that of the rows [-{sample_name('y', of_y)}, {sample_name('u', of_u)}] with {side} "
+                    "on the left, "
                     f"k = {k[0] + 1} to {k[-1] + 1}. The equation is y(k) + a y(k-2) = u(k-1) + b u(k-3), k = "
                     f"4 to {u.size}."
                 )
