@@ -371,8 +371,8 @@ class InputEffect(Effect):
         """Transform the signal `w`, shape (N,); `span` is the length of the fitted record."""
         raise NotImplementedError
 
-    def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
-        """Own parameters, those that the input `u` of the record does not determine set by convention; and how many."""
+    def completed(self, own: FloatArray, data: Data) -> tuple[FloatArray, int]:
+        """Own parameters, those that the input of the record does not determine set by convention; and how many."""
         return own, 0
 
 

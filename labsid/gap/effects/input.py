@@ -15,10 +15,13 @@ from labsid.gap.effects.context import Context
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
 from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, bent, clipped, same, step
+from labsid.gap.record.data import Data
 
 LONGEST_DELAY = 250.0  # samples; set by hand
 LONGEST_SHARE = 0.25  # of the record; set by hand
 LEAST_BAND = 0.005  # of the range of the command: change by a dead zone with two gains, beside a kink; set by hand
+END = 0.02  # of the range of the command, from its ends: a dead zone with an edge there has one edge; set by hand
+SEEN_HALF = 0.5  # of the distance from zero to the edge of a dead zone with one seen edge; set by hand
 INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
 
 
@@ -161,6 +164,23 @@ class Saturation(Limits, InputEffect):
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) != fit.data.u)
 
 
+def _about_zero(low: float, high: float, data: Data) -> float | None:
+    """The scaled command zero, if it can be the middle of a band that the command leaves at one side; else None.
+
+    Of such a band nothing is seen beyond its mirrored edge, and at least half of what lies between zero and its edge.
+    """
+    zero = float(data.u_scale.of(np.zeros(1))[0])
+    least, most = float(data.u.min()), float(data.u.max())
+    edge = END * (most - least)
+    if low <= least + edge and high < most - edge:
+        half, end = high - zero, zero - least
+    elif high >= most - edge and low > least + edge:
+        half, end = zero - low, most - zero
+    else:
+        return None
+    return zero if half > 0.0 and -SEEN_HALF * half <= end <= half + edge else None
+
+
 def _jump(name: str) -> Parameter:
     return Parameter(name, 0.0, 8.0, leap=0.1)
 
@@ -230,7 +250,7 @@ class DeadZone(InputEffect):
         return (*ends, *richer.get(self.variant, ()))
 
     def starts(self, context: Context) -> list[FloatArray]:
-        """Narrow and wide bands around the first input, the mid-range and the median."""
+        """Narrow and wide bands around the first input, the mid-range and the median; about zero at an end."""
         u = context.data.u
         low, high = float(u.min()), float(u.max())
         middles = dict.fromkeys((round(float(u[0]), 6), 0.5 * (low + high), float(np.median(u))))
@@ -239,7 +259,11 @@ class DeadZone(InputEffect):
             for half in (0.08, 0.2):
                 pair = np.clip([middle - half * (high - low), middle + half * (high - low)], low, high)
                 starts.append(pair)
-        return starts
+        zero = float(context.data.u_scale.of(np.zeros(1))[0])
+        edges = [end + sign * share * (high - low) for end, sign in ((low, 1.0), (high, -1.0)) for share in (0.1, 0.25)]
+        mirrored = [(min(edge, 2.0 * zero - edge), max(edge, 2.0 * zero - edge)) for edge in edges]
+        one_edged = [pair for pair in mirrored if _about_zero(*pair, context.data) is not None]
+        return [*starts, *map(np.array, one_edged)]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Zero within the band, distance from the band outside."""
@@ -254,19 +278,20 @@ class DeadZone(InputEffect):
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) == 0.0)
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a band that reaches the end of the input's range (a limit), unless the rig is at rest at that end.
+        """Reject a band that reaches the end of the input's range (a limit), unless rest lies there.
 
-        With another gain below it, a band within which no command tells it from a kink is no dead zone.
+        The rig is at rest at that end, or the command zero is the middle of the band. With another gain below it, a
+        band within which no command tells it from a kink is no dead zone.
         """
         low, high = sorted(fit.theta_of(self)[:2])
         if self.variant == "gain" and not self._is_no_kink(fit):
             return False
         u = fit.data.u
-        edge = 0.02 * float(np.ptp(u))
+        edge = END * float(np.ptp(u))
         inside = low > u.min() + edge and high < u.max() - edge
         at_end = u[0] < u.min() + edge if low <= u.min() + edge else u[0] > u.max() - edge
         at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and low <= u[0] <= high and at_end
-        return bool(high > low and (inside or at_rest))
+        return bool(high > low and (inside or at_rest or _about_zero(low, high, fit.data) is not None))
 
     def _is_no_kink(self, fit: Fitted) -> bool:
         """Whether some command is where the band differs from its two straight lines, drawn to their crossing."""
@@ -278,14 +303,23 @@ class DeadZone(InputEffect):
         change = np.abs(kinked - self.apply(u, own, fit.data.samples))
         return not np.isfinite(crossing) or bool(change.max() > LEAST_BAND * np.ptp(u))
 
-    def completed(self, own: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
-        """Own parameters; an end of the band that `u`, at rest inside the band, never reaches mirrors the other end."""
+    def completed(self, own: FloatArray, data: Data) -> tuple[FloatArray, int]:
+        """Own parameters; an end of the band that the command never reaches mirrors the other one about rest.
+
+        Rest is the first command, if the rig is at rest at an end of the range, else the command zero.
+        """
         low, high = sorted(own[:2])
+        u = data.u
         at_end = u[0] == u.min() or u[0] == u.max()
-        if not at_end or not np.all(u[:REST_SAMPLES] == u[0]) or not low <= u[0] <= high:
-            return own, 0
-        ends = (2.0 * u[0] - high, high) if u[0] == u.min() else (low, 2.0 * u[0] - low)
-        steps = np.full(2, own[3] if u[0] == u.min() else own[2]) if self.variant == "jump" else np.zeros(own.size - 2)
+        if at_end and np.all(u[:REST_SAMPLES] == u[0]) and low <= u[0] <= high:
+            rest, from_above = float(u[0]), bool(u[0] == u.min())
+        else:
+            zero = _about_zero(low, high, data)
+            if zero is None:
+                return own, 0
+            rest, from_above = zero, bool(low <= u.min() + END * np.ptp(u))
+        ends = (2.0 * rest - high, high) if from_above else (low, 2.0 * rest - low)
+        steps = np.full(2, own[3] if from_above else own[2]) if self.variant == "jump" else np.zeros(own.size - 2)
         return np.concatenate([np.clip(ends, -8.0, 8.0), steps]), 1 + len(steps) // 2 + (self.variant == "gain")
 
     def values(self, fit: Fitted) -> dict[str, Value]:

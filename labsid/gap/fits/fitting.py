@@ -284,7 +284,7 @@ def finish(data: Data, hypothesis: Hypothesis, point: Point) -> Fit:
     point = _with_fastest_lag(data, hypothesis, point)
     e = data.y - point.output
     noise = noise_of(data, e)
-    theta, undetermined = hypothesis.completed(point.theta, data.u)
+    theta, undetermined = hypothesis.completed(point.theta, data)
     fixed = hypothesis.plant.follows or hypothesis.plant.stabilised
     known = known_gains(data, hypothesis).size * fixed + len(known_values(data, hypothesis))
     known += implied_count(hypothesis)

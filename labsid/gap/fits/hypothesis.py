@@ -14,6 +14,7 @@ from labsid.gap.effects.base import AdditiveEffect, Effect, InputEffect, OutputE
 from labsid.gap.effects.further_inputs import FurtherInput, SameEntry
 from labsid.gap.effects.output_feedback import OutputFeedback
 from labsid.gap.effects.restarts import Restarts
+from labsid.gap.record.data import Data
 
 NUISANCE_DELAY = 0.5  # samples: a shorter delay is attributed to sampling, not to the rig; definition
 DELAY = Parameter("delay", 0.0, NUISANCE_DELAY, 0.02)
@@ -176,12 +177,12 @@ class Hypothesis:
         """Whether the delay is an effect rather than a nuisance parameter."""
         return any(e.name == "input-delay" for e in self.inputs)
 
-    def completed(self, theta: FloatArray, u: FloatArray) -> tuple[FloatArray, int]:
-        """Theta, the parameters that the input `u` of the record does not determine set by convention; and how many."""
+    def completed(self, theta: FloatArray, data: Data) -> tuple[FloatArray, int]:
+        """Theta, the parameters that the input of the record does not determine set by convention; and how many."""
         full, undetermined = theta.copy(), 0
         for effect in self.inputs:
             place = self.slices[effect.key]
-            full[place], count = effect.completed(theta[place], u)
+            full[place], count = effect.completed(theta[place], data)
             undetermined += count
         return full, undetermined
 

@@ -261,7 +261,18 @@ def ambiguity_sentence(report: dict[str, Any]) -> str | None:
     chances = joined([f"{noun(e['name'])} {e.get('chance', probability(e['probability']))}" for e in report["effects"]])
     several = report["verdict"] == "partial" and len(report["effects"]) > 1
     instead = "in the place of one of the effects" if several else "instead"
-    return f"The record does not rule out {rivals} {instead}. Probability: {chances}."
+    return f"The record does not rule out {rivals} {instead}. Probability: {chances}.{_other_side(report)}"
+
+
+def _other_side(report: dict[str, Any]) -> str:
+    """What tells a dead zone of which one edge is seen from a limit of the actuator; empty for others."""
+    one_edge = {e["name"] for e in report["effects"] if len({"low", "high"} & e["parameters"].keys()) == 1}
+    pair = {"input-dead-zone", "input-saturation"}
+    if not one_edge & pair or not pair <= one_edge | set(report["ambiguous"]):
+        return ""
+    return (
+        " Commands on the other side of zero tell them apart: beyond a dead zone they act, beyond a limit they do not."
+    )
 
 
 def plateaus_matter(report: dict[str, Any]) -> bool:

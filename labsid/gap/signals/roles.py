@@ -50,14 +50,15 @@ class Signals:
     given: GivenSystem | None = None
 
     def data(self, i: int, j: int) -> Data:
-        """Input i and output j as the search uses them."""
-        return scaled(
+        """Input i and output j as the search uses them; beside a simulation that is run, the input about its zero."""
+        data = scaled(
             np.ascontiguousarray(self.u[:, i]),
             np.ascontiguousarray(self.y[:, j]),
             self.rows[:, j],
             self.Ts,
             float(self.t[0]),
         )
+        return data if self.given is None or self.given.linear else data.about_zero_command()
 
     def scaled_inputs(self) -> FloatArray:
         """Every input, centred and divided by its spread, shape (N, nu)."""

@@ -564,6 +564,32 @@ def test_a_dead_band_at_the_end_of_the_range_is_a_limit_unless_the_rig_rests_the
 
 
 @pytest.mark.parametrize(
+    ("least", "most", "band", "expected"),
+    [
+        (0.0, 5.0, (-0.8, 0.8), True),
+        (-0.5, 5.0, (-0.8, 0.8), True),
+        (-5.0, 0.3, (-0.8, 0.9), True),
+        (-3.0, 5.0, (-3.5, 0.8), False),  # about zero it would be left at -0.8
+        (2.0, 8.0, (1.0, 3.0), False),  # most of what lies between zero and the limit is not seen
+        (0.0, 5.0, (-1.0, 6.0), False),
+    ],
+)
+def test_a_dead_band_at_the_end_of_the_range_may_be_one_about_the_command_zero(
+    least: float, most: float, band: tuple[float, float], expected: bool
+) -> None:
+    u = np.random.default_rng(1).permutation(np.linspace(least, most, 200))
+    data = scaled(u, u, np.ones(u.size, bool), TS)
+    hypothesis = Hypothesis((input.DeadZone(),))
+    theta = np.zeros(len(hypothesis.parameters))
+    theta[hypothesis.slices["input-dead-zone"]] = data.u_scale.of(np.array(band))
+    assert hypothesis.effects[0].is_plausible(Fitted(hypothesis, theta, np.zeros(6), data)) is expected
+    theta, undetermined = hypothesis.completed(theta, data)
+    ends = data.u_scale.back(theta[hypothesis.slices["input-dead-zone"]])
+    assert undetermined == expected
+    assert (abs(ends.sum()) < 1e-9) == expected
+
+
+@pytest.mark.parametrize(
     ("variant", "rates", "expected"),
     [  # of the upper and of the lower tank, a sample
         ("lower", (0.3, 0.9), True),

@@ -291,6 +291,15 @@ def test_a_set_is_named_as_one_and_not_twice():
     assert sentences.ambiguity_sentence(none) == "The record does not rule out an extra lag."
 
 
+@pytest.mark.parametrize(("sides", "expected"), [(("high",), True), (("low", "high"), False)])
+def test_a_dead_zone_with_one_edge_and_a_limit_are_told_apart_beyond_zero(sides, expected):
+    base = report("input-dead-zone") | {"ambiguous": ["input-saturation"]}
+    (found,) = base["effects"]
+    found["parameters"] = {side: found["parameters"][side] for side in sides}
+    assert ("other side of zero tell them apart" in sentences.ambiguity_sentence(base)) is expected
+    assert "other side" not in sentences.ambiguity_sentence(base | {"ambiguous": ["input-backlash"]})
+
+
 @pytest.mark.parametrize(("margin", "how"), [(41.0, "reliable"), (9.0, "probably correct")])
 def test_the_experiment_names_the_effects_it_separates_and_its_margin(margin, how):
     base = with_experiment(report("input-delay"))

@@ -567,6 +567,17 @@ def test_an_end_of_a_dead_zone_that_the_record_does_not_reach_mirrors_the_other(
     assert limit is None
 
 
+def test_a_dead_zone_with_one_edge_fits_as_a_limit_does() -> None:
+    """Of commands that never reach the other edge; a limit that commands beyond the mirrored edge show is none."""
+    levels = np.random.default_rng(8).uniform(0.0, 1.0, 90)
+    for least, ties in ((0.0, True), (-2.0, False)):
+        u = np.repeat(least + (2.5 - least) * levels, 10)
+        y = lagged(np.maximum(u, 0.8))
+        data, limit = best_with(u, y, (input.Saturation("low"),))
+        zone = best_fit(data, trial_fits(data, fit_baseline(data), (input.DeadZone(),), limit))
+        assert (zone is not None and abs(zone.bic - limit.bic) < np.log(u.size)) == ties
+
+
 @pytest.mark.parametrize(
     ("variant", "force", "static"),
     [

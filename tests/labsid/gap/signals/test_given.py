@@ -117,6 +117,30 @@ def test_a_dead_zone_is_found_at_its_input_by_both_outputs() -> None:
     assert with_dead_zone().report["gap"]["closed"] > 0.95
 
 
+def dragged(t: FloatArray, u: FloatArray) -> FloatArray:
+    """A response to the first input, and the speed of a mass with quadratic drag that the second one drives."""
+    speed, found = 0.5, np.empty(t.size)
+    for k in range(t.size):
+        found[k] = speed
+        for _ in range(4):
+            speed += TS / 4 * (u[k, 1] - 2.0 * speed * abs(speed) - 0.3 * speed)
+    return np.column_stack([response(*PAIRS[0][0], u[:, 0]), found])
+
+
+@searched("input-dead-zone", "input-saturation", "output-nonlinearity")
+def test_a_dead_zone_is_one_about_zero_where_the_mean_of_the_input_is_not() -> None:
+    rng = np.random.default_rng(6)
+    t = TS * np.arange(600)
+    u = np.column_stack([np.repeat(rng.uniform(-1, 1, 24), 25), np.repeat(rng.uniform(-1, 3, 30), 20)])
+    acting = np.column_stack([u[:, 0], np.maximum(u[:, 1] - 0.5, 0.0) + np.minimum(u[:, 1] + 0.3, 0.0)])
+    y = dragged(t, acting)
+    y += 0.01 * np.std(y, axis=0) * rng.standard_normal(y.shape)
+    (effect,) = diagnose(Record(t, u, y, TS, inputs=("u1", "u2"), outputs=("y1", "y2")), dragged).report["effects"]
+    assert (effect["name"], effect["signal"]) == ("input-dead-zone", "u2")
+    ends = [effect["parameters"][side]["value"] for side in ("low", "high")]
+    np.testing.assert_allclose(ends, [-0.3, 0.5], atol=0.02)
+
+
 @searched(*FEW)
 @pytest.mark.parametrize(
     "simulation",
