@@ -13,6 +13,8 @@ from labsid._arrays import FloatArray
 from labsid.simulators.meter import BudgetSpentError, RunMeter
 
 ALL = "all"
+NAMES_OF_INPUT = {"u", "us", "input", "inputs", "command", "commands"}
+NAMES_OF_TIME = {"t", "ts", "dt", "h", "time", "times", "tt"}
 Run = Callable[[FloatArray, FloatArray, Mapping[str, float]], Any]
 
 
@@ -225,7 +227,7 @@ def function_simulator(function: Callable[..., Any], label: str | None = None) -
     Raises
     ------
     ValueError
-        If it cannot be called with a time and an input.
+        If it cannot be called with a time and an input, or names them the other way round.
     """
     label = label or str(getattr(function, "__name__", type(function).__name__))
     nominal: dict[str, float] = {}
@@ -236,6 +238,13 @@ def function_simulator(function: Callable[..., Any], label: str | None = None) -
         raise ValueError(f"{label} cannot be called as {label.split(':')[-1]}(t, u): {error}.") from None
     except ValueError:  # a builtin without a signature
         return Simulator(lambda t, u, numbers: function(t, u), label)
+    first, second = list(signature.parameters)[:2] if len(signature.parameters) > 1 else ("", "")
+    if first.lower() in NAMES_OF_INPUT and second.lower() in NAMES_OF_TIME:
+        call = label.split(":")[-1]
+        raise ValueError(
+            f"{label} takes ({first}, {second}), and is called with the times first. Write it as {call}(t, u): t are "
+            "the times of the samples in seconds, u the input at these times."
+        )
     for parameter in list(signature.parameters.values())[2:]:
         default = parameter.default
         if isinstance(default, int | float | np.number) and not isinstance(default, bool):

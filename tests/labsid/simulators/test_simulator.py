@@ -112,6 +112,14 @@ def test_a_source_that_cannot_be_opened_is_said_in_one_line(rig: Path, source: s
         open_in_process(source.format(rig=rig, folder=rig.parent))
 
 
+def test_a_function_with_the_input_first_is_refused() -> None:
+    """It would take the times for the input, and run."""
+    with pytest.raises(ValueError, match=r"rig takes \(u, Ts\), .* Write it as rig\(t, u\)"):
+        function_simulator(lambda u, Ts, gain=1.0: gain * u, "rig")
+    for right in (lambda t, u: u, lambda time, voltage, u=1.0: voltage, lambda x, t: x, lambda *signals: signals[1]):
+        np.testing.assert_array_equal(function_simulator(right)(T, U), U if right(0, 1) == 1 else T)
+
+
 @pytest.mark.parametrize(
     ("returned", "said"),
     [
