@@ -143,6 +143,8 @@ STATES = {
     "speed": (Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)),
 }
 """Initial states of nonlinear dynamics, about the equilibrium at the first input."""
+LEVELS = (Parameter("h1", -2e4, 2e4), Parameter("h2", -2e4, 2e4))
+"""Those of tanks with root outflow: the level is the square of the flow, which may be 200 at its mean."""
 
 
 def _nothing(w: FloatArray, numbers: dict[str, float]) -> FloatArray:
@@ -297,7 +299,7 @@ class PlantForm:
             own += [DRAG] if self.drag else []
             own += [LIMIT] if self.limit else []
             own += [Parameter("centre", -20.0, 20.0, 1e-3)]
-        own += STATES.get(self.kind, ())
+        own += LEVELS if self.has_root else STATES.get(self.kind, ())
         if self.drift_degree or self.kind == "leak":
             own += [Parameter("drift", -3.0, 3.0)]
         if self.kind in ("varying", "leak"):

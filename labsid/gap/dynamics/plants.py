@@ -27,6 +27,7 @@ from labsid.gap.dynamics.responses import (
 
 MIN_TIME_CONSTANTS = 12  # of a lag in a record: a slower lag would imitate a drift; set by hand
 MIN_FLOW = 0.25  # scaled: smallest mean flow at which square-root outflow is linearized; set by hand
+SMALLEST_CURVATURE = 0.1  # of that before a step: the least one after it; numerics
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +206,37 @@ class Plant(PlantForm):
     def root_slope(self, theta: FloatArray) -> float:
         """Derivative of the level by the flow at the mean flow, for square-root outflow."""
         return 2.0 * max(-float(theta[self.index("zero")]), MIN_FLOW)
+
+    def flatter(self, theta: FloatArray) -> FloatArray:
+        """Change of theta for a relative change of the curvature of root outflow; the linearized dynamics stay.
+
+        Where the mean flow is nearly zero, that of "zero" alone.
+        """
+        change, at = np.zeros(theta.size), self.index("zero")
+        if theta[at] >= -MIN_FLOW:
+            change[at] = 1.0
+            return change
+        change[at] = theta[at]
+        for rate, level in self._of_roots():
+            change[rate], change[level] = 1.0, theta[level]
+        return change
+
+    def stepped(self, theta: FloatArray, step: FloatArray) -> FloatArray:
+        """Theta after a step, whose entry for "zero" is one of `flatter`; the curvature changes by this share."""
+        new, at = theta + step, self.index("zero")
+        if theta[at] >= -MIN_FLOW:
+            return new
+        ratio = 1.0 / max(1.0 - step[at], SMALLEST_CURVATURE)
+        new[at] = theta[at] * ratio
+        for rate, level in self._of_roots():
+            new[rate] += np.log(ratio)
+            new[level] *= ratio
+        return new
+
+    def _of_roots(self) -> list[tuple[int, int]]:
+        """Places of the rate and the initial level of each tank with root outflow."""
+        places = {"upper": ("log_a", "h1"), "lower": ("log_b", "h2")}
+        return [(self.index(rate), self.index(level)) for rate, level in map(places.__getitem__, self.roots)]
 
     def level_slopes(self, theta: FloatArray) -> tuple[float, float]:
         """Derivatives of the upper and lower levels by the flow; one for linear outflow."""

@@ -237,11 +237,18 @@ def descend(problem: Problem, at: Point, iterations: int, tolerance: float = 1e-
     """Minimize the output error by Levenberg-Marquardt from a point of the same problem."""
     lower, upper = problem.bounds
     searched = at.theta.size
+    plant, own = problem.hypothesis.plant, problem.hypothesis.slices["plant"]
+    has_root = plant.has_root
     damping = 1e-3
     for _ in range(iterations):
         J = problem.jacobian(at)
         if J is None:
             break
+        if has_root:  # the linearized dynamics and their gains stay as the curvature of the outflow changes
+            zero = own.start + plant.index("zero")
+            J[:, zero] = J[:, own] @ plant.flatter(at.theta[own])
+            beside_zero = solve_least_squares(J[:, searched:], J[:, zero])
+            J[:, zero] -= J[:, searched:] @ beside_zero
         gram, scale = scaled_gram(J)
         slope = (J.T @ at.error) / scale
         better = None
@@ -259,7 +266,11 @@ def descend(problem: Problem, at: Point, iterations: int, tolerance: float = 1e-
             diagonal[:searched] += damping * np.maximum(weak, 1.0)
             lhs.flat[:: gram.shape[0] + 1] = diagonal
             step = solve_positive_definite(lhs, slope) / scale
-            new = np.clip(at.theta + step[:searched], lower, upper)
+            new = at.theta + step[:searched]
+            if has_root:
+                new[own] = plant.stepped(at.theta[own], step[own])
+                step[searched:] -= beside_zero * step[zero]
+            new = np.clip(new, lower, upper)
             better = problem.point(new, at.gains + step[searched:] if problem.has_sensor else None)
             if better is not None and better.cost < at.cost:
                 break

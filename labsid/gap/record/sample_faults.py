@@ -239,3 +239,28 @@ def without_responses(spikes: np.ndarray, u: FloatArray) -> np.ndarray:
     count, there = int(spikes.sum()), int((spikes & changes).sum())
     by_chance = bdtrc(there - 1, count, changes.mean()) > CHANCE  # the binomial probability of that many
     return spikes if by_chance else spikes & ~changes
+
+
+def without_limited(spikes: np.ndarray, e: FloatArray, y: FloatArray) -> np.ndarray:
+    """Spikes of the sensor, without those that a limit of the sensor makes.
+
+    Such readings are the lowest, and too high, or the highest, and too low; more of them than by chance.
+
+    Parameters
+    ----------
+    spikes : ndarray of bool, shape (N,)
+    e : ndarray, shape (N,)
+        Readings less those of a simulation.
+    y : ndarray, shape (N,)
+        Readings.
+    """
+    left = spikes.copy()
+    for sign in (1.0, -1.0):
+        inward = spikes & (sign * e > 0.0)
+        count = int(inward.sum())
+        most = min(2 * count, y.size) - 1
+        if count:
+            extreme = inward & (sign * y <= np.partition(sign * y, most)[most])
+            if bdtrc(int(extreme.sum()) - 1, count, (most + 1) / y.size) < CHANCE:
+                left &= ~extreme
+    return left

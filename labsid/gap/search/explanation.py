@@ -24,6 +24,7 @@ from labsid.gap.record.sample_faults import (
     find_spikes,
     flat_samples,
     reading_errors,
+    without_limited,
     without_responses,
     without_rest,
     without_slow_ends,
@@ -151,9 +152,9 @@ class _Screened:
         """Samples off the lattice of the others, and isolated errors of the readings."""
         readings = self.data.readings
         e, looked_at = readings(self.measured - fit.output), readings(self.usable) & ~self.flat
-        isolated = without_responses(
-            find_spikes(e, looked_at, self.step or 0.0, self.resolution), readings(self.data.u)
-        )
+        isolated = find_spikes(e, looked_at, self.step or 0.0, self.resolution)
+        isolated = without_responses(isolated, readings(self.data.u))
+        isolated = without_limited(isolated, e, readings(self.measured))
         return self.data.among_samples(self.off | isolated)
 
 

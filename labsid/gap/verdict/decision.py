@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from labsid.gap.effects.command_faults import Off
+from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.disturbance import PassingLoad
 from labsid.gap.effects.drifts import GainDrift
 from labsid.gap.effects.dynamics import MOST_DAMPING, ExtraLag, Resonance
@@ -359,10 +360,10 @@ def without_small_additions(decision: Decision, explanation: Explanation) -> Dec
 
 
 def without_doubtful_parts(decision: Decision, closed: tuple[float, float] | None) -> Decision:
-    """The partial explanation with nothing more likely than not, if it may close no part of the gap."""
-    if decision.verdict != "partial" or closed is None or closed[0] > 0.0:
+    """The decision with no simulated effect more likely than not, if it may close no part, or enlarges the gap."""
+    if closed is None or (closed[0] > 0.0 if decision.verdict == "partial" else closed[1] >= 0.0):
         return decision
-    return _less_likely_than_not(decision, set(decision.names))
+    return _less_likely_than_not(decision, set(decision.names) - set(UNSIMULATED))
 
 
 def without_biased_fits(decision: Decision, data: Data, fit: Fit, closed: tuple[float, float] | None) -> Decision:

@@ -403,3 +403,20 @@ def test_a_mass_on_a_weak_spring_starts_at_its_own_position() -> None:
     w = np.full(50, 0.5)
     same, other = (plant.columns(theta, w, w.size, reference)[:, 0] for reference in (0.5, 0.45))
     assert same[0] == other[0] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("roots", [("upper",), ("lower",), ("upper", "lower")])
+def test_a_flatter_outflow_keeps_the_linearized_dynamics(roots: tuple[str, ...], levels: FloatArray) -> None:
+    plant = Plant(kind="tanks", roots=roots)
+    theta = theta_of(plant, log_a=-0.5, log_b=1.0, zero=-9.0, h1=3.0, h2=-2.0)
+    step = theta_of(plant, zero=1e-6)
+    np.testing.assert_allclose((plant.stepped(theta, step) - theta) * 1e6, plant.flatter(theta), rtol=1e-5)
+    half = plant.stepped(theta, theta_of(plant, zero=0.5))
+    assert half[plant.index("zero")] == pytest.approx(-18.0)  # half of the curvature
+    np.testing.assert_allclose(plant.linear_rates(half), plant.linear_rates(theta))
+    outputs = [plant.columns(at, levels, levels.size)[:, 0] for at in (theta, half)]
+    affine = np.column_stack([outputs[1], np.ones(levels.size)])
+    assert left(affine, outputs[0]) < 0.02 * np.ptp(outputs[0])
+    near_zero = theta_of(plant, zero=-0.1)
+    np.testing.assert_array_equal(plant.stepped(near_zero, step), near_zero + step)
+    np.testing.assert_array_equal(plant.flatter(near_zero), theta_of(plant, zero=1.0))

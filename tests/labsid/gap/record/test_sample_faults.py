@@ -9,6 +9,7 @@ from labsid.gap.record.sample_faults import (
     find_lattice,
     find_spikes,
     flat_samples,
+    without_limited,
     without_responses,
     without_rest,
     without_slow_ends,
@@ -321,3 +322,19 @@ def test_rest_that_goes_on_by_next_to_nothing_is_no_hold() -> None:
     y = np.repeat([0.0, 1.0, 1.0 + 1e-7, 1.0 + 2e-7, 3.0], [5, 9, 7, 20, 2])
     stretches = ((1, 5), (6, 14), (15, 21), (22, 41), (42, 43))
     assert without_slow_ends(stretches, y, 1e-4) == ((1, 5), (22, 41), (42, 43))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_lowest_readings_that_are_too_high_are_those_of_a_limit(noise: np.ndarray, sign: float) -> None:
+    """Or the highest ones that are too low; spikes elsewhere, and those that point outside, stay."""
+    true = sign * noise
+    limit = np.partition(noise, 6)[6]
+    limited = noise < limit
+    y = sign * np.maximum(noise, limit)
+    assert not without_limited(limited, y - true, y).any()
+    outside = sign * np.where(limited, noise - 1.0, noise)
+    np.testing.assert_array_equal(without_limited(limited, outside - true, outside), limited)
+    anywhere = np.arange(noise.size) % 67 == 5
+    y = np.where(anywhere, true + 0.5, true)
+    np.testing.assert_array_equal(without_limited(anywhere, y - true, y), anywhere)
+    assert not without_limited(np.zeros(noise.size, bool), y - true, y).any()

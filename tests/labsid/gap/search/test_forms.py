@@ -567,6 +567,24 @@ def test_an_end_of_a_dead_zone_that_the_record_does_not_reach_mirrors_the_other(
     assert limit is None
 
 
+def test_a_slightly_curved_outflow_is_found_from_a_strongly_curved_one() -> None:
+    """The empty tank is ten ranges below the record, which begins far from rest."""
+    u = np.repeat(np.random.default_rng(5).uniform(0.0, 2.0, 60), 20)
+    level, y = 19.0**2, np.empty(u.size)
+    for k in range(u.size):
+        y[k] = level
+        for _ in range(20):
+            level += 0.05 * 2.0 * (u[k] + 20.0 - np.sqrt(level))
+    y += 0.002 * y.std() * np.random.default_rng(6).standard_normal(u.size)
+    data = scaled(u, y, np.ones(u.size, bool), 0.1)
+    base = fit_baseline(data)
+    group = tuple(tanks.SqrtOutflow(variant) for variant in tanks.SqrtOutflow.variants)
+    fit = best_fit(data, trial_fits(data, base, group, base))
+    assert fit is not None
+    assert fit.bic < base.bic - 50.0
+    assert values_of(data, fit)["zero"] == pytest.approx(-20.0, rel=0.15)
+
+
 def test_a_dead_zone_with_one_edge_fits_as_a_limit_does() -> None:
     """Of commands that never reach the other edge; a limit that commands beyond the mirrored edge show is none."""
     levels = np.random.default_rng(8).uniform(0.0, 1.0, 90)

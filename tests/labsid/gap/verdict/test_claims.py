@@ -62,6 +62,17 @@ def test_a_partial_explanation_that_may_close_nothing_is_less_likely_than_not(
     assert after.probability == {FRICTION: SWITCH_PROBABILITY if limited else 0.8}
 
 
+@pytest.mark.parametrize(("closed", "limited"), [((-6.0, -1.0), True), ((-1.0, 0.4), False), (None, False)])
+def test_an_effect_that_enlarges_the_gap_elsewhere_is_less_likely_than_not(
+    closed: tuple[float, float] | None, limited: bool
+) -> None:
+    """A converter is seen in the samples."""
+    converter = "output-quantization"
+    decision = Decision("effect", (FRICTION, converter), {FRICTION: 0.8, converter: 0.8}, (), {}, 1.0)
+    after = without_doubtful_parts(decision, closed)
+    assert after.probability == {FRICTION: SWITCH_PROBABILITY if limited else 0.8, converter: 0.8}
+
+
 @pytest.mark.parametrize(("change", "limited"), [(0.0, True), (0.5, False)], ids=["none", "half"])
 def test_an_effect_whose_every_size_is_within_its_error_is_less_likely_than_not(change: float, limited: bool) -> None:
     rng = np.random.default_rng(3)
