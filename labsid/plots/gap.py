@@ -84,6 +84,7 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
     finish(upper, title, "", "Output $y$", legend_columns=0)
     draw_errors(lower, report, trace, curves)
     finish(lower, "", TIME, "Error", legend_columns=0)
+    lower.locator_params(axis="x", nbins=4 if narrow else 7)
     figure.align_ylabels([upper, lower])
     handles = [*upper.lines, next(line for line in lower.lines if str(line.get_label()).endswith("s.d."))]
     figure.legend(handles=handles, loc="outside lower center", ncols=2 if narrow else 4, fontsize=SMALL_TEXT_SIZE)

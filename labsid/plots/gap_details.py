@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MARGIN = 0.3  # of the range of the curves, above and below them
 VISITS = 0.16  # of the height, for the histogram of the visits
 CELLS = 60  # of this histogram
+FEW_TICKS = 6  # most intervals between ticks: numbers of six digits do not touch
 LONGEST_LABEL = 36  # characters of a line of a label
 
 
@@ -59,6 +60,7 @@ def figure_effect(shown: dict[str, Any], narrow: bool = False) -> Figure:
     figure.legend(loc="outside upper center", ncols=2 if narrow else 3, fontsize=SMALL_TEXT_SIZE)
     for axis in (ax.xaxis, ax.yaxis):
         axis.label.set_fontsize(SMALL_TEXT_SIZE)
+    ax.locator_params(axis="x", nbins=FEW_TICKS)
     return figure
 
 
