@@ -125,7 +125,7 @@ def test_every_effect_is_explained_with_its_parameters(name):
 def test_figures_are_png_for_both_widths_with_alternative_text(pages):
     html, parsed = pages["ambiguous"]
     pictures = [value for _, name, value in parsed.attributes if name in ("src", "srcset")]
-    assert len(pictures) == 8  # those of two widths but for the curve of the effect and the simulations
+    assert len(pictures) == 9  # those of two widths but for the simulations
     for picture in pictures:
         kind, _, data = picture.partition("base64,")
         assert kind == "data:image/png;"
