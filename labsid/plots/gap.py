@@ -78,10 +78,13 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
         title = f"Where the gap{of} is largest"
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.7, 1.0])
     draw_outputs(upper, trace, curves, slice(None))
-    title = as_text_lines(fill(f"{title} ({unit_of(report)})", 36 if narrow else 60).splitlines())
+    longest, unit = 36 if narrow else 60, f"({unit_of(report)})"
+    whole = f"{title} {unit}"
+    title = as_text_lines([whole] if len(whole) <= longest else [*fill(title, longest).splitlines(), unit])
     finish(upper, title, "", "Output $y$", legend_columns=0)
     draw_errors(lower, report, trace, curves)
     finish(lower, "", TIME, "Error", legend_columns=0)
+    lower.locator_params(axis="x", nbins=4 if narrow else 7)
     figure.align_ylabels([upper, lower])
     handles = [*upper.lines, next(line for line in lower.lines if str(line.get_label()).endswith("s.d."))]
     figure.legend(handles=handles, loc="outside lower center", ncols=2 if narrow else 4, fontsize=SMALL_TEXT_SIZE)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from labsid.plots.gap_curves import noise_band, simulation_curves, unit_of
-from labsid.plots.page_figures import page_figure
+from labsid.plots.page_figures import NARROW, page_figure
 from labsid.plots.root_plane import DrawnRoots, draw_roots, draw_zoom, has_zoom
 from labsid.plots.signal_names import as_text_lines
 from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, axis_of_gain, finish, new_figure
@@ -21,22 +22,26 @@ if TYPE_CHECKING:
 MARGIN = 0.3  # of the range of the curves, above and below them
 VISITS = 0.16  # of the height, for the histogram of the visits
 CELLS = 60  # of this histogram
+FEW_TICKS = 6  # most intervals between ticks: numbers of six digits do not touch
+LONGEST_LABEL = 36  # characters of a line of a label
 
 
-def figure_effect(shown: dict[str, Any]) -> Figure:
+def figure_effect(shown: dict[str, Any], narrow: bool = False) -> Figure:
     """Draw what an effect does, beside what a simulation without it assumes.
 
     Parameters
     ----------
     shown : dict
         As `effect_curves.effect_curve` returns it.
+    narrow : bool
+        Whether to fit the width of a telephone.
 
     Returns
     -------
     matplotlib.figure.Figure
         With the 95 % error of the curve and of its places, and at the bottom how often the record is at each value.
     """
-    figure = new_figure(5.4, 3.1)
+    figure = new_figure(*((NARROW, 3.0) if narrow else (5.4, 3.1)))
     ax = figure.subplots()
     x, curve, band = shown["x"], shown["curve"], shown["band"]
     ax.plot(x, shown["plain"], color=VERMILION, linestyle="--", linewidth=1.4, label="Without")
@@ -50,11 +55,12 @@ def figure_effect(shown: dict[str, Any]) -> Figure:
     margin = MARGIN * ((high - low) or 1.0)
     ax.set_ylim(low - margin, high + margin)
     _draw_visits(ax, shown["visits"])
-    across, label = (as_text_lines([text]) for text in shown["labels"])
+    across, label = (as_text_lines(wrap(text, LONGEST_LABEL)) for text in shown["labels"])
     finish(ax, "", across, label, legend_columns=0)
-    figure.legend(loc="outside upper center", ncols=3, fontsize=SMALL_TEXT_SIZE)
+    figure.legend(loc="outside upper center", ncols=2 if narrow else 3, fontsize=SMALL_TEXT_SIZE)
     for axis in (ax.xaxis, ax.yaxis):
         axis.label.set_fontsize(SMALL_TEXT_SIZE)
+    ax.locator_params(axis="x", nbins=FEW_TICKS)
     return figure
 
 

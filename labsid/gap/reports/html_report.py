@@ -11,6 +11,7 @@ from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.record.record_findings import BY_LAW, BY_RELAY
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS
+from labsid.gap.reports.glance import on_track, shown_sentence
 from labsid.gap.reports.limit_rows import (
     COLUMNS,
     hidden_sentences,
@@ -24,8 +25,8 @@ from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import (
     TEMPLATES,
     digest,
-    effect_content,
     effect_pictures,
+    effects_content,
     has_holdout,
     has_probabilities,
     in_base64,
@@ -35,7 +36,7 @@ from labsid.gap.reports.page_parts import (
     simulation_sentence,
 )
 from labsid.gap.reports.pole_rows import drawn_dynamics, poles_sentence
-from labsid.gap.reports.quantities import closed_percent, number, percent, probability
+from labsid.gap.reports.quantities import number, percent, probability
 from labsid.gap.reports.residual_curves import find_residual_curves
 from labsid.gap.reports.response_curves import find_response_curves
 from labsid.gap.reports.rivals import rival_responses
@@ -96,7 +97,9 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "records": sentences.record_rows(report),
         "records_text": sentences.records_sentence(report),
         "kinds": _kinds(report),
-        "effects": [effect_content(effect) for effect in report["effects"]],
+        "effects": effects_content(report),
+        "shown_effects": shown_sentence(report),
+        "refitted": sentences.is_mismatch(report) and not sentences.is_unchanged(report),
         "alternatives": sentences.ambiguity_sentence(report),
         "record": sentences.record_sentences(report),
         "screen": report["screen"],
@@ -123,7 +126,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
 
 def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
     """The blocks of the control loop, with marks on those of the causes; the simulation only if it was given."""
-    causes = {effect["path"] for effect in report["effects"] if sentences.is_probable(effect)}
     possible = {effect["path"]: effect["probability"] for effect in sorted(report["effects"], key=_probability)}
     kind = sentences.main_kind(report) if report["verdict"] in ("partial", "unknown") else None
     rest = None if kind is None else PATHS[kind]
@@ -134,13 +136,24 @@ def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
             "what": what,
             "share": f"{100.0 * possible.get(path, 0.0):.0f}",
             "tags": [
-                *(["cause"] if path in causes else ["possible cause"] if path in possible else []),
+                *_causes_at(path, report["effects"]),
                 *([f"main part of the {'rest' if possible else 'error'}"] if path == rest else []),
             ],
         }
         for path, title, what in LOOP
         if path != "parameters" or report["simulation"]["given"]
     ]
+
+
+def _causes_at(path: str, effects: list[dict[str, Any]]) -> list[str]:
+    """The causes in one block of the loop; apart from them those that are less probable than not, and improbable."""
+    named: dict[str, list[str]] = {}
+    for effect in effects:
+        if effect["path"] == path:
+            p = effect["probability"]
+            title = "cause" if p >= sentences.HALF else "possible cause" if p >= sentences.NAMED else "improbable cause"
+            named.setdefault(title, []).append(sentences.noun_without_article(effect["name"]))
+    return [f"{title}: {joined(names)}" for title, names in named.items()]
 
 
 def _has_controller(report: dict[str, Any]) -> bool:
@@ -166,31 +179,15 @@ def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:
                 "name": sentences.capitalised(joined([sentences.noun_without_article(name) for name in names])),
                 "probability": probability(row["probability"]),
                 "chance": f"{100.0 * row['probability']:.1f}",
-                **_on_track(closed, gap["ci95"] if ours and not has_probabilities(report) else row.get("ci95")),
+                **on_track(closed, gap["ci95"] if ours and not has_probabilities(report) else row.get("ci95")),
                 "rmse": number(row["rmse"]),
                 "accepted": ours,
-                "held_out": _on_track(gap["closed"], gap["ci95"])
+                "held_out": on_track(gap["closed"], gap["ci95"])
                 if ours and gap["closed"] is not None and has_probabilities(report)
                 else None,
             }
         )
     return rows
-
-
-def _on_track(closed: float | None, ci95: list[float] | None) -> dict[str, str]:
-    """A closed share with its interval as text, and their places on a track of the whole gap in per cent."""
-    if closed is None:
-        return {"closed": "–", "at": "", "low": "", "span": ""}
-    at = f"{100.0 * min(max(closed, 0.0), 1.0):.1f}"
-    if ci95 is None:
-        return {"closed": closed_percent(closed), "at": at, "low": "", "span": ""}
-    low, high = (min(max(end, 0.0), 1.0) for end in ci95)
-    return {
-        "closed": closed_percent(closed, ci95),
-        "at": at,
-        "low": f"{100.0 * low:.1f}",
-        "span": f"{100.0 * (high - low):.1f}",
-    }
 
 
 def _kinds(report: dict[str, Any]) -> list[dict[str, str]]:

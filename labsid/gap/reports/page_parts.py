@@ -9,14 +9,17 @@ import math
 import re
 import shlex
 from collections.abc import Mapping, Sequence
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from labsid._texts import joined
 from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_curves import effect_curve
 from labsid.gap.reports.effect_texts import parameter_rows
+from labsid.gap.reports.glance import chances_sentence, next_step, on_track
 from labsid.gap.reports.quantities import closed_percent, number
 from labsid.plots.style import STYLE_SHEETS
 
@@ -50,7 +53,9 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
         "samples": record["samples"],
         "Ts": f"{record['Ts']:.6g}",
         "duration": f"{record['samples'] * record['Ts']:.4g}",
-        "closed": None if unchanged else closed_percent(gap["closed"], gap["ci95"]),
+        "share": None if unchanged else on_track(gap["closed"], gap["ci95"]),
+        "chances": chances_sentence(report),
+        "next": next_step(report),
         "bars": error_bars(report),
         "at_most": "noise" if sentences.is_noise_alone(report) else "noise, with what no model predicts,",
         "command": command(report),
@@ -59,32 +64,19 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
 
 
 def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """Rms errors as bars, with lengths in per cent of the longest.
-
-    They are a waterfall: beside the bar of an effect stands what it closes of the error above it, as `gone`, and beside
-    the bar of the noise what remains of the error after.
-    """
+    """Rms errors as bars, with lengths in per cent of the longest: before, with each effect, after, and the noise."""
     gap = report["gap"]
     if sentences.is_unchanged(report):
         rows = [("Simulation", gap["before"], "before")]
     else:
-        steps = [(f"With {sentences.noun_without_article(name)}", size, "step") for name, size in _steps(report)]
+        steps = [(label, size, "step") for label, size in _steps(report)]
         after = (f"After {sentences.correction(report)}", gap["after"], "after")
         rows = [("Before", gap["before"], "before"), *steps, after]
     rows += _noise_rows(report)
     longest = max(value for _, value, _ in rows) or 1.0
-    noise = len(rows) - len(_noise_rows(report))
-    last = 0 if report["verdict"] == "none" else noise  # nothing is closed of no gap, and nothing remains of it
     return [
-        {
-            "label": text,
-            "value": number(value),
-            "width": f"{100.0 * value / longest:.1f}",
-            "colour": colour,
-            "gone": f"{100.0 * max(rows[k - 1][1] - value, 0.0) / longest:.1f}" if 0 < k <= last else "0.0",
-            "kind": "left" if k == noise else "closed",
-        }
-        for k, (text, value, colour) in enumerate(rows)
+        {"label": text, "value": number(value), "width": f"{100.0 * value / longest:.1f}", "colour": colour}
+        for text, value, colour in rows
     ]
 
 
@@ -102,19 +94,34 @@ def _noise_rows(report: dict[str, Any]) -> list[tuple[str, float, str]]:
 
 
 def _steps(report: dict[str, Any]) -> list[tuple[str, float]]:
-    """The error with each effect but the last one, from the shares of the gap that are closed so far."""
+    """The error with the effects of each step but the last one, from the shares of the gap that are closed so far."""
     gap = report["gap"]
     if any(effect["closed"] is None or effect["name"] in UNSIMULATED for effect in report["effects"]):
         return []
     floor, before = gap["noise_floor"] ** 2, max(gap["before"] ** 2 - gap["noise_floor"] ** 2, 0.0)
+    steps = [(closed, list(added)) for closed, added in groupby(report["effects"], lambda effect: effect["closed"])]
     return [
-        (effect["name"], math.sqrt(floor + before * (1.0 - effect["closed"]) ** 2)) for effect in report["effects"][:-1]
+        (
+            f"{'And with' if k else 'With'} {joined([sentences.noun_without_article(one['name']) for one in added])}",
+            math.sqrt(floor + before * (1.0 - closed) ** 2),
+        )
+        for k, (closed, added) in enumerate(steps[:-1])
     ]
 
 
 def has_probabilities(report: dict[str, Any]) -> bool:
     """Whether the candidates are compared by their probabilities, not by their errors on held-out samples."""
     return report["verdict"] in ("none", "effect")
+
+
+def effects_content(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """The effects as text; of those that were added in one step, the last one has the share that all of them close."""
+    effects = report["effects"]
+    last = [one["closed"] != then["closed"] for one, then in pairwise(effects)] + [True]
+    return [
+        effect_content(one | {"closed": one["closed"] if shown else None})
+        for one, shown in zip(effects, last, strict=False)
+    ]
 
 
 def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
@@ -133,14 +140,13 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
 
 
 def effect_pictures(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
-    """The curve of each effect that has one as PNG, by the place of the effect; the same on both screens."""
+    """The curve of each effect that has one as PNG, by the place of the effect, for a wide and for a narrow screen."""
     from labsid.plots.gap_details import figure_effect
-    from labsid.plots.page_figures import page_style, palette_png
+    from labsid.plots.page_figures import in_both_widths
 
-    curves = {f"effect {i}": effect_curve(report, effect) for i, effect in enumerate(report["effects"], 1)}
-    with page_style():
-        drawn = {name: palette_png(figure_effect(curve)) for name, curve in curves.items() if curve is not None}
-    return {name: {"wide": png} for name, png in drawn.items()}
+    found = {f"effect {i}": effect_curve(report, effect) for i, effect in enumerate(report["effects"], 1)}
+    curves = {name: curve for name, curve in found.items() if curve is not None}
+    return {name: in_both_widths({name: figure_effect}, curve)[name] for name, curve in curves.items()}
 
 
 def has_holdout(report: dict[str, Any]) -> bool:

@@ -38,7 +38,8 @@ def page_data(report: dict[str, Any]) -> str:
 
     replay = _replay(report)
     parts = {name: dict(replay[name]) for name in ("record", "holdout") if replay[name] is not None}
-    if replay["combinations"]:
+    refitted = sentences.is_mismatch(report) and not replay["accepted"]
+    if replay["combinations"] and not refitted:
         del parts["record"]["after"]  # the page simulates it
         accepted = [one for one in replay["combinations"] if one["names"] == replay["accepted"]]
         if "holdout" in parts and accepted and accepted[0]["holdout"]:
@@ -57,7 +58,12 @@ def page_data(report: dict[str, Any]) -> str:
         "u_scale": replay["u_scale"],
         "y_scale": replay["y_scale"],
         "unit": report.get("units", {}).get("y", ""),
-        "plain": "The simulation as it is" if report["verdict"] == "none" else "The simulation before",
+        "refitted": refitted,
+        "plain": "The simulation as it is"
+        if report["verdict"] == "none"
+        else "Your simulation with its fitted values"
+        if refitted
+        else "The simulation before",
         "combinations": combinations,
         "effects": [{"name": name, "label": _title(name)} for name in names],
     }

@@ -7,7 +7,16 @@ from labsid._texts import joined
 from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import names_where
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS, clause, noun
-from labsid.gap.reports.quantities import closed_percent, counted, number, p_value, percent, probability, with_error
+from labsid.gap.reports.quantities import (
+    closed_percent,
+    counted,
+    number,
+    p_value,
+    percent,
+    probability,
+    rounded,
+    with_error,
+)
 from labsid.gap.verdict.scores import NO_GAP_RMS
 
 PLACES = {
@@ -35,6 +44,8 @@ LEAST_LEFT = 0.05  # of the gap: what remains is then said to be in the noise
 SHOWN_SHARE = 0.005  # of the gap, that is printed as more than 0 %
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
 NAMED = 0.1  # probability from which a headline names an effect
+MOST_NUMBERS = 2  # of a given simulation, that a headline states
+TWO_ERRORS = 2.0  # standard errors, about a 95 % interval: a number further from its nominal value differs from it
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
 
@@ -68,10 +79,15 @@ def _effect_sentence(report: dict[str, Any]) -> str:
             return f"{causes}{name}; apart from this, there is no gap beyond noise."
         noise = number(gap["noise_floor"])
         return f"{causes}{name}; apart from this, the rms simulation error is {before}, and the noise alone is {noise}."
-    if closed is None and gap["after"] < gap["before"] and _is_mismatch(report):
-        return (
-            f"{causes}: {subject}. Refitting reduces the rms simulation error from {before} to {number(gap['after'])}."
+    if closed is None and gap["after"] < gap["before"] and is_mismatch(report):
+        moved = moved_numbers(report)
+        sure = effects[0]["probability"] >= SURE
+        said = (
+            f"{'N' if sure else 'Probably n'}umbers of your simulation are wrong: {moved}"
+            if moved
+            else f"{causes}: {subject}"
         )
+        return f"{said}. Refitting reduces the rms simulation error from {before} to {number(gap['after'])}."
     if closed is None:
         return f"{causes}: {subject} reduce{s} the error on the fitted samples, but held-out samples show no gap."
     share = closed_percent(closed, gap["ci95"])
@@ -81,9 +97,31 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     return f"{causes}: {subject} explain{s} {only}{share} of the gap{_doubt(gap)}."
 
 
+def moved_numbers(report: dict[str, Any]) -> str:
+    """The fitted numbers of a given simulation that differ from their nominal values; empty without such numbers."""
+    numbers = [one for one in report.get("numbers", []) if one["determined"] and _is_moved(one)]
+    if not numbers:
+        return ""
+    most = sorted(numbers, key=lambda one: -abs(one["value"] - one["nominal"]) / (one["stderr"] or 1.0))[:MOST_NUMBERS]
+    said = joined(
+        [
+            f"{one['name']} is {rounded(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"
+            for one in most
+        ]
+    )
+    others = len(numbers) - len(most)
+    further = f", and {others} further differ{'s' * (others == 1)}" if others else ""
+    return f"{said}{further}"
+
+
+def _is_moved(one: dict[str, Any]) -> bool:
+    """Whether a fitted number differs from its nominal value by more than its error."""
+    return bool(abs(one["value"] - one["nominal"]) > TWO_ERRORS * (one["stderr"] or 0.0))
+
+
 def _doubt(gap: dict[str, Any]) -> str:
     """Said where the interval of the closed share begins at zero or below."""
-    return ", possibly none of it" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
+    return ", possibly none" if gap["ci95"] is not None and gap["ci95"][0] <= 0.0 else ""
 
 
 def _partial_sentence(report: dict[str, Any]) -> str:
@@ -101,7 +139,8 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     )
     one, several = gain.replace("*", "s"), gain.replace("*", "")
     if not causes:
-        return f"The cause of the gap is not known: what was added to the simulation {one}, but may only imitate it."
+        tried = joined(_named_or_counted(others))
+        return f"The cause is not known: {tried} {one if len(others) == 1 else several}, but may only imitate it."
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
     clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
@@ -156,16 +195,14 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     if report["verdict"] not in ("partial", "unknown"):
         return None
     kind, partial = main_kind(report), report["verdict"] == "partial"
-    imitated = ""
-    if partial and not any(is_probable(effect) for effect in report["effects"]):
-        imitated = f" The gap is imitated by {joined(_named_or_counted(report['effects']))}."
     closed = report["unexplained"]["share"] < SHOWN_SHARE
     left = "What remains is as small as the noise, but not white" if closed else "Something else remains"
     if kind is None:
-        return f"{left}.{imitated}" if partial else None
+        return f"{left}." if partial else None
     share = percent(report["unexplained"]["kinds"][kind])
-    start = f"{left}: {share} of it" if partial else f"Of the error beyond white noise, {share}"
-    return f"{start} {REMAINING_ERRORS[kind].what}.{imitated}"
+    start = f"{left}: of" if partial and closed else "Of"
+    remains = " that remains" if partial and not closed else ""
+    return f"{start} the error beyond white noise{remains}, {share} {REMAINING_ERRORS[kind].what}."
 
 
 def main_kind(report: dict[str, Any]) -> str | None:
@@ -233,13 +270,14 @@ def is_unchanged(report: dict[str, Any]) -> bool:
     return report["verdict"] in ("none", "unknown") or report["gap"]["after"] == report["gap"]["before"]
 
 
-def _is_mismatch(report: dict[str, Any]) -> bool:
+def is_mismatch(report: dict[str, Any]) -> bool:
+    """Whether the cause is in the numbers of the given simulation alone."""
     return [effect["name"] for effect in report["effects"]] == ["parameter-mismatch"]
 
 
 def correction(report: dict[str, Any]) -> str:
     """What distinguishes the simulation after from the one before, as a gerund."""
-    if _is_mismatch(report):
+    if is_mismatch(report):
         return "refitting the parameters"
     noun_of_one = "effect" if report["verdict"] == "partial" else "cause"
     return f"adding the {noun_of_one}{'s' if len(report['effects']) > 1 else ''}"
@@ -410,15 +448,15 @@ def _unobserved_sentence(method: str) -> str:
     slow = "The record does not determine the slowest pole of a linear model of the order asked for"
     if method == OUTPUT_ERROR:
         return f"{slow}: the rig may be of lower order, or may integrate its input."
-    used = "one of first order" if method == FIRST_ORDER else f"one fitted by {method}, one step ahead,"
-    return f"{slow}: {used} is used."
+    used = "of first order" if method == FIRST_ORDER else f"fitted by {method}, one step ahead"
+    return f"{slow}. The model used is {used}."
 
 
 def _given_sentence(report: dict[str, Any]) -> str | None:
     """The fitted numbers of a given simulation, and which effects could not be tried within it."""
     simulation, texts = report["simulation"], output_sentences(report)
     numbers = report.get("numbers", [])
-    if numbers and not _is_mismatch(report):
+    if numbers and not is_mismatch(report):
         fitted = joined(
             [
                 f"{one['name']} = {with_error(one['value'], one['stderr'])} (nominally {number(one['nominal'])})"

@@ -1,5 +1,7 @@
 """What an effect does, and what is left in the error, as figures."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from gap_reports import PARAMETERS, report, seen_effect
@@ -27,6 +29,19 @@ def test_a_unit_is_no_mathematics():
     shown = report("input-saturation") | {"units": {"u": "$V$", "y": "mm"}}
     (ax,) = figure_effect(effect_curve(shown, shown["effects"][0])).axes
     assert ax.get_xlabel() == r"Command (\$V\$)"
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_long_numbers_along_a_curve_do_not_touch(narrow):
+    """Eight ticks from -80000 to 80000 ran into each other."""
+    shown = effect_curve(*seen_effect("input-saturation"))
+    shown |= {"x": np.linspace(-81000.0, 81000.0, len(shown["x"])), "marks": []}
+    figure = figure_effect(shown, narrow)
+    figure.canvas.draw()
+    (ax,) = figure.axes
+    ends = sorted((box.x0, box.x1) for box in (text.get_window_extent() for text in ax.get_xticklabels()))
+    assert len(ends) > 2
+    assert all(right < left for (_, right), (left, _) in pairwise(ends))
 
 
 @pytest.mark.parametrize("narrow", [False, True])

@@ -58,9 +58,9 @@ for (const one of data.pieces) parts[0].t.set(parts[0].t.slice(one.start, one.st
 const seen = (signal) => (piece ? signal.slice(piece.start, piece.start + piece.samples) : signal);
 
 // Output of the chosen combination on a part, scaled; that of the simulation before without effects; null if unknown.
-// A page that simulates nothing shows the output after.
+// A page that simulates nothing, or in which only numbers were refitted, shows the output after.
 function played(part) {
-  if (!chosen) return data.combinations.length ? part.before : part.after;
+  if (!chosen) return data.combinations.length && !data.refitted ? part.before : part.after;
   const isRecord = part.name === "record";
   const start = isRecord ? chosen : chosen.holdout;
   if (!start) return chosen.accepted ? part.after : null;

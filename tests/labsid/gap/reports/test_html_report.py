@@ -125,7 +125,7 @@ def test_every_effect_is_explained_with_its_parameters(name):
 def test_figures_are_png_for_both_widths_with_alternative_text(pages):
     html, parsed = pages["ambiguous"]
     pictures = [value for _, name, value in parsed.attributes if name in ("src", "srcset")]
-    assert len(pictures) == 8  # those of two widths but for the curve of the effect and the simulations
+    assert len(pictures) == 9  # those of two widths but for the simulations
     for picture in pictures:
         kind, _, data = picture.partition("base64,")
         assert kind == "data:image/png;"
@@ -263,7 +263,11 @@ def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
     base = report("coulomb-friction", "output-drift", verdict="partial")
     base["effects"][1]["probability"] = 0.2
     tags = {part["title"]: part["tags"] for part in page_content(base)["loop"]}
-    assert (tags["Process"], tags["Sensor"], tags["Actuator"]) == (["cause"], ["possible cause"], [])
+    assert (tags["Process"], tags["Sensor"], tags["Actuator"]) == (
+        ["cause: dry friction"],
+        ["possible cause: drift of the sensor"],
+        [],
+    )
 
 
 def test_the_proposed_input_can_be_saved(pages):
@@ -377,15 +381,20 @@ def test_a_bar_for_each_effect_has_the_error_that_its_share_leaves():
     assert (step["label"], after["value"], floor["value"]) == ("With dry friction", "0.0102", "0.0100")
 
 
-@pytest.mark.parametrize("kind", ["effect", "pair", "partial", "unknown", "none"])
-def test_the_bars_are_a_waterfall_down_to_the_noise(kind):
-    """What an effect closes begins where its bar ends, and ends where the bar above does; the last one remains."""
-    bars = page_content(KINDS[kind])["bars"]
-    noise = next(k for k, bar in enumerate(bars) if bar["colour"] in ("rest", "floor"))
-    for k, bar in enumerate(bars):
-        above = float(bars[k - 1]["width"]) if 0 < k <= noise and kind != "none" else float(bar["width"])
-        assert float(bar["width"]) + float(bar["gone"]) == pytest.approx(above, abs=0.11)
-        assert bar["kind"] == ("left" if k == noise else "closed")
+def test_effects_that_were_added_in_one_step_have_one_bar_and_one_share():
+    shown = report("coulomb-friction", "resonance", "output-drift", verdict="partial")
+    for effect, closed in zip(shown["effects"], (0.5, 0.5, 0.969), strict=True):
+        effect["closed"] = closed
+    content = page_content(shown)
+    assert [bar["label"] for bar in content["bars"]][:3] == [
+        "Before",
+        "With dry friction and lightly damped mode",
+        "After adding the effects",
+    ]
+    assert [effect["closed"] for effect in content["effects"]] == [None, "50 %", "97 %"]
+    for effect in shown["effects"]:
+        effect["closed"] = 0.969
+    assert [bar["label"] for bar in page_content(shown)["bars"]][:2] == ["Before", "After adding the effects"]
 
 
 def test_without_a_gap_no_place_of_it_is_named(pages):

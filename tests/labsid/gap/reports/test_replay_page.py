@@ -76,6 +76,20 @@ def test_a_position_has_its_value_in_the_units_of_the_record() -> None:
     assert content(with_units(shown, "V", "mm"))["unit"] == "mm"
 
 
+def test_a_simulation_whose_numbers_are_wrong_is_shown_with_the_fitted_ones() -> None:
+    """Else the panels show the simulation before twice, as no effect is accepted."""
+    shown = replayed(combination(f"{EFFECT}/high"))
+    shown["replay"]["accepted"] = []
+    shown |= {"effects": report("parameter-mismatch")["effects"]}
+    read = content(shown)
+    assert read["refitted"] is True
+    assert read["plain"] == "Your simulation with its fitted values"
+    assert read["parts"]["record"]["after"] == shown["replay"]["record"]["after"]
+    read = content(replayed(combination(f"{EFFECT}/high")))
+    assert read["refitted"] is False
+    assert "after" not in read["parts"]["record"]
+
+
 def test_an_effect_is_named_where_there_are_several() -> None:
     two = combination(f"{EFFECT}/high", "output-drift/3", sliders=[slider([1.0, 1.25, 2.5])])
     shown = content(replayed(combination(f"{EFFECT}/high"), two))

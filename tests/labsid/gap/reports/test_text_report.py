@@ -87,7 +87,7 @@ def test_three_effects_are_listed():
     ("closed", "ci95", "end"),
     [
         (0.3, [0.1, 0.5], "a transport delay explains only 30 % [10, 50] of the gap."),
-        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [0, 80] of the gap, possibly none of it."),
+        (0.3, [-0.2, 0.8], "a transport delay explains only 30 % [0, 80] of the gap, possibly none."),
         (-0.2, [-1.3, 0.4], "but closes none of the gap on held-out samples (-20 % [-130, 40])."),
         (None, None, "but held-out samples show no gap."),
     ],
@@ -149,8 +149,8 @@ PART = "explains 97 % [94, 100] of the gap."
 def test_a_single_effect_explains_a_part():
     said = sentences.verdict_sentence(with_rest(report("coulomb-friction", verdict="partial"), "linear"))
     assert said == (
-        f"{clause(effect('coulomb-friction'))}: dry friction {PART} Something else remains: 70 % of it follows the "
-        "input through further linear dynamics."
+        f"{clause(effect('coulomb-friction'))}: dry friction {PART} Of the error beyond white noise that "
+        "remains, 70 % follows the input through further linear dynamics."
     )
 
 
@@ -180,15 +180,14 @@ def test_several_effects_explain_a_part_together():
 def test_effects_that_are_less_probable_than_not_are_not_said_to_act():
     base = report("input-delay", verdict="partial", probability=0.3)
     assert sentences.headline(base) == (
-        "The cause of the gap is not known: what was added to the simulation explains 97 % [94, 100] of the gap, but "
-        "may only imitate it."
+        "The cause is not known: a transport delay (30 %) explains 97 % [94, 100] of the gap, but may only imitate it."
     )
-    assert sentences.verdict_sentence(base).endswith("The gap is imitated by a transport delay (30 %).")
     assert sentences.place_sentence(base) is None
     assert "possible   a transport delay (input-delay), probability 30 %" in format_report(base)
     base = report("input-delay", "resonance", verdict="partial", probability=0.3)
-    assert sentences.verdict_sentence(base).endswith(
-        "imitated by a transport delay (30 %) and a lightly damped mode (30 %)."
+    assert sentences.headline(base) == (
+        "The cause is not known: a transport delay (30 %) and a lightly damped mode (30 %) explain 97 % [94, 100] of "
+        "the gap, but may only imitate it."
     )
 
 
@@ -209,7 +208,7 @@ def test_every_kind_of_rest_is_said_with_its_share_and_what_to_look_at(kind):
     base = with_rest(report("input-delay", verdict="partial"), kind)
     texts, share = REMAINING_ERRORS[kind], f"{100 * base['unexplained']['kinds'][kind]:.0f} %"
     said = sentences.remaining_sentence(base)
-    assert said == f"Something else remains: {share} of it {texts.what}."
+    assert said == f"Of the error beyond white noise that remains, {share} {texts.what}."
     text = _one_line(format_report(base))
     assert said in text
     assert f"The error beyond white noise by kind: {texts.label} {share}" in text
@@ -264,8 +263,8 @@ def test_the_methods_of_the_linear_model_are_those_of_its_choice():
         ("output error of first order", True, "The record does not support a linear model of the order asked for"),
         ("least squares", True, "The linear model was fitted by least squares, one step ahead"),
         ("output error", False, "the rig may be of lower order, or may integrate its input."),
-        ("output error of first order", False, "model of the order asked for: one of first order is used."),
-        ("least squares", False, "asked for: one fitted by least squares, one step ahead, is used."),
+        ("output error of first order", False, "model of the order asked for. The model used is of first order."),
+        ("least squares", False, "asked for. The model used is fitted by least squares, one step ahead."),
     ],
 )
 def test_a_linear_model_other_than_asked_for_is_said(method, observed, words):
@@ -362,14 +361,14 @@ def test_a_headline_names_no_effect_under_ten_per_cent():
 
 def test_improbable_effects_that_imitate_a_gap_are_counted():
     base = with_rest(report("resonance", "output-drift", verdict="partial", probability=0.03), "time")
-    assert sentences.remaining_sentence(base).endswith("The gap is imitated by 2 improbable effects.")
+    assert "not known: 2 improbable effects explain 97 %" in sentences.headline(base)
     base["effects"][0]["probability"] = 0.3
-    assert sentences.remaining_sentence(base).endswith("by a lightly damped mode (30 %) and one further effect.")
+    assert "not known: a lightly damped mode (30 %) and one further effect explain 97 %" in sentences.headline(base)
 
 
 def test_what_remains_of_a_closed_gap_is_no_part_of_it():
     base = with_rest(report("load-step", verdict="partial"), "disturbance")
-    assert sentences.remaining_sentence(base).startswith("Something else remains: ")
+    assert sentences.remaining_sentence(base).startswith("Of the error beyond white noise that remains, ")
     base["unexplained"]["share"] = 0.004  # printed as "100 % of the gap" beside it
     assert sentences.remaining_sentence(base).startswith("What remains is as small as the noise, but not white: ")
 
