@@ -100,7 +100,7 @@ def _signs(found: Identification) -> str:
 
 def _start(from_rest: float, carried: float) -> str:
     if from_rest < START_MATTERS * carried:
-        return "On the course's record this hardly changes the error: the second half begins near the level of the rest."
+        return "On the course's record this hardly changes the error: the second half begins near the level at rest."
     return (
         "With the right initial state, the mean squared error is smaller, on the course's record by a factor of about "
         f"{_short(from_rest / carried, 2)}. So `mse_half` depended more on the initial state than on the model."

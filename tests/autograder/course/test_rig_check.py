@@ -120,3 +120,30 @@ def test_the_command_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         told = capsys.readouterr()
         assert told.err.startswith("labsid: error: ")
         assert told.err.count("\n") == 1
+
+
+def test_columns_that_are_not_known_are_listed_with_the_line_to_type(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = motor_log()
+    (tmp_path / "logs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    columns = np.column_stack([1000 * log.t, 1000 * log.u, log.y_measured])
+    rows = (f"{t:.0f};{u:.1f};{y:.2f}".replace(".", ",") for t, u, y in columns)
+    text = "Zeit [ms];Ankerspannung [mV];Drehzahl [1/min]\r\n" + "\r\n".join(rows)
+    (tmp_path / "logs" / "antrieb.csv").write_text(text, encoding="cp1252")
+    for command in ("course rig", "check"):
+        assert main([*command.split(), "logs/antrieb.csv"]) == 2
+        (line,) = (one for one in capsys.readouterr().out.splitlines() if one.startswith("Type: "))
+        assert line == f"Type: labsid {command} logs/antrieb.csv --columns Zeit,Ankerspannung,Drehzahl"
+        assert main(line.removeprefix("Type: labsid ").split()) == 0
+        capsys.readouterr()
+
+
+def test_a_model_that_is_refused_gives_no_advice_on_sampling() -> None:
+    found = findings(np.r_[STAIRS[:HOLD], [4.01] * HOLD, STAIRS[HOLD:]])
+    assert "refused" not in {one.level for one in found["order 2"]}
+    assert "sampling" in found
+    useless = findings(STAIRS, replace(MOTOR, noise=60.0))
+    assert "refused" in {one.level for one in useless["order 2"]}
+    assert "sampling" not in useless
