@@ -84,6 +84,14 @@ def test_constant_signals_are_said() -> None:
     assert "input is constant" in findings(np.full(300, 4.0))["input"][0].text
 
 
+def test_a_constant_input_is_said_once_and_the_advice_names_no_level_of_it(tmp_path: Path) -> None:
+    checked = check_rig(write_csv(tmp_path / "constant.csv", run(np.full(300, 4.0))), Reading())
+    assert [one.topic for one in checked.findings if one.level == "refused"] == ["input"]
+    (advice,) = checked.advice
+    assert "by steps to which the output responds clearly" in advice
+    assert "about 4" not in advice
+
+
 def test_a_later_start_is_found(tmp_path: Path) -> None:
     """The motor does not move until the third level, as in a dead zone."""
     u = np.repeat((0.0, 1.0, *LEVELS), HOLD)
