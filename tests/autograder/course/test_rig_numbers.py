@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -51,7 +52,8 @@ def test_the_loop_does_what_the_text_says(
     assert wrong in words.values["loop.wrong"]
     cells = {cell.metadata.get("nbgrader", {}).get("grade_id"): cell.source for cell in read_for_rig(LAB, words).cells}
     model = found.model
-    variables = {"np": np, "plt": plt, "Ts": model.Ts, "y_offset": model.y_offset, "u_offset": model.u_offset}
+    variables: dict[str, Any] = {"np": np, "plt": plt, "Ts": model.Ts}
+    variables |= {"y_offset": model.y_offset, "u_offset": model.u_offset}
     variables |= {"a1": model.a[1], "a2": model.a[2], "b1": model.b[0], "b2": model.b[1]}
     exec(cells["lab-4-figure-3-run"], variables)
     plt.close("all")
