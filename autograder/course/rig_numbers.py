@@ -36,7 +36,7 @@ START_MATTERS = 2.0
 """From this factor on the error of the second half depends more on the initial state than on the model."""
 
 
-def rig_numbers(record: Record, output_unit: str) -> dict[str, str]:
+def numbers_of_record(record: Record, output_unit: str) -> dict[str, str]:
     """The numbers of a record, and the phrases that depend on them.
 
     Parameters

@@ -21,7 +21,7 @@ from typing import Any
 import jupytext
 
 from autograder.course.own_rig import PICTURES, OwnRig, rig_log
-from autograder.course.rig_numbers import rig_numbers
+from autograder.course.rig_numbers import numbers_of_record
 from labsid.rig.lab.log import log_to_record
 
 PASSAGES_FILE = "own-rig.toml"
@@ -65,7 +65,7 @@ def rig_words(rig: OwnRig) -> RigWords:
         values["picture"] = f"![{rig.name}](attachment:{name})"
         content = base64.b64encode(rig.picture.read_bytes()).decode("ascii")
         picture = {name: {PICTURES[rig.picture.suffix.lower()]: content}}
-    return RigWords(values | rig_numbers(log_to_record(rig_log(rig)), rig.output.unit), picture)
+    return RigWords(values | numbers_of_record(log_to_record(rig_log(rig)), rig.output.unit), picture)
 
 
 def _bracketed(unit: str) -> str:
