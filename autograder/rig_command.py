@@ -30,7 +30,7 @@ def course_rig(
     except UnknownColumns:
         from labsid.cli.console import print_contents
 
-        print_contents(record.name, describe_columns(record))
+        print_contents(str(record), describe_columns(record), "course rig")
         raise
     print_findings(checked.verdict, checked.findings)
     for line in checked.advice:

@@ -20,7 +20,13 @@ from autograder.batch.selection import Batch
 from autograder.batch.tasks import Executor
 from autograder.course.layout import Course, read_template
 from autograder.course.settings import read_settings
-from autograder.intake.submission import Submission, quarantined_submission
+from autograder.intake.submission import (
+    LATE_FILE,
+    MAX_NOTE_CHARACTERS,
+    Submission,
+    is_plain_file,
+    quarantined_submission,
+)
 from autograder.judge.outcome import SubmissionResult
 from autograder.results import gradebook, result_files
 from autograder.results.autograded import write_autograded
@@ -166,11 +172,16 @@ class _BatchGrader:
         return Graded(student, name, True, reason_for_regrading(previous, stored, self.executor.level))
 
     def _with_penalty(self, stored: StoredResult) -> StoredResult:
-        submitted = _submission_time(self.batch.submitted / stored.student / stored.assignment)
+        folder = self.batch.submitted / stored.student / stored.assignment
+        submitted, told_late = _submission_time(folder), is_plain_file(folder / LATE_FILE, MAX_NOTE_CHARACTERS)
         marks = sum((question.max_score for question in stored.questions), Decimal(0))
         own = self.extensions.get((stored.student, stored.assignment))
         due, text = (None, "") if own is None else (own.due, own.text)
-        late = ON_TIME if stored.is_refused else late_penalty(self.late, stored.assignment, submitted, marks, due)
+        late = (
+            ON_TIME
+            if stored.is_refused
+            else late_penalty(self.late, stored.assignment, submitted, marks, due, told_late)
+        )
         when = None if submitted is None else submitted.isoformat()
         new = replace(stored, submitted=when, penalty=late.penalty, late=late.reason, extension=text)
         return stored if new == stored else new

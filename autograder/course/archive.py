@@ -123,8 +123,8 @@ def open_archive(content: IO[bytes], what: str) -> zipfile.ZipFile:
     try:
         archive = zipfile.ZipFile(content)
         count = len(archive.infolist())
-    except Exception as error:  # the errors of its parser have no common class
-        raise ValueError(f"{what} is not a readable zip file: {_said(error)}.") from None
+    except Exception:  # the errors of its parser have no common class
+        raise ValueError(f"{what} is not a zip file, or not a complete one.") from None
     if count > MAX_ENTRIES:
         raise ValueError(f"{what} has {count} entries; at most {MAX_ENTRIES} are allowed.")
     return archive
@@ -228,7 +228,7 @@ def _unpack(archive: zipfile.ZipFile, info: zipfile.ZipInfo, most: int) -> bytes
 
 def _said(error: Exception) -> str:
     """An error in one short line."""
-    return " ".join(f"{type(error).__name__}: {error}".split())[:100].rstrip(".: ")
+    return " ".join(str(error).split())[:100].rstrip(".: ") or type(error).__name__
 
 
 def _time(info: zipfile.ZipInfo) -> datetime | None:

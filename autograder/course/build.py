@@ -48,14 +48,15 @@ def build_course(course: Course) -> Iterator[str]:
     names = course.assignments()
     if not names:
         raise ValueError(f"no assignments in {course.notebooks}: expected <name>/<name>.md.")
-    rig = read_settings(course).rig
+    settings = read_settings(course)
+    rig = settings.rig
     words = None if rig is None else _words_of(rig)
     built = {name: build_source(course.notebooks / name / f"{name}.md", words) for name in names}
     for name, notebook in built.items():
         _write_notebook(notebook, course.source / name / f"{name}.ipynb")
     yield from build_releases(course, names)
     templates = [read_template(course, name) for name in names]
-    write_file(course.release / START_PAGE, start_notebook(templates, {}, DATA_BESIDE))
+    write_file(course.release / START_PAGE, start_notebook(templates, {}, DATA_BESIDE, title=settings.title))
 
 
 def _words_of(rig: OwnRig) -> RigWords:

@@ -208,10 +208,11 @@ def shared_files(
     said = _SEPARATE.format(files=", ".join(wanted)) if data_come_apart else DATA_BESIDE
     said = said if wanted else _NO_DATA
     files = {f"{name}/{name}.ipynb": (course.release / name / f"{name}.ipynb").read_bytes() for name in names}
-    hub = read_settings(course).hub
-    files |= {**(data or {}), START_PAGE: start_notebook(templates, due, said, on_hub=hub is not None)}
+    settings = read_settings(course)
+    hub, title = settings.hub, settings.title
+    files |= {**(data or {}), START_PAGE: start_notebook(templates, due, said, hub is not None, title)}
     wheel, content = labsid_wheel(files if hub is None else {**files, HUB_FILE: hub.to_json()})
-    page = start_text(templates, due, said)
+    page = start_text(templates, due, said, title)
     files[wheel] = content
     files["environment.yml"] = _environment(course, wheel).encode()
     files["README.md"] = _README.format(wheel=wheel, page=page).encode()

@@ -75,7 +75,9 @@ def check_rig(path: Path, reading: Reading, simulated: bool = False) -> RigCheck
     record = log_to_record(read_rig_log(path, reading, simulated=simulated))
     of_log = () if simulated else check_record(read_raw(path, reading)).findings
     faults = (one for one in of_log if one.level in ("warning", "refused") and one.topic not in _JUDGED_HERE)
-    checked = RigCheck(path.name, (*faults, *about_rig(record)))
+    found = about_rig(record)
+    said = {one.topic for one in found if one.level == "refused"}
+    checked = RigCheck(path.name, (*(one for one in faults if one.topic not in said), *found))
     if checked.carries:
         return checked
     return replace(checked, advice=(*_ways_out(path, reading, simulated), *_to_record(record)))
@@ -126,6 +128,13 @@ def _to_record(record: Record) -> Iterator[str]:
     except ValueError:
         tau = None
     low, high = float(record.u.min()), float(record.u.max())
+    if low == high:
+        yield (
+            "To record instead: hold the input at a working point until the output has settled, and log at least "
+            f"{max(SHORTEST_REST, 50)} samples of this rest; then change it five times, down and up, by steps to which "
+            "the output responds clearly, and hold each level until the output has settled. Log the input, too."
+        )
+        return
     rest = low + 0.6 * (high - low)
     hold = "until the output has settled" if tau is None else f"for {5 * tau:.3g} s, until the output has settled"
     often = "20 to 60 times in a time constant" if tau is None else f"every {tau / 35:.2g} s"

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from autograder.course.rig_numbers import START_MATTERS
 from labsid.checks.other_records import LAB_FILE, another_record
 from labsid.checks.other_records.rig_model import RigModel, identify_rig
 from labsid.lab.findings import Finding, Level
@@ -46,7 +47,9 @@ def about_rig(record: Record) -> list[Finding]:
     offsets = find_offsets(record.u, record.y)
     orders = [_identified(record, order) for order in (1, 2)]
     findings = [_rest(record, offsets), *_offset(record, offsets), _steps(record), _halves(record)]
-    findings += [_first_step(record, offsets), *_order(record, orders), *_sampling(record, orders[1])]
+    findings += [_first_step(record, offsets), *_order(record, orders), *_second_half(orders[1])]
+    if all(finding.topic != "order 2" or finding.level != "refused" for finding in findings):
+        findings += _sampling(record, orders[1])
     if all(finding.level != "refused" for finding in findings):
         findings += [_another(record), *_will_see(record, orders)]
     return findings
@@ -157,6 +160,19 @@ def _order(record: Record, orders: list[Identification | str]) -> Iterator[Findi
     if len(shares) == 2 and shares[1] >= shares[0]:
         text = "The second-order model is no better than the first-order one: the post-lab's comparison shows that."
         yield Finding("warning", "order 2", text)
+
+
+def _second_half(second: Identification | str) -> Iterator[Finding]:
+    """Whether the second half begins away from the rest, which question 3b asks about."""
+    if isinstance(second, str):
+        return
+    errors = second.verification
+    if errors.mse_second_half < START_MATTERS * errors.mse_second_half_carried:
+        text = (
+            "It begins near the level of the rest, so that Fig. 7(a) does not show what question 3b asks: why the "
+            "simulation starts elsewhere. Hold another level in the middle of the record."
+        )
+        yield Finding("warning", "second half", text)
 
 
 def error_share(found: Identification) -> float:

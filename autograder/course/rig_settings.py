@@ -54,8 +54,11 @@ def _quantity(table: Mapping[str, Any], key: str) -> Quantity:
     if name is None or unit is None:
         raise ValueError(f"{where} needs {'name' if name is None else 'unit'}.")
     if len(unit) > 12 or re.search(r"[\"'`{}$\\<>|*_\s]", unit):
-        raise ValueError(f"the unit of {where} must be as on an axis, such as m/s or °C, got {unit!r}.")
-    return Quantity(name, unit, symbol or "")
+        raise ValueError(
+            f"the unit of {where} must be as on an axis, such as m/s or °C, of at most 12 characters, "
+            f"without spaces, quotation marks and commands of LaTeX; got {unit!r}."
+        )
+    return Quantity(name, unit, (symbol or "").strip("$ "))
 
 
 def _picture(path: Path) -> Path:
@@ -78,6 +81,8 @@ def _reading(table: Any) -> Reading:
         key: float(value) if isinstance(value, Decimal) else value for key, value in table.items()
     }
     for key, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, _READING_TYPES.get(key, str)):
-            raise ValueError(f"{key} in reading of [rig] has a value of the wrong type, {value!r}.")
+        expected = _READING_TYPES.get(key, str)
+        if isinstance(value, bool) or not isinstance(value, expected):
+            what = "text in quotation marks" if expected is str else "a number without quotation marks"
+            raise ValueError(f"{key} in reading of [rig] must be {what}, got {value!r}.")
     return Reading(**{_READING_KEYS.get(key, key): value for key, value in values.items()})

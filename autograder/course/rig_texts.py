@@ -6,17 +6,8 @@ The passages stand in ``notebooks/<assignment>/own-rig.toml``. A text in double 
     The description in ``course.toml``; the last is a sentence where the record is made with a model, else empty.
 ``input``, ``input.name``, ``input.unit``, the same of ``output``, ``output.unit^2``, ``gain.unit``
     The signals; ``input`` is the name with the symbol.
-``u.rest``, ``u.low``, ``u.high``, ``y.rest``
-    Levels of the record that all students share.
-``tau``, ``settling``, ``condition``, ``rms``, ``share``, ``start.factor``, ``signs``, ``step``
-    What the lab finds of it: time constant and four of them (s), condition number of Phi, error of the simulation, as a
-    share of the range of y, and how much the right initial state saves; what the signs of its signals are; a tenth of
-    the range of y.
-``order1.pole``, ``order1.tau``, ``mse1``, ``mse2``, ``rms1``, ``rms2``, ``saving``
-    Of the models of first and second order: pole and time constant of the first, errors of both, and a sentence on what
-    the second saves.
-``step.K``, ``step.tau``, ``step.td``
-    First-order model with delay of the first step.
+others
+    Numbers of the record that all students share: `autograder.course.rig_numbers`.
 """
 
 import base64
@@ -28,11 +19,9 @@ from pathlib import Path
 from typing import Any
 
 import jupytext
-import numpy as np
 
 from autograder.course.own_rig import PICTURES, OwnRig, rig_log
-from labsid.lab.identification import identify
-from labsid.lab.step_response import cut_held_step, fit_step_response
+from autograder.course.rig_numbers import numbers_of_record
 from labsid.rig.lab.log import log_to_record
 
 PASSAGES_FILE = "own-rig.toml"
@@ -76,62 +65,7 @@ def rig_words(rig: OwnRig) -> RigWords:
         values["picture"] = f"![{rig.name}](attachment:{name})"
         content = base64.b64encode(rig.picture.read_bytes()).decode("ascii")
         picture = {name: {PICTURES[rig.picture.suffix.lower()]: content}}
-    return RigWords(values | _numbers(rig), picture)
-
-
-def _numbers(rig: OwnRig) -> dict[str, str]:
-    """The numbers of the record; `ValueError` if the lab cannot be carried out on it."""
-    record = log_to_record(rig_log(rig))
-    first, second = identify(record, 1), identify(record, 2)
-    t, y, amplitude = cut_held_step(record.u, record.y, record.Ts, 0, before=min(first.offsets.first_period, 20))
-    step = fit_step_response(t, y, amplitude).reading
-    span = float(np.ptp(record.y))
-    slowest = float(max(abs(pole) for pole in second.model.poles))
-    pole = float(first.model.poles[0].real)
-    if not (0 < slowest < 1 and 0 < pole < 1):
-        raise ValueError("the models of the record do not settle")
-    tau, tau_1 = (-record.Ts / float(np.log(one)) for one in (slowest, pole))
-    mse_1, errors = first.verification.mse_all, second.verification
-    both = min(second.u.min(), second.y.min()) < -0.05 * min(np.ptp(second.u), np.ptp(second.y))
-    numbers = {
-        "u.rest": second.model.u_offset,
-        "u.low": float(record.u.min()),
-        "u.high": float(record.u.max()),
-        "y.rest": second.model.y_offset,
-        "tau": tau,
-        "settling": 4 * tau,
-        "condition": second.fit.condition_number,
-        "rms": np.sqrt(errors.mse_all),
-        "start.factor": errors.mse_second_half / errors.mse_second_half_carried,
-        "step": 0.1 * span,
-        "order1.tau": tau_1,
-        "rms1": np.sqrt(mse_1),
-        "rms2": np.sqrt(errors.mse_all),
-        "step.K": step.K,
-        "step.tau": step.tau,
-        "step.td": step.td,
-    }
-    digits = dict.fromkeys(("u.rest", "u.low", "u.high", "y.rest"), 4)
-    return {key: _short(value, digits.get(key, 2)) for key, value in numbers.items()} | {
-        "share": f"{np.sqrt(errors.mse_all) / span:.1%}".replace("%", " %"),
-        "signs": "; both now take positive and negative values" if both else "",
-        "order1.pole": f"{pole:.3f}",
-        "mse1": f"{mse_1:.3g}",
-        "mse2": f"{errors.mse_all:.3g}",
-        "saving": _saving(1 - errors.mse_all / mse_1),
-    }
-
-
-def _saving(share: float) -> str:
-    if share > 0:
-        return f"On the course's record the step from order 1 to 2 saves {100 * share:.0f} %."
-    return "On the course's record the step from order 1 to 2 saves nothing."
-
-
-def _short(value: float, digits: int) -> str:
-    """A number with few digits, without a power of ten where it can be."""
-    rounded = float(f"{value:.{digits}g}")
-    return f"{rounded:.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{rounded:g}"
+    return RigWords(values | numbers_of_record(log_to_record(rig_log(rig)), rig.output.unit), picture)
 
 
 def _bracketed(unit: str) -> str:

@@ -117,6 +117,13 @@ def align_by_text(cells: Sequence[Mapping[str, Any]], template: Template) -> Ali
     return Alignment(aligned, len(matched), len(anchors))
 
 
+def share_of_given_cells(cells: Sequence[Mapping[str, Any]], template: Template) -> float:
+    """The share of the released given cells and texts that are in a notebook as they are, whatever its metadata say."""
+    places, own = template.places, {cell.id for cell in template.cells if cell.kind in ("answer", "manual")}
+    anchors = [index for index, place in enumerate(places) if place.cell_id not in own and _plain(place.text)]
+    return len(_match_exactly(cells, places, anchors)) / len(anchors) if anchors else 0.0
+
+
 def _match_exactly(
     cells: Sequence[Mapping[str, Any]], places: Sequence[Place], anchors: Sequence[int]
 ) -> dict[int, int]:

@@ -181,13 +181,15 @@ def find_students(book: CanvasGradebook, known: Iterable[Student]) -> dict[int, 
 def as_worksheet(book: CanvasGradebook, known: Iterable[Student] = ()) -> Worksheet:
     """Who is who, with the number that Canvas gives each user and puts into the names of downloaded files.
 
+    The test student of Canvas is nobody of the class, and not in it.
+
     The ID is the login ID, or the SIS user ID if that is the ID of more of the known students.
     """
     ids = {student.id.casefold() for student in known}
     counts = {name: sum(book.value(row, name).casefold() in ids for row in book.rows) for name in (LOGIN, SIS_USER)}
     id_column = SIS_USER if counts[SIS_USER] > counts[LOGIN] else LOGIN
     rows = []
-    for row in book.rows:
+    for row in filter(lambda one: not book.is_test_student(one), book.rows):
         login, (last, comma, first) = book.value(row, LOGIN), one_line(book.value(row, STUDENT)).partition(",")
         values = (f"Participant {book.value(row, USER)}", f"{first.strip()} {last.strip()}" if comma else last.strip())
         email = login if "@" in login else ""

@@ -20,7 +20,7 @@ from autograder.intake.canvas_gradebook import CanvasGradebook, as_worksheet
 from autograder.intake.download import HandIn, Participant, list_participants, read_hand_in
 from autograder.intake.identity import identify
 from autograder.intake.other_downloads import Download, list_canvas, list_gradescope, which_system
-from autograder.intake.submission import NOT_READ_FILE, UNTOUCHED, UNTOUCHED_FILE, VERSIONS_FILE
+from autograder.intake.submission import LATE_FILE, NOT_READ_FILE, UNTOUCHED, UNTOUCHED_FILE, VERSIONS_FILE
 from autograder.intake.versions import MAX_DOUBTS, Version, newest_version
 from autograder.intake.worksheet import Worksheet, participant_number, submission_time, utc_timestamp
 from labsid._files import write_file
@@ -119,7 +119,8 @@ def collect_submissions(
             hand_in = read_hand_in(archive, owner, templates, Budget(SHARE, MOST, pool))
             student = who.students[owner.number].id
             time = download.times.get(owner.number)
-            remarks = write_hand_in(out / student, hand_in, wanted, {} if time is None else dict.fromkeys(wanted, time))
+            times = {} if time is None else dict.fromkeys(wanted, time)
+            remarks = write_hand_in(out / student, hand_in, wanted, times, owner.number in download.late)
             remarks += download.remarks.get(owner.number, [])
             if of_whom is not None and owner.number not in in_sheet:
                 in_what = "gradebook" if found_system == "canvas" else "worksheet"
@@ -183,7 +184,9 @@ def _times(sheet: Worksheet, zone: tzinfo | None) -> dict[str, str]:
     return {number: utc_timestamp(time.replace(tzinfo=zone)) for number, time in found if number and time is not None}
 
 
-def write_hand_in(folder: Path, hand_in: HandIn, wanted: Sequence[str], times: Mapping[str, str]) -> list[str]:
+def write_hand_in(
+    folder: Path, hand_in: HandIn, wanted: Sequence[str], times: Mapping[str, str], is_late: bool = False
+) -> list[str]:
     """Write what a participant handed in; a participant without a notebook gets an empty folder, and is graded, too.
 
     Parameters
@@ -195,6 +198,8 @@ def write_hand_in(folder: Path, hand_in: HandIn, wanted: Sequence[str], times: M
         The assignments to write.
     times : mapping
         When each was handed in, as in ``timestamp.txt``, where it is known.
+    is_late : bool
+        Whether the platform calls it late without a time.
 
     Returns
     -------
@@ -206,6 +211,10 @@ def write_hand_in(folder: Path, hand_in: HandIn, wanted: Sequence[str], times: M
     for name, versions in sorted(hand_in.versions.items()):
         if name in wanted:
             notes = _write_assignment(folder, name, versions, hand_in, times.get(name))
+            if is_late:
+                _write_below(folder.parent, Path(folder.name, name, LATE_FILE), b"late\n")
+            else:
+                (folder / name / LATE_FILE).unlink(missing_ok=True)
             written.append(f"{name} ({', '.join(notes)})" if notes else name)
     _note_unread(folder, hand_in, wanted)
     others = [name for name in sorted(hand_in.versions) if name not in wanted]

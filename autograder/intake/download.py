@@ -20,6 +20,7 @@ from autograder.course.archive import (
     read_packed,
 )
 from autograder.course.plain_text import shortened
+from autograder.intake.alignment import share_of_given_cells
 from autograder.intake.submission import cells_of, is_as_released, read_notebook
 from autograder.intake.untrusted_json import reading_work
 from autograder.intake.versions import NOTEBOOK_ENDING, Version
@@ -32,6 +33,8 @@ _FOLDER = re.compile(rf"(?P<name>[^/]*){_MARKER}(?P<rest>)", re.ASCII)
 _FILE = re.compile(rf"(?P<name>[^/]*?){_MARKER}(?P<rest>[^/]+)", re.ASCII)
 _AUTOMATIC = frozenset(("__MACOSX", ".ipynb_checkpoints"))  # folders of copies that macOS and Jupyter make
 _OF_SYSTEMS = frozenset((".DS_Store", "Thumbs.db", "desktop.ini"))
+_OF_THE_COURSE = 0.5  # share of the given cells by which a notebook without metadata is known
+_NOT_OF_THE_COURSE = "not a notebook of this course"
 _ONE_MARKER = re.compile(r"_\d{1,18}_assignsubmission_", re.ASCII)
 
 
@@ -121,6 +124,8 @@ def read_hand_in(
         hand_in.problem = f"not everything was read: {type(error).__name__}: {str(error)[:100]}"
     if hand_in.problem:
         hand_in.unread.append((None, hand_in.problem))
+    if not hand_in.versions and not hand_in.untouched:  # it is no hand-in, but something was handed in
+        hand_in.unread += [(None, said) for said in hand_in.skipped if said.endswith(_NOT_OF_THE_COURSE)]
     return hand_in
 
 
@@ -187,7 +192,7 @@ def _add_file(
             over, name, work, is_untouched = error, _named_in(path, templates), entry.data, False
             is_readable = True
         if name is None:
-            hand_in.skipped.append(f"{shortened(path)}: not a notebook of this course")
+            hand_in.skipped.append(f"{shortened(path)}: {_NOT_OF_THE_COURSE}")
         elif is_untouched:
             hand_in.untouched.add(name)
         else:
@@ -212,8 +217,8 @@ def _data_files(assignments: tuple[str, ...]) -> frozenset[str | None]:
 def _recognise(content: bytes, path: str, templates: Mapping[str, Template]) -> tuple[str | None, object, bool]:
     """The assignment of a notebook, what the student wrote in it, and whether that is nothing.
 
-    The assignment is the one whose cells it contains; if it cannot be read, the one that its path names, and what the
-    student wrote is the content itself.
+    The assignment is the one whose cells it contains, by their ids or, in a notebook without metadata, by their text;
+    otherwise the one that its path names. If it cannot be read, what the student wrote is the content itself.
     """
     try:
         raw = read_notebook(content)
@@ -224,7 +229,7 @@ def _recognise(content: bytes, path: str, templates: Mapping[str, Template]) -> 
     largest = max(shared.values(), default=0)
     if largest:
         name = next(name for name, count in shared.items() if count == largest)
-    elif (named := _named_in(path, templates)) is not None:
+    elif (named := _with_text_of(raw, templates) or _named_in(path, templates)) is not None:
         name = named
     else:
         return None, content, False
@@ -234,6 +239,17 @@ def _recognise(content: bytes, path: str, templates: Mapping[str, Template]) -> 
         return name, work, is_as_released(cells, templates[name])
     except Exception:  # of what students hand in, no list of errors is complete
         return name, content, False
+
+
+def _with_text_of(raw: Any, templates: Mapping[str, Template]) -> str | None:
+    """The assignment whose given cells a notebook without metadata has; None if it has too few of any."""
+    try:
+        cells = cells_of(raw)
+        shares = {name: share_of_given_cells(cells, template) for name, template in templates.items()}
+    except Exception:  # of what students hand in, no list of errors is complete
+        return None
+    best = max(shares, key=lambda name: shares[name], default=None)
+    return best if best is not None and shares[best] >= _OF_THE_COURSE else None
 
 
 def _named_in(path: str, templates: Mapping[str, Template]) -> str | None:

@@ -49,6 +49,8 @@ class Download:
         Files of no participant.
     times : dict
         When something was handed in, as in ``timestamp.txt``, by number, where the download says so.
+    late : set of str
+        Numbers of those whom the download calls late without a time.
     remarks : dict
         What to say about a participant, by number.
     rows : list of dict
@@ -58,6 +60,7 @@ class Download:
     participants: dict[str, Participant] = field(default_factory=dict)
     strays: list[str] = field(default_factory=list)
     times: dict[str, str] = field(default_factory=dict)
+    late: set[str] = field(default_factory=set)
     remarks: dict[str, list[str]] = field(default_factory=dict)
     rows: list[dict[str, str]] = field(default_factory=list)
 
@@ -104,6 +107,7 @@ def list_canvas(archive: zipfile.ZipFile, users: Collection[str] = ()) -> Downlo
         person = download.participants.setdefault(user, Participant(name.removesuffix(_LATE), user))
         person.entries.append((info, rest))
         if is_late:
+            download.late.add(user)
             download.remarks[user] = ["late in Canvas, whose download has no times: no penalty is taken off"]
     for person in download.participants.values():
         _name_attempts(person.entries)

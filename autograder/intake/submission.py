@@ -39,6 +39,10 @@ NOT_READ_FILE = "not-read.txt"
 """In the folder of an assignment, or of a student: why what was handed in for it, or at all, could not be collected."""
 
 
+LATE_FILE = "late.txt"
+"""Beside a notebook: the learning platform called it late and gave no time; written by `collect`."""
+
+
 @dataclass(frozen=True, slots=True)
 class NotebookCell:
     """One cell to execute or judge.

@@ -93,6 +93,7 @@ class LatePenalty:
 
 ON_TIME = LatePenalty(Decimal(0), "")
 TIME_UNKNOWN = "The time of the hand-in is not known; nothing was deducted."
+LATE_WITHOUT_TIME = "Late by the learning platform, which gives no time; nothing was deducted here."
 
 
 def parse_rules(text: str) -> LateRules:
@@ -116,7 +117,12 @@ def parse_rules(text: str) -> LateRules:
 
 
 def late_penalty(
-    rules: LateRules, assignment: str, submitted: datetime | None, marks: Decimal, own_due: datetime | None = None
+    rules: LateRules,
+    assignment: str,
+    submitted: datetime | None,
+    marks: Decimal,
+    own_due: datetime | None = None,
+    told_late: bool = False,
 ) -> LatePenalty:
     """Compute the late penalty of a submission.
 
@@ -131,12 +137,14 @@ def late_penalty(
         All marks of the assignment.
     own_due : datetime, optional
         The student's own due date, which takes the place of the rule's.
+    told_late : bool
+        Whether the learning platform calls a submission late of which no time is known.
     """
     rule = rules.get(assignment, rules.get(""))
     if rule is not None and own_due is not None:
         rule = replace(rule, due=own_due)
     if rule is not None and submitted is None:
-        return LatePenalty(Decimal(0), TIME_UNKNOWN)
+        return LatePenalty(Decimal(0), LATE_WITHOUT_TIME if told_late else TIME_UNKNOWN)
     if rule is None or submitted is None or submitted <= rule.due + rule.grace:
         return ON_TIME
     lateness = submitted - rule.due

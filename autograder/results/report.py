@@ -14,6 +14,7 @@ from autograder.results.class_statistics import question_figures, statistics_csv
 from autograder.results.feedback import FeedbackTexts, load_template, printable, unique_headings, write_feedback
 from autograder.results.gradebook import ManualGrades
 from autograder.results.hard_questions import HardAssignment, hard_csv, what_was_hard
+from autograder.results.late import TIME_UNKNOWN
 from autograder.results.nearly_equal import NearlyEqual, find_nearly_equal
 from autograder.results.result_files import StoredResult
 from autograder.results.sent_tries import StudentTries, load_sent
@@ -253,6 +254,7 @@ def _assignment(stored: Sequence[StoredResult], manual: ManualGrades) -> dict[st
         ],
         "second_record": _second_record(handed_in),
         "late": sum(total.penalty > 0 for total in totals),
+        "untimed": sum(result.late == TIME_UNKNOWN for result in stored),
         "extensions": [
             {"who": _person(result.student, result.assignment), "due": result.extension}
             for result in stored
@@ -365,7 +367,7 @@ def _review(result: StoredResult, manual: ManualGrades) -> dict[str, Any] | None
     if not result.is_refused and result.notes:
         reasons.append(f"repaired: {'; '.join(printable(note) for note in result.notes[:3])}")
         weight += 5
-    if result.late:
+    if result.late and result.late != TIME_UNKNOWN:  # which a sentence on the whole class says
         reasons.append(printable(result.late))
         weight += 2
     consistent = [question for question in result.questions if question.consistent]

@@ -123,12 +123,16 @@ def require_label(axes: AxesValue, where: str, axis: str, unit: str) -> None:
     if unit and not _has_unit(label, unit):
         if _has_unit(axes.ylabel if axis == "x" else axes.xlabel, unit):
             raise NoAnswer(f"In {where} the labels of the two axes are swapped.", "axis labels swapped")
-        has = "another unit than the signal" if re.search(r"[(\[]", label) else "no unit"
-        raise NoAnswer(f"In {where} the {axis}-label {label!r} has {has}: write it as ({unit}).", "no unit")
+        has, slip = ("another unit than the signal", "another unit") if re.search(r"[(\[]", label) else ("no unit",) * 2
+        raise NoAnswer(f"In {where} the {axis}-label {label!r} has {has}: write it as ({unit}).", slip)
+
+
+_SPELLED_OUT = "s", "V"  # of which (seconds) and (Volts) are accepted
 
 
 def _has_unit(label: str, unit: str) -> bool:
-    pattern = rf"[(\[/,][\s$]*(?:\\(?:mathrm|text)\s*{{?)?{re.escape(unit)}"
+    ends = "" if unit in _SPELLED_OUT else r"(?![^\W\d_])"  # (mm) is not in m
+    pattern = rf"[(\[/,][\s$]*(?:\\(?:mathrm|text)\s*{{?)?{re.escape(unit)}{ends}"
     return re.search(pattern, label, re.IGNORECASE) is not None
 
 

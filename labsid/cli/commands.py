@@ -94,7 +94,7 @@ def check_command(
     try:
         raw = read_raw(record, how)
     except UnknownColumns:
-        print_contents(record.name, describe_columns(record))
+        print_contents(str(record), describe_columns(record))
         raise
     checked = check_record(raw)
     if json_file is not None:

@@ -50,8 +50,8 @@ def print_findings(verdict: str, findings: "Sequence[Finding]") -> None:
     print("\n".join(line.rstrip() for line in capture.get().splitlines()))
 
 
-def print_contents(name: str, summaries: "Sequence[ColumnSummary]") -> None:
-    """Print a row for each column of a log, and the line to type."""
+def print_contents(name: str, summaries: "Sequence[ColumnSummary]", command: str = "check") -> None:
+    """Print a row for each column of a log, and the line to type with a command that reads one input and one output."""
     from rich.console import Console
     from rich.table import Table
 
@@ -74,8 +74,8 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]") -> None:
     with console.capture() as capture:
         console.print(table)
     print("\n".join(line.rstrip() for line in capture.get().splitlines()))
-    print(f"\nType: labsid check {shlex.join([name, *suggested_options(summaries)])}")
-    several = options_of_several(summaries)
+    print(f"\nType: labsid {command} {shlex.join([name, *suggested_options(summaries)])}")
+    several = options_of_several(summaries) if command == "check" else []
     print(f"or, with all signals: labsid check {shlex.join([name, *several])}\n" if several else "")
 
 

@@ -13,7 +13,7 @@ from labsid.checks.timetable import HOURS
 DATA_BESIDE = "The data files are beside the notebooks that use them."
 
 _INTRODUCTION = """\
-# System identification: start here
+# {title}: start here
 
 {table}
 
@@ -88,7 +88,7 @@ Once your instructor has returned it, the cell below copies it into the folder o
 `labsid feedback` in a terminal. Open the page with a double click in the file browser."""
 
 
-def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str) -> str:
+def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str, title: str = "") -> str:
     """The start page as Markdown, without the part that only works in Jupyter.
 
     Parameters
@@ -99,20 +99,26 @@ def start_text(templates: Sequence[Template], due: Mapping[str, str], data: str)
         When an assignment is due, as text, by its name; may be empty.
     data : str
         A sentence on the data files.
+    title : str
+        Of the course.
 
     Returns
     -------
     str
     """
-    return (
-        "\n\n".join([_INTRODUCTION.format(table=_table(templates, due), data=data), _work(), _TRIES, _HAND_IN]) + "\n"
-    )
+    return "\n\n".join([_introduction(templates, due, data, title), _work(), _TRIES, _HAND_IN]) + "\n"
 
 
-def start_notebook(templates: Sequence[Template], due: Mapping[str, str], data: str, on_hub: bool = False) -> bytes:
+def start_notebook(
+    templates: Sequence[Template], due: Mapping[str, str], data: str, on_hub: bool = False, title: str = ""
+) -> bytes:
     """The start page as a notebook, see `start_text`; with cells that hand in and fetch feedback if it is on a hub."""
-    introduction = _INTRODUCTION.format(table=_table(templates, due), data=data)
-    texts = {"introduction": introduction, "work": _work(), "tries": _TRIES, "progress": _PROGRESS}
+    texts = {
+        "introduction": _introduction(templates, due, data, title),
+        "work": _work(),
+        "tries": _TRIES,
+        "progress": _PROGRESS,
+    }
     cells: list[dict[str, object]] = [_markdown(name, text) for name, text in texts.items()]
     cells.append(_code("how-far", "from labsid.hand_in import show_progress\n\nshow_progress()"))
     if on_hub:
@@ -145,6 +151,10 @@ def _code(name: str, source: str) -> dict[str, object]:
 
 def _work() -> str:
     return _WORK.format(rule=RULE.format(seconds=CELL_SECONDS))
+
+
+def _introduction(templates: Sequence[Template], due: Mapping[str, str], data: str, title: str) -> str:
+    return _INTRODUCTION.format(title=title or "System identification", table=_table(templates, due), data=data)
 
 
 def _table(templates: Sequence[Template], due: Mapping[str, str]) -> str:

@@ -180,6 +180,7 @@ def test_a_picture_is_shown_where_the_rig_is_described(tmp_path: Path) -> None:
 def test_the_course_of_the_tanks_is_as_its_texts_are(tmp_path: Path) -> None:
     """Whatever the passages for other rigs are, the release of the tanks is that of the text notebooks alone."""
     course = copy_course(tmp_path / "course", *WITH_PASSAGES)
+    (course.root / "course.toml").write_text('title = "Identification"\n', encoding="utf-8")
     list(build_course(course))
     with_passages = {path.name: path.read_bytes() for path in course.release.rglob("*") if path.is_file()}
     bare = copy_course(tmp_path / "bare", *WITH_PASSAGES)

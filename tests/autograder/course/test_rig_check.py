@@ -84,6 +84,14 @@ def test_constant_signals_are_said() -> None:
     assert "input is constant" in findings(np.full(300, 4.0))["input"][0].text
 
 
+def test_a_constant_input_is_said_once_and_the_advice_names_no_level_of_it(tmp_path: Path) -> None:
+    checked = check_rig(write_csv(tmp_path / "constant.csv", run(np.full(300, 4.0))), Reading())
+    assert [one.topic for one in checked.findings if one.level == "refused"] == ["input"]
+    (advice,) = checked.advice
+    assert "by steps to which the output responds clearly" in advice
+    assert "about 4" not in advice
+
+
 def test_a_later_start_is_found(tmp_path: Path) -> None:
     """The motor does not move until the third level, as in a dead zone."""
     u = np.repeat((0.0, 1.0, *LEVELS), HOLD)
@@ -120,3 +128,30 @@ def test_the_command_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         told = capsys.readouterr()
         assert told.err.startswith("labsid: error: ")
         assert told.err.count("\n") == 1
+
+
+def test_columns_that_are_not_known_are_listed_with_the_line_to_type(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = motor_log()
+    (tmp_path / "logs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    columns = np.column_stack([1000 * log.t, 1000 * log.u, log.y_measured])
+    rows = (f"{t:.0f};{u:.1f};{y:.2f}".replace(".", ",") for t, u, y in columns)
+    text = "Zeit [ms];Ankerspannung [mV];Drehzahl [1/min]\r\n" + "\r\n".join(rows)
+    (tmp_path / "logs" / "antrieb.csv").write_text(text, encoding="cp1252")
+    for command in ("course rig", "check"):
+        assert main([*command.split(), "logs/antrieb.csv"]) == 2
+        (line,) = (one for one in capsys.readouterr().out.splitlines() if one.startswith("Type: "))
+        assert line == f"Type: labsid {command} logs/antrieb.csv --columns Zeit,Ankerspannung,Drehzahl"
+        assert main(line.removeprefix("Type: labsid ").split()) == 0
+        capsys.readouterr()
+
+
+def test_a_model_that_is_refused_gives_no_advice_on_sampling() -> None:
+    found = findings(np.r_[STAIRS[:HOLD], [4.01] * HOLD, STAIRS[HOLD:]])
+    assert "refused" not in {one.level for one in found["order 2"]}
+    assert "sampling" in found
+    useless = findings(STAIRS, replace(MOTOR, noise=60.0))
+    assert "refused" in {one.level for one in useless["order 2"]}
+    assert "sampling" not in useless

@@ -248,6 +248,9 @@ def test_a_rig_is_read(settings: Callable[[str], CourseSettings], tmp_path: Path
     )
     assert (rig.input.called, rig.output.called, rig.units) == ("voltage $v$", "speed", ("V", "rpm"))
     assert settings("").rig is None
+    in_dollars = settings(RIG.replace('symbol = "v"', 'symbol = "$v$"')).rig
+    assert in_dollars is not None
+    assert in_dollars.input.called == "voltage $v$"
 
 
 @pytest.mark.parametrize(
@@ -263,7 +266,8 @@ def test_a_rig_is_read(settings: Callable[[str], CourseSettings], tmp_path: Path
         (("[rig]", '[rig]\npicture = "rig.gif"'), "picture of [rig] must be .png, .jpg, .jpeg, .svg, got 'rig.gif'."),
         (("[rig]", '[rig]\npicture = "no.png"'), "picture of [rig]: there is no "),
         (("[rig]", "[rig]\nreading = { begin = 3 }"), "reading of [rig] has the unknown key 'begin'; expected one of"),
-        (("[rig]", '[rig]\nreading = { from = "3 s" }'), "from in reading of [rig] has a value of the wrong type"),
+        (("[rig]", '[rig]\nreading = { from = "3 s" }'), "from in reading of [rig] must be a number without"),
+        (("[rig]", "[rig]\nreading = { columns = 3 }"), "columns in reading of [rig] must be text in quotation marks"),
         (("[rig]", "[rig]\nreading = { from = 5, to = 3 }"), "since (--from) must be before until (--to)"),
         (("[rig]", '[rig]\nsimulated = "yes"'), "simulated in [rig] must be true or false, got 'yes'."),
     ],

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from autograder.course.layout import RECORD_FILE, Course
-from autograder.course.release import write_individual_release, write_release
+from autograder.course.release import release_files, write_individual_release, write_release
 from labsid.checks.permitted import RULE
 from labsid.checks.time_limit import CELL_SECONDS
 from labsid.checks.timetable import HOURS
@@ -146,3 +146,12 @@ def test_a_student_works_with_the_wheel_alone(shared: dict[str, bytes], tmp_path
     assert "903 samples" in labsid("check", record)
     assert "theta" in labsid("identify", record).lower() or "a1" in labsid("identify", record)
     assert "diagnose" in labsid("gap", "--help")
+
+
+def test_the_start_page_has_the_title_of_the_course(complete: Course) -> None:
+    for title, heading in (("Identification II", "Identification II"), ("", "System identification")):
+        (complete.root / "course.toml").write_text(f'title = "{title}"\n' if title else "", encoding="utf-8")
+        files = release_files(complete, [LAB])
+        for page in ("README.md", "start.ipynb"):
+            assert f"# {heading}: start here" in files[page].decode()
+    (complete.root / "course.toml").unlink()

@@ -11,6 +11,7 @@ from autograder.course.students import Student, read_students
 from autograder.intake.canvas_gradebook import CanvasGradebook, read_gradebook
 from autograder.intake.collect import collect_submissions
 from autograder.intake.other_downloads import METADATA, list_gradescope, which_system
+from autograder.intake.submission import LATE_FILE, NOT_READ_FILE
 from autograder.intake.worksheet import read_worksheet
 
 PRELAB, LAB = "prelab-sinusoids", "lab-identification"
@@ -52,6 +53,7 @@ def gradebook(tmp_path: Path) -> CanvasGradebook:
         '"Five, Bo_502",777,s2,bo,A,',
         '"Victim, Vic",502,s3,vic,A,',
         '"Nobody, Nell",503,s4,nell,A,',
+        '"Student, Test",599,,0a1b2c,A,',
     )
     (tmp_path / "gradebook.csv").write_text("\n".join(rows), encoding="utf-8")
     return read_gradebook(tmp_path / "gradebook.csv")
@@ -81,8 +83,58 @@ def test_a_download_of_canvas_late_and_with_several_attempts(
     students = {one.id: one for one in read_students(tmp_path / "out" / "students.csv")}
     assert students["ada"] == Student("ada", "Ada Lovelace", "", "ada", "501")
     assert "bo" in students
+    assert "0a1b2c" not in students  # the test student of Canvas
+    assert (tmp_path / "out" / "ada" / LAB / LATE_FILE).is_file()
+    assert not (tmp_path / "out" / "888" / LAB / LATE_FILE).exists()
     again = list(collect_submissions(course, path, tmp_path / "out"))  # who is who was decided before
     assert again[0].startswith("ada (lovelaceada)")
+    in_time = packed(tmp_path / "in-time.zip", {f"lovelaceada_501_9001_{LAB}.ipynb": lab["first"]})
+    list(collect_submissions(course, in_time, tmp_path / "out"))
+    assert not (tmp_path / "out" / "ada" / LAB / LATE_FILE).exists()
+
+
+def converted(notebook: str, share: float = 1.0) -> str:
+    """A notebook as Colab saves it: without the metadata of the course, with ids of its own; only its first cells."""
+    changed = json.loads(notebook)
+    changed["metadata"] = {"colab": {"provenance": []}, "kernelspec": {"name": "python3", "display_name": "Python 3"}}
+    changed["nbformat_minor"] = 0
+    changed["cells"] = changed["cells"][: round(share * len(changed["cells"]))]
+    for number, cell in enumerate(changed["cells"]):
+        cell.pop("id", None)
+        cell["metadata"] = {"id": f"x{number}"}
+    return json.dumps(changed)
+
+
+def test_a_notebook_without_metadata_is_known_by_its_text_whatever_its_name(
+    course: Course, gradebook: CanvasGradebook, tmp_path: Path
+) -> None:
+    lab, prelab = (converted(with_mark(course, "Done.", name)) for name in (LAB, PRELAB))
+    files: dict[str, str | bytes] = {
+        "fivebo_777_1_Untitled3.ipynb": prelab,
+        f"lovelaceada_501_2_{PRELAB}.ipynb": lab,  # its name is that of another assignment
+        "victimvic_502_3_my work.ipynb": converted(lab, 0.3),
+        "nobodynell_503_4_poem.ipynb": json.dumps({"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}),
+    }
+    lines = list(
+        collect_submissions(course, packed(tmp_path / "s.zip", files), tmp_path / "out", gradebook, system="canvas")
+    )
+    assert lines == [
+        f"bo (fivebo): {PRELAB}",
+        f"ada (lovelaceada): {LAB}",
+        "nell (nobodynell): no notebook of this course; skipped: poem.ipynb: not a notebook of this course",
+        "vic (victimvic): no notebook of this course; skipped: my work.ipynb: not a notebook of this course",
+    ]
+    for student, said in (("nell", "poem.ipynb"), ("vic", "my work.ipynb")):
+        note = (tmp_path / "out" / student / NOT_READ_FILE).read_text(encoding="utf-8")
+        assert note == f"{said}: not a notebook of this course\n"
+    assert not (tmp_path / "out" / "bo" / NOT_READ_FILE).exists()
+
+
+def test_a_notebook_of_another_course_beside_one_of_this_is_no_fault(course: Course, tmp_path: Path) -> None:
+    foreign = json.dumps({"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+    files: dict[str, str | bytes] = {"a_501_1_poem.ipynb": foreign, f"a_501_2_{LAB}.ipynb": with_mark(course, "Done.")}
+    list(collect_submissions(course, packed(tmp_path / "s.zip", files), tmp_path / "out", system="canvas"))
+    assert not (tmp_path / "out" / "501" / NOT_READ_FILE).exists()
 
 
 def test_a_name_or_a_file_with_numbers_gives_nothing_to_another_student(

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from autograder.results.late import LatePenalty, late_penalty, parse_rules, read_timestamp
+from autograder.results.late import LATE_WITHOUT_TIME, LatePenalty, late_penalty, parse_rules, read_timestamp
 
 RULE = "due=2026-11-30T23:59,grace=2h,per-day=10%,most=50%"
 DUE = datetime(2026, 11, 30, 23, 59, tzinfo=UTC)
@@ -77,6 +77,14 @@ def test_a_hand_in_without_a_time_is_not_late() -> None:
     found = late_penalty(parse_rules(RULE), "lab", None, Decimal(2))
     assert found.reason == "The time of the hand-in is not known; nothing was deducted."
     assert late_penalty({}, "lab", None, Decimal(2)).reason == ""
+
+
+def test_a_hand_in_that_the_platform_calls_late_without_a_time_is_said_and_costs_nothing() -> None:
+    found = late_penalty(parse_rules(RULE), "lab", None, Decimal(2), told_late=True)
+    assert found == LatePenalty(Decimal(0), LATE_WITHOUT_TIME)
+    assert late_penalty({}, "lab", None, Decimal(2), told_late=True).reason == ""
+    timed = late_penalty(parse_rules(RULE), "lab", DUE, Decimal(2), told_late=True)  # the time decides
+    assert timed.reason == ""
 
 
 def test_an_assignment_may_have_its_own_rule() -> None:

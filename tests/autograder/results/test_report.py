@@ -7,6 +7,7 @@ from decimal import Decimal
 from autograder.judge.outcome import QuestionResult
 from autograder.results.feedback import load_template
 from autograder.results.gradebook import ManualGrades
+from autograder.results.late import LATE_WITHOUT_TIME, TIME_UNKNOWN
 from autograder.results.report import report_page
 from autograder.results.result_files import StoredResult
 
@@ -62,3 +63,14 @@ def test_the_report_begins_with_the_students_and_ends_with_the_isolation() -> No
     places = re.findall(r'<section[^>]*id="(.*?)"', html)
     assert places == ["class", "review", "tiny", "similar", "isolation"]
     assert '<a href="#isolation">1 ran without isolation.</a>' in html
+
+
+def test_hand_ins_without_a_time_are_counted_and_those_that_are_called_late_are_to_review() -> None:
+    class_ = [replace(graded(student, "1"), late=TIME_UNKNOWN) for student in ("ada", "ben", "cat")]
+    page = report_page([*class_, replace(graded("dan", "1"), late=LATE_WITHOUT_TIME)], NOTHING)
+    assert [(review["student"], review["reasons"]) for review in page["reviews"]] == [("dan", [LATE_WITHOUT_TIME])]
+    assert page["assignments"][0]["untimed"] == 3
+    html = load_template("report.html.j2").render(page=page)
+    assert "The time of the hand-in is not known of 3; nothing was deducted there." in html
+    timed = load_template("report.html.j2").render(page=report_page([graded("ada", "1")], NOTHING))
+    assert "is not known of" not in timed

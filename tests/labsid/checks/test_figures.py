@@ -290,6 +290,30 @@ def test_a_label_with_its_unit_is_taken(label: str) -> None:
     require_label(seen(lambda ax: ax.set_xlabel(label)), "(a)", "x", "s")
 
 
+@pytest.mark.parametrize(
+    ("label", "unit", "is_taken"),
+    [
+        ("Position (m)", "m", True),
+        ("Position (mm)", "m", False),
+        ("Position in $(\\mathrm{m})$", "m", True),
+        ("Speed (1/min)", "1/min", True),
+        ("Speed (1/minute)", "1/min", False),
+        ("Power (%)", "%", True),
+        ("Speed (m/s)", "m/s", True),
+        ("Acceleration (m/s^2)", "m/s^2", True),
+        ("Voltage (Volts)", "V", True),
+        ("Voltage (mV)", "V", False),
+    ],
+)
+def test_a_longer_unit_is_another_one(label: str, unit: str, is_taken: bool) -> None:
+    axes = seen(lambda ax: ax.set_ylabel(label))
+    if is_taken:
+        require_label(axes, "(a)", "y", unit)
+    else:
+        error = refusal(require_label, axes, "(a)", "y", unit)
+        assert (error.slip, f"write it as ({unit})" in str(error)) == ("another unit", True)
+
+
 def test_labels_that_lack_something_are_said() -> None:
     axes = seen(lambda ax: (ax.set_xlabel("Time (s)"), ax.set_ylabel("Voltage")))
     error = refusal(require_labels, axes, "(a)", ("s", "V"))
