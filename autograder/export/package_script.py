@@ -77,6 +77,8 @@ def run_checks(submission: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
             )
         except subprocess.TimeoutExpired:
             raise ProblemError(f"the notebook takes longer than {SECONDS} s.") from None
+        except OSError as error:  # such as a Python that only its owner may run
+            raise ProblemError(f"the checks could not be started as the user nobody: {error}") from None
     try:
         judged: dict[str, Any] = json.loads(done.stdout)
     except ValueError:

@@ -77,6 +77,13 @@ def test_the_reporter_of_github_gets_its_output(
     assert "fail: b: Two: It is a row." in capsys.readouterr().out
 
 
+def test_a_python_that_nobody_may_run_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "lab.ipynb").write_text("{}", encoding="utf-8")
+    monkeypatch.setattr("sys.executable", str(tmp_path / "lab.ipynb"))
+    with pytest.raises(script.ProblemError, match=r"could not be started as the user nobody: .*Permission denied"):
+        script.run_checks(tmp_path, {"assignment": "lab", "record": None})
+
+
 def test_checks_that_cannot_be_run_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Ended:
         stdout, stderr = b"", b"Traceback ...\nModuleNotFoundError: No module named 'labsid'\n"
