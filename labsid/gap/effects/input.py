@@ -21,7 +21,7 @@ LONGEST_DELAY = 250.0  # samples; set by hand
 LONGEST_SHARE = 0.25  # of the record; set by hand
 LEAST_BAND = 0.005  # of the range of the command: change by a dead zone with two gains, beside a kink; set by hand
 END = 0.02  # of the range of the command, from its ends: a dead zone with an edge there has one edge; set by hand
-SEEN_HALF = 0.5  # of the distance from zero to the edge of a dead zone with one seen edge; set by hand
+NEAR_ZERO = 0.04  # of the range of the command, whose end reaches zero if it is as near; set by hand
 INITIAL_OFFSET = Parameter("before", -30.0, 30.0)  # of the actuator before the record, relative to the first command
 
 
@@ -167,7 +167,7 @@ class Saturation(Limits, InputEffect):
 def _about_zero(low: float, high: float, data: Data) -> float | None:
     """The scaled command zero, if it can be the middle of a band that the command leaves at one side; else None.
 
-    Of such a band nothing is seen beyond its mirrored edge, and at least half of what lies between zero and its edge.
+    The command reaches zero, and nothing beyond the mirrored edge is seen of such a band.
     """
     zero = float(data.u_scale.of(np.zeros(1))[0])
     least, most = float(data.u.min()), float(data.u.max())
@@ -178,7 +178,7 @@ def _about_zero(low: float, high: float, data: Data) -> float | None:
         half, end = zero - low, most - zero
     else:
         return None
-    return zero if half > 0.0 and -SEEN_HALF * half <= end <= half + edge else None
+    return zero if half > 0.0 and -NEAR_ZERO * (most - least) <= end <= half + edge else None
 
 
 def _jump(name: str) -> Parameter:

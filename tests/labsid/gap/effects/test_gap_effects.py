@@ -570,7 +570,8 @@ def test_a_dead_band_at_the_end_of_the_range_is_a_limit_unless_the_rig_rests_the
         (-0.5, 5.0, (-0.8, 0.8), True),
         (-5.0, 0.3, (-0.8, 0.9), True),
         (-3.0, 5.0, (-3.5, 0.8), False),  # about zero it would be left at -0.8
-        (2.0, 8.0, (1.0, 3.0), False),  # most of what lies between zero and the limit is not seen
+        (0.15, 5.0, (-0.8, 0.8), True),
+        (0.3, 5.0, (-0.9, 0.8), False),  # the command does not reach zero
         (0.0, 5.0, (-1.0, 6.0), False),
     ],
 )
