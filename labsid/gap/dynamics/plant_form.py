@@ -334,7 +334,7 @@ class PlantForm:
     @property
     def has_root(self) -> bool:
         """Whether the outflow of a tank is that of a square root."""
-        return bool(self.roots)
+        return self.kind == "tanks" and bool(self.roots)
 
     @property
     def abrupt(self) -> bool:
