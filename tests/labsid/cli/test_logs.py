@@ -26,7 +26,7 @@ def test_check_lists_the_columns_and_the_line_to_type(labsid, log):
     rows = [line.split() for line in out.splitlines() if line.strip()]
     assert rows[1][:4] == ["time_ms", "299", "0.1", "s"]
     assert [row[0] for row in rows[1:4]] == ["time_ms", "pwm", "speed"]
-    assert "Type: labsid check rig.log --columns time_ms,pwm,speed" in out
+    assert f"Type: labsid check {log} --columns time_ms,pwm,speed" in out
     assert err.startswith("labsid: error: rig.log: no columns t,u,y; the columns are time_ms, pwm, speed.")
     assert labsid("check", log, "--columns", "time_ms,pwm,speed")[0] == 0
 

@@ -56,7 +56,7 @@ def test_identify(labsid, log, tmp_path, options):
 def test_check_without_columns_says_what_to_type_for_all_signals(labsid, log):
     status, out, err = labsid("check", log)
     assert status == 2
-    assert "or, with all signals: labsid check heaters.csv --inputs Q1,Q2,r --outputs T1,T2" in out
+    assert f"or, with all signals: labsid check {log} --inputs Q1,Q2,r --outputs T1,T2" in out
     assert "no columns t,u,y" in err
 
 
