@@ -189,7 +189,7 @@ def as_worksheet(book: CanvasGradebook, known: Iterable[Student] = ()) -> Worksh
     counts = {name: sum(book.value(row, name).casefold() in ids for row in book.rows) for name in (LOGIN, SIS_USER)}
     id_column = SIS_USER if counts[SIS_USER] > counts[LOGIN] else LOGIN
     rows = []
-    for row in filter(lambda one: not book.is_test_student(one), book.rows):
+    for row in (one for one in book.rows if not book.is_test_student(one)):
         login, (last, comma, first) = book.value(row, LOGIN), one_line(book.value(row, STUDENT)).partition(",")
         values = (f"Participant {book.value(row, USER)}", f"{first.strip()} {last.strip()}" if comma else last.strip())
         email = login if "@" in login else ""

@@ -143,6 +143,9 @@ STATES = {
     "speed": (Parameter("v0", -50.0, 50.0, STICKING_STEP), Parameter("i0", -50.0, 50.0, STICKING_STEP)),
 }
 """Initial states of nonlinear dynamics, about the equilibrium at the first input."""
+RATE_OF = {"upper": "log_a", "lower": "log_b"}
+LEVEL_OF = {"upper": "h1", "lower": "h2"}
+"""The rate and the initial level of each tank, by their names in theta."""
 LEVELS = (Parameter("h1", -2e4, 2e4), Parameter("h2", -2e4, 2e4))
 """Those of tanks with root outflow: the level is the square of the flow, which may be 200 at its mean."""
 

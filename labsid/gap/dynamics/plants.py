@@ -10,7 +10,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, beside
 from labsid.gap.dynamics import _kernels
-from labsid.gap.dynamics.plant_form import Named, PlantForm
+from labsid.gap.dynamics.plant_form import LEVEL_OF, RATE_OF, Named, PlantForm
 from labsid.gap.dynamics.responses import (
     damped_share,
     decay_rates,
@@ -235,8 +235,7 @@ class Plant(PlantForm):
 
     def _of_roots(self) -> list[tuple[int, int]]:
         """Places of the rate and the initial level of each tank with root outflow."""
-        places = {"upper": ("log_a", "h1"), "lower": ("log_b", "h2")}
-        return [(self.index(rate), self.index(level)) for rate, level in map(places.__getitem__, self.roots)]
+        return [(self.index(RATE_OF[tank]), self.index(LEVEL_OF[tank])) for tank in self.roots]
 
     def level_slopes(self, theta: FloatArray) -> tuple[float, float]:
         """Derivatives of the upper and lower levels by the flow; one for linear outflow."""

@@ -142,7 +142,7 @@ class Off(InputEffect):
         inside = inside and min(stop, data.samples) - start > SHORTEST
         if not inside or not off.any():
             return False
-        zero = data.u_scale.of(np.zeros(1))[0]
+        zero = data.zero_command
         low, high = min(float(data.u.min()), zero), max(float(data.u.max()), zero)
         beyond = MAX_BEYOND * (high - low)
         if self.variant == "before" and np.ptp(data.u[off]) < MIN_COMMANDED * np.ptp(data.u):
@@ -269,7 +269,7 @@ def _best_spans(context: Context, variant: str) -> list[tuple[float, float, floa
     removed, added = -x[:, :2].sum(axis=1), x[:, 2:].sum(axis=1)
     level = np.clip(np.divide(added, removed, out=np.zeros(removed.size), where=removed != 0.0), -8.0, 8.0)
     best: list[tuple[float, float, float]] = []
-    zero = float(context.data.u_scale.of(np.zeros(1))[0])
+    zero = context.data.zero_command
     for rank in np.argsort(-(b * x).sum(axis=1), kind="stable")[:CHOSEN]:
         span = float(at[i[rank]]), float(samples if j is None else at[j[rank]])
         best += [(*span, float(level[rank])), (*span, zero)]
@@ -284,7 +284,7 @@ def _best_steps(context: Context) -> list[FloatArray]:
     span = float(np.ptp(u))
     if span == 0.0:
         return []
-    zero = float(context.data.u_scale.of(np.zeros(1))[0])
+    zero = context.data.zero_command
 
     def tried(steps: FloatArray, shift: float) -> list[tuple[float, float, float, float]]:
         """How much of the residual each explains, and the step with its shift and its phase."""

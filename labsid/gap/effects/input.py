@@ -164,21 +164,21 @@ class Saturation(Limits, InputEffect):
         return np.asarray(self.apply(fit.data.u, fit.theta_of(self), fit.data.samples) != fit.data.u)
 
 
-def _about_zero(low: float, high: float, data: Data) -> float | None:
-    """The scaled command zero, if it can be the middle of a band that the command leaves at one side; else None.
+def _side_about_zero(low: float, high: float, data: Data) -> str:
+    """The seen edge, "low" or "high", of a band about the command zero that the command leaves there alone; else empty.
 
     The command reaches zero, and nothing beyond the mirrored edge is seen of such a band.
     """
-    zero = float(data.u_scale.of(np.zeros(1))[0])
+    zero = data.zero_command
     least, most = float(data.u.min()), float(data.u.max())
     edge = END * (most - least)
     if low <= least + edge and high < most - edge:
-        half, end = high - zero, zero - least
+        side, half, end = "high", high - zero, zero - least
     elif high >= most - edge and low > least + edge:
-        half, end = zero - low, most - zero
+        side, half, end = "low", zero - low, most - zero
     else:
-        return None
-    return zero if half > 0.0 and -NEAR_ZERO * (most - least) <= end <= half + edge else None
+        return ""
+    return side if half > 0.0 and -NEAR_ZERO * (most - least) <= end <= half + edge else ""
 
 
 def _jump(name: str) -> Parameter:
@@ -259,10 +259,10 @@ class DeadZone(InputEffect):
             for half in (0.08, 0.2):
                 pair = np.clip([middle - half * (high - low), middle + half * (high - low)], low, high)
                 starts.append(pair)
-        zero = float(context.data.u_scale.of(np.zeros(1))[0])
+        zero = context.data.zero_command
         edges = [end + sign * share * (high - low) for end, sign in ((low, 1.0), (high, -1.0)) for share in (0.1, 0.25)]
         mirrored = [(min(edge, 2.0 * zero - edge), max(edge, 2.0 * zero - edge)) for edge in edges]
-        one_edged = [pair for pair in mirrored if _about_zero(*pair, context.data) is not None]
+        one_edged = [pair for pair in mirrored if _side_about_zero(*pair, context.data)]
         return [*starts, *map(np.array, one_edged)]
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
@@ -291,7 +291,7 @@ class DeadZone(InputEffect):
         inside = low > u.min() + edge and high < u.max() - edge
         at_end = u[0] < u.min() + edge if low <= u.min() + edge else u[0] > u.max() - edge
         at_rest = bool(np.all(u[:REST_SAMPLES] == u[0])) and low <= u[0] <= high and at_end
-        return bool(high > low and (inside or at_rest or _about_zero(low, high, fit.data) is not None))
+        return bool(high > low and (inside or at_rest or _side_about_zero(low, high, fit.data)))
 
     def _is_no_kink(self, fit: Fitted) -> bool:
         """Whether some command is where the band differs from its two straight lines, drawn to their crossing."""
@@ -312,14 +312,13 @@ class DeadZone(InputEffect):
         u = data.u
         at_end = u[0] == u.min() or u[0] == u.max()
         if at_end and np.all(u[:REST_SAMPLES] == u[0]) and low <= u[0] <= high:
-            rest, from_above = float(u[0]), bool(u[0] == u.min())
+            rest, seen = float(u[0]), "high" if u[0] == u.min() else "low"
         else:
-            zero = _about_zero(low, high, data)
-            if zero is None:
+            rest, seen = data.zero_command, _side_about_zero(low, high, data)
+            if not seen:
                 return own, 0
-            rest, from_above = zero, bool(low <= u.min() + END * np.ptp(u))
-        ends = (2.0 * rest - high, high) if from_above else (low, 2.0 * rest - low)
-        steps = np.full(2, own[3] if from_above else own[2]) if self.variant == "jump" else np.zeros(own.size - 2)
+        ends = (2.0 * rest - high, high) if seen == "high" else (low, 2.0 * rest - low)
+        steps = np.full(2, own[3] if seen == "high" else own[2]) if self.variant == "jump" else np.zeros(own.size - 2)
         return np.concatenate([np.clip(ends, -8.0, 8.0), steps]), 1 + len(steps) // 2 + (self.variant == "gain")
 
     def values(self, fit: Fitted) -> dict[str, Value]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics import _kernels
+from labsid.gap.dynamics.plant_form import LEVEL_OF, RATE_OF
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import real_rates
 from labsid.gap.effects.base import RARE, Effect, Fitted, Planted, PlantEffect, Value
@@ -15,14 +16,12 @@ from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.sketch import Seen, Sketch, around_y, ends_of, same
 
 START_BELOW = 0.1  # scaled level: distance of the initial level from the brim, to start with; numerics
-STATE_OF = {"upper": "h1", "lower": "h2"}
 MAX_START = 15.0  # scaled flow: largest initial deviation of a level, which a brim could hide; set by hand
 MAX_TANK_RATE = 1.0  # per sample: a faster tank follows its inflow within a sample; set by hand
 NO_CURVATURE = -190.0  # scaled: input at zero flow, without influence; numerics
 NO_BRIM = 390.0  # scaled: level of a brim without influence; numerics
 MOST_OF_FLOW = 0.97  # range of the input over its largest distance from zero flow; set by hand
 SIDES = ("", "-flipped")
-RATES = {"upper": "log_a", "lower": "log_b"}
 
 
 class _OfTanks(PlantEffect):
@@ -98,7 +97,7 @@ class SqrtOutflow(_OfTanks):
         for below in (0.15, 1.0):
             zero = float(u.min()) - below * span
             middle = -zero  # the mean of the scaled input is zero
-            faster = {RATES[tank] + "+": float(np.log(2.0 * middle)) for tank in self.tanks}
+            faster = {RATE_OF[tank] + "+": float(np.log(2.0 * middle)) for tank in self.tanks}
             starts.append({"zero": zero} | faster | self._brim(context, zero))
         return starts
 
@@ -109,7 +108,7 @@ class SqrtOutflow(_OfTanks):
             return
         own = theta[hypothesis.slices["plant"]]
         slope = new.root_slope(own)
-        for tank, rate in RATES.items():
+        for tank, rate in RATE_OF.items():
             sign = (tank in new.roots) - (tank in old.roots)
             own[new.index(rate)] += sign * np.log(slope)
             if sign and tank in new.brims:
@@ -143,7 +142,7 @@ class SqrtOutflow(_OfTanks):
         zero = float(fit.data.u.max()) - fit.input_range / min(share, MOST_OF_FLOW)
         own = fit.plant_theta[fit.hypothesis.plant.index("zero")]
         faster = float(np.log(zero / own))  # rates that are linearized at the mean flow, as before
-        rates = {RATES[tank]: float(fit.value(RATES[tank])) + faster for tank in self.tanks}
+        rates = {RATE_OF[tank]: float(fit.value(RATE_OF[tank])) + faster for tank in self.tanks}
         return [Planted("zero", {"zero": zero} | rates)] if NO_CURVATURE < zero < 0.0 else []
 
 
@@ -252,7 +251,7 @@ class Overflow(_OfTanks):
     def _below(self, brim: float, flow: float, root: bool) -> dict[str, float]:
         """The initial level of a tank below its brim, where the first command is more than that: at it, none counts."""
         above = (max(flow, 0.0) ** 2 if root else flow) - brim
-        return {STATE_OF[self.tanks[-1]]: -above - START_BELOW} if above > 0.0 else {}
+        return {LEVEL_OF[self.tanks[-1]]: -above - START_BELOW} if above > 0.0 else {}
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
@@ -262,7 +261,7 @@ class Overflow(_OfTanks):
         if fit.starts_at_rest and self._overflows_at_first(fit):
             return False
         rates = np.exp([fit.value("log_a"), fit.value("log_b")]) / slopes
-        return all(rate < MAX_TANK_RATE for tank, rate in zip(RATES, rates, strict=True) if tank in self.tanks)
+        return all(rate < MAX_TANK_RATE for tank, rate in zip(RATE_OF, rates, strict=True) if tank in self.tanks)
 
     def _overflows_at_first(self, fit: Fitted) -> bool:
         """Whether the flow of the first command overflows in steady state."""

@@ -100,6 +100,11 @@ class Data:
         """N."""
         return int(self.u.size)
 
+    @property
+    def zero_command(self) -> float:
+        """The scaled input where the command is zero."""
+        return float(self.u_scale.of(np.zeros(1))[0])
+
     def about_zero_command(self) -> "Data":
         """The same with a scaled input of zero where the command is zero; itself where that is far from the record.
 

@@ -332,7 +332,7 @@ def _has_level_of_drive(data: Data, fit: Fit, off: Off) -> bool:
     place = fit.hypothesis.slices[off.key]
     level, near = place.stop - 1, LEVEL_RANGE * float(np.ptp(data.u))
     before = max(int(fit.theta[place.start] * data.samples) - 1, 0)
-    usual = float(data.u_scale.of(np.zeros(1))[0]), float(data.u[before])
+    usual = data.zero_command, float(data.u[before])
     return any(
         loss_at(data, fit, level, at) < LIKELY_LOSS
         and min(loss_at(data, fit, level, at + side) for side in (-near, near)) > UNLIKELY_LOSS
