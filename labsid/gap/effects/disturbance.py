@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
@@ -30,6 +29,7 @@ MAX_EXTRAPOLATION = 3.0  # ranges of the output, beyond which the final change i
 RESTART_POLE = 10.0  # per record: start value of a pole that was fitted as an integrator; numerics
 FAST_POLE_RATIO = 10.0  # start value of the second pole over the first, if one was fitted as an integrator; numerics
 ONSETS = 64  # tried, from which a load is fitted; numerics
+ENERGY_RIDGE = 1e-9  # scaled, of inner products: keeps columns of nothing regular; numerics
 LOAD_COLUMN = 3  # of the columns of the dynamics with a leak: response to a constant load; definition
 PLANTED_ONSETS = 0.5, 0.05, 0.15, 0.25, 0.35, 0.65, 0.75, 0.85, 0.95
 """Of loads whose visibility is asked for; set by hand."""
@@ -306,11 +306,22 @@ def is_within(fit: Fitted, onset: float) -> bool:
     return edge < onset < 1.0 - edge
 
 
-def explained_energy(columns: FloatArray, e: FloatArray) -> float:
-    """Sum of squares of `e` that columns explain; they may be in proportion."""
-    gram = columns.T @ columns + 1e-9 * np.eye(columns.shape[1])
-    cross = columns.T @ e
-    return float(cross @ np.linalg.lstsq(gram, cross, rcond=None)[0])
+def explained_energies(grams: FloatArray, crosses: FloatArray) -> FloatArray:
+    """Sums of squares that sets of columns explain, from their inner products with each other and with the signal.
+
+    Parameters
+    ----------
+    grams : ndarray, shape (n, m, m)
+        The columns of a set may be in proportion.
+    crosses : ndarray, shape (n, m)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    size = grams.shape[-1]
+    inverses = np.linalg.pinv(grams + ENERGY_RIDGE * np.eye(size), size * np.finfo(float).eps, hermitian=True)
+    return np.asarray(np.einsum("ni,nij,nj->n", crosses, inverses, crosses))
 
 
 def load_starts(context: Context) -> list[dict[str, float]]:
@@ -333,7 +344,8 @@ def best_onsets(context: Context, count: int, columns_of: Callable[[NDArray[np.b
     e, residual_of = _beside_dynamics(context)
     samples = context.data.samples
     at = _tried_onsets(samples)
-    height = np.array([explained_energy(residual_of(columns_of(np.arange(samples) >= k)), e) for k in at])
+    tried = [residual_of(columns_of(np.arange(samples) >= k)) for k in at]
+    height = explained_energies(np.array([one.T @ one for one in tried]), np.array([one.T @ e for one in tried]))
     found = []
     for _ in range(count):
         i = int(np.argmax(height))
@@ -368,10 +380,12 @@ def _load_intervals(context: Context, count: int) -> list[tuple[float, float]]:
     samples = context.data.samples
     plant, rates = Plant(), np.log(context.highpass_rates)
     at = _tried_onsets(samples)
-    steps = [residual_of(plant.load_response(rates, np.where(np.arange(samples) >= k, 1.0, 0.0))) for k in at]
+    steps = np.array([residual_of(plant.load_response(rates, (np.arange(samples) >= k).astype(float))).T for k in at])
+    products, crosses = np.einsum("iak,jbk->ijab", steps, steps, optimize=True), steps @ e
+    begun, ended = np.triu_indices(at.size, 1)
+    grams = products[begun, begun] + products[ended, ended] - products[begun, ended] - products[ended, begun]
     height = np.full((at.size, at.size), -np.inf)
-    for i, j in combinations(range(at.size), 2):
-        height[i, j] = explained_energy(steps[i] - steps[j], e)
+    height[begun, ended] = explained_energies(grams, crosses[begun] - crosses[ended])
     intervals = []
     for _ in range(count):
         i, j = divmod(int(np.argmax(height)), at.size)

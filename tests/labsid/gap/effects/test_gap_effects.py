@@ -797,4 +797,5 @@ def test_the_energy_of_columns_in_proportion_is_that_of_one_of_them(size: float)
     """As of a load whose response only one counted row shows, and that is large because the dynamics integrate."""
     e = np.array([0.3, -0.2, 0.5])
     columns = size * np.array([[0.0, 0.0], [0.0, 0.0], [3.0, 2.0]])
-    assert disturbance.explained_energy(columns, e) == pytest.approx(0.25, rel=1e-6)
+    found = disturbance.explained_energies((columns.T @ columns)[None], (columns.T @ e)[None])
+    assert found == pytest.approx([0.25], rel=1e-6)
