@@ -23,6 +23,23 @@ def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
 
 
 @compiled()
+def linear_columns(w: FloatArray, reference: float, a1: float, a2: float, has_ramp: bool) -> FloatArray:
+    """The four columns of `section` for w - `reference`, and the response to a unit step or zero; shape (N, 5)."""
+    out = np.zeros((5, w.size))
+    x1, x2, h1, h2, r1, r2 = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    out[2, 0] = 1.0
+    for k in range(1, w.size):
+        x = w[k - 1] - reference - a1 * x1 - a2 * x2
+        h = -a1 * h1 - a2 * h2
+        out[0, k], out[1, k], out[2, k], out[3, k] = x, x1, h, h1
+        x1, x2, h1, h2 = x, x1, h, h1
+        if has_ramp:
+            r1, r2 = 1.0 - a1 * r1 - a2 * r2, r1
+            out[4, k] = r1
+    return out.T
+
+
+@compiled()
 def delayed(w: FloatArray, whole: int, part: float, offset: float = 0.0) -> FloatArray:
     """Delay `w` by `whole` samples and the fraction `part`, with linear interpolation.
 

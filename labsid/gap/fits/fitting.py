@@ -154,7 +154,7 @@ class Problem:
             return None
         if not self.has_sensor:
             gains = self._gains(columns, self.y)
-            return self._made(theta, gains, design, columns @ gains)
+            return self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
         if gains is None or gains.size != columns.shape[1]:
             reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
             gains = self._gains(columns, self.seen(reading[:, None])[:, 0])
@@ -202,8 +202,9 @@ class Problem:
             step = parameter.step if at.theta[i] + parameter.step <= upper[i] else -parameter.step
             perturbed = at.theta.copy()
             perturbed[i] += step
-            design = self.hypothesis.design(perturbed, self.data.u, near=at.design)
-            J[:, i] = (self.hypothesis.sensor(perturbed, at.gains, design) - at.output) / step
+            J[:, i] = self.hypothesis.output_near(perturbed, at.gains, self.data.u, at.design)
+            J[:, i] -= at.output
+            J[:, i] /= step
         J[:, searched:] = self._by_gains(at)
         return J
 

@@ -222,7 +222,20 @@ class Hypothesis:
 
         `near`, a design for the same input at another theta, provides the columns that have not changed.
         """
-        span = span or u.size
+        actuator, parts = self._parts(theta, u, span or u.size, reference, near)
+        columns = beside([parts[0], np.ones((u.size, 1)), *parts[1:]])
+        n_sensed = columns.shape[1] - sum(effect.width for effect in self.additive if not effect.at_load)
+        return Design(columns, n_sensed, theta, actuator, parts)
+
+    def output_near(self, theta: FloatArray, gains: FloatArray, u: FloatArray, near: Design) -> FloatArray:
+        """Sensor output at `theta` from what changes of the columns of a design for the same input."""
+        _, parts = self._parts(theta, u, u.size, None, near)
+        return self._sensed(theta, gains, parts)
+
+    def _parts(
+        self, theta: FloatArray, u: FloatArray, span: int, reference: float | None, near: Design | None
+    ) -> tuple[tuple[FloatArray, float], tuple[FloatArray, ...]]:
+        """The signal of the actuator, and the columns of the dynamics and of each additive effect."""
         at, now = self.slices["plant"], theta.tolist()
         then = [None] * len(now) if near is None else near.theta.tolist()
         same_input = near is not None and now[: at.start] == then[: at.start]
@@ -240,9 +253,7 @@ class Hypothesis:
                 parts.append(near.parts[i])
             else:
                 parts.append(effect.columns(theta[part], u.size, span, plant, own))
-        columns = beside([parts[0], np.ones((u.size, 1)), *parts[1:]])
-        n_sensed = columns.shape[1] - sum(effect.width for effect in self.additive if not effect.at_load)
-        return Design(columns, n_sensed, theta, actuator, tuple(parts))
+        return actuator, tuple(parts)
 
     @property
     def _restarted(self) -> slice:
@@ -275,7 +286,11 @@ class Hypothesis:
 
     def sensor(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
         """Sensor output for the columns of a design."""
-        z = self._before_limits(theta, gains, design)
+        return self._sensed(theta, gains, design.parts)
+
+    def _sensed(self, theta: FloatArray, gains: FloatArray, parts: tuple[FloatArray, ...]) -> FloatArray:
+        """Sensor output for the columns of the dynamics and of each additive effect."""
+        z = self._before_limits(theta, gains, parts)
         for effect, own in self._sensor_part(theta, limits=True):
             z = effect.apply(z, own)
         return z
@@ -290,9 +305,18 @@ class Hypothesis:
         """Sensor reading at the steady state `level`, without the limits of the sensor."""
         return float(self._curved(theta, gains[:1] * level + gains[1])[0])
 
-    def _before_limits(self, theta: FloatArray, gains: FloatArray, design: Design) -> FloatArray:
-        z = self._curved(theta, design.sensed @ gains[: design.n_sensed])
-        return z + design.added @ gains[design.n_sensed :] if gains.size > design.n_sensed else z
+    def _before_limits(self, theta: FloatArray, gains: FloatArray, parts: tuple[FloatArray, ...]) -> FloatArray:
+        at = parts[0].shape[1]
+        z, added, at = parts[0] @ gains[:at] + gains[at], [], at + 1
+        for effect, part in zip(self.additive, parts[1:], strict=True):
+            own = part @ gains[at : at + part.shape[1]]
+            at += part.shape[1]
+            if effect.at_load:
+                z += own
+            else:
+                added.append(own)
+        z = self._curved(theta, z)
+        return z + sum(added) if added else z
 
     def _curved(self, theta: FloatArray, z: FloatArray) -> FloatArray:
         for effect, own in self._sensor_part(theta, limits=False):
@@ -319,7 +343,7 @@ class Hypothesis:
 
     def within_limits(self, theta: FloatArray, gains: FloatArray, design: Design) -> np.ndarray:
         """The samples at which no limit of the sensor holds the reading."""
-        z = self._before_limits(theta, gains, design)
+        z = self._before_limits(theta, gains, design.parts)
         moves = np.ones(z.size, bool)
         for effect, own in self._sensor_part(theta, limits=True):
             moves &= effect.slope(z, own) > 0.0

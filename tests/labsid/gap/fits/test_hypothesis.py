@@ -110,9 +110,10 @@ def test_input_effects_act_in_the_order_of_the_actuator_and_the_delay_last(level
     np.testing.assert_allclose(found, [expected, expected], atol=1e-12)
 
 
-def sensed(theta: FloatArray, *columns: FloatArray) -> Design:
-    """A design of ready columns, of which the first one passes through the whole sensor."""
-    return Design(np.column_stack(columns), 1, theta, (columns[0], 0.0), columns)
+def sensed(theta: FloatArray, z: FloatArray, *added: FloatArray) -> Design:
+    """A design of ready columns, of which the first one and the constant pass through the whole sensor."""
+    parts = tuple(column[:, None] for column in (z, *added))
+    return Design(np.column_stack([z, np.ones(z.size), *added]), 2, theta, (z, 0.0), parts)
 
 
 def test_the_sensor_bends_then_adds_then_clips_and_its_columns_are_the_derivatives() -> None:
@@ -121,7 +122,7 @@ def test_the_sensor_bends_then_adds_then_clips_and_its_columns_are_the_derivativ
     theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
     theta[hypothesis.slices["output-saturation/both"]] = -0.713, 1.013
     z, added = np.linspace(-2.0, 2.0, 81), 0.6 * np.cos(np.arange(81.0))
-    gains = np.ones(2)
+    gains = np.array([1.0, 0.0, 1.0])
 
     def read(z: FloatArray, added: FloatArray) -> FloatArray:
         return hypothesis.sensor(theta, gains, sensed(theta, z, added))
@@ -133,7 +134,7 @@ def test_the_sensor_bends_then_adds_then_clips_and_its_columns_are_the_derivativ
     h = 1e-6
     design = sensed(theta, z, added)
     by_gains = hypothesis.sensed_columns(theta, gains, design)
-    for i, step in enumerate(h * np.eye(2)):
+    for i, step in enumerate(h * np.eye(3)):
         ends = [hypothesis.sensor(theta, gains + sign * step, design) for sign in (1.0, -1.0)]
         np.testing.assert_allclose(by_gains[:, i], (ends[0] - ends[1]) / (2.0 * h), atol=1e-5)
 
@@ -144,7 +145,7 @@ def test_without_additive_effects_the_sensor_nonlinearity_and_limits_apply() -> 
     theta[hypothesis.slices["output-nonlinearity"]] = 0.2, 0.05
     theta[hypothesis.slices["output-saturation/high"]] = 1.01
     z = np.linspace(-2.0, 2.0, 41)
-    read = hypothesis.sensor(theta, np.ones(1), sensed(theta, z))
+    read = hypothesis.sensor(theta, np.array([1.0, 0.0]), sensed(theta, z))
     np.testing.assert_allclose(read, np.minimum(z + 0.2 * z**2 + 0.05 * z**3, 1.01))
 
 
