@@ -181,11 +181,9 @@ class ExportedModel:
             return self._started(rest, np.full(SETTLING_SAMPLES, level))._output(u)
         design = hypothesis.design(theta, np.concatenate([rest, u]), self.span, self.reference)
         if hypothesis.additive:
-            added = slice(design.parts[0].shape[1] + 1, None)
-            own = hypothesis.design(theta, u, self.span, self.reference).columns[:, added]
-            columns = design.columns.copy(order="F")
-            columns[:SETTLING_SAMPLES, added], columns[SETTLING_SAMPLES:, added] = own[0], own
-            design = replace(design, columns=columns)
+            own = hypothesis.design(theta, u, self.span, self.reference).parts[1:]
+            added = (np.concatenate([np.repeat(part[:1], SETTLING_SAMPLES, axis=0), part]) for part in own)
+            design = hypothesis.assembled(theta, design.actuator, (design.parts[0], *added))
         return hypothesis.sensor(theta, self.gains, design)[SETTLING_SAMPLES:]
 
     def _output(self, u: FloatArray) -> FloatArray:

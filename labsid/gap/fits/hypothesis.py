@@ -222,8 +222,11 @@ class Hypothesis:
 
         `near`, a design for the same input at another theta, provides the columns that have not changed.
         """
-        actuator, parts = self._parts(theta, u, span or u.size, reference, near)
-        columns = beside([parts[0], np.ones((u.size, 1)), *parts[1:]])
+        return self.assembled(theta, *self._parts(theta, u, span or u.size, reference, near))
+
+    def assembled(self, theta: FloatArray, actuator: tuple[FloatArray, float], parts: tuple[FloatArray, ...]) -> Design:
+        """The design of an actuator's signal and of the columns of the dynamics and of each additive effect."""
+        columns = beside([parts[0], np.ones((parts[0].shape[0], 1)), *parts[1:]])
         n_sensed = columns.shape[1] - sum(effect.width for effect in self.additive if not effect.at_load)
         return Design(columns, n_sensed, theta, actuator, parts)
 

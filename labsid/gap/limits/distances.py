@@ -20,6 +20,7 @@ SLOWER = 4.0  # slow pole over the slowest start value of the other pole; numeri
 FASTEST = 1.0  # per sample: fastest start value of the other pole; numerics
 STARTS = 10  # start values of the other pole; numerics
 NEARLY_PARALLEL = 1e-5  # one minus the squared cosine of two vectors, below which they do not span a plane; numerics
+LEAST_VALUE = 1e-10  # of the largest singular value of scaled columns: below, a direction is rounding; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,8 +176,10 @@ def _other_starts(data: Data, fit: Fit) -> Iterator[_Start]:
 
 
 def _basis(J: FloatArray) -> FloatArray:
+    """Orthonormal basis of the columns, without the directions that rounding alone gives to columns in proportion."""
     size = np.sqrt((J**2).sum(axis=0))
-    return np.linalg.qr(J[:, size > 0.0] / size[size > 0.0])[0]
+    U, values, _ = np.linalg.svd(J[:, size > 0.0] / size[size > 0.0], full_matrices=False)
+    return np.asarray(U[:, values > LEAST_VALUE * values.max(initial=0.0)])
 
 
 def _less(x: FloatArray, basis: FloatArray) -> FloatArray:
