@@ -12,13 +12,7 @@ from labsid._compiled import compiled
 def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
     """Columns of a second-order section: two for its numerator, two for its initial state; shape (N, 4)."""
     out = np.zeros((4, w.size))
-    x1, x2, h1, h2 = 0.0, 0.0, 1.0, 0.0
-    out[2, 0] = 1.0
-    for k in range(1, w.size):
-        x = w[k - 1] - a1 * x1 - a2 * x2
-        h = -a1 * h1 - a2 * h2
-        out[0, k], out[1, k], out[2, k], out[3, k] = x, x1, h, h1
-        x1, x2, h1, h2 = x, x1, h, h1
+    _fill_section(out, w, 0.0, a1, a2)
     return out.T
 
 
@@ -26,17 +20,22 @@ def section(w: FloatArray, a1: float, a2: float) -> FloatArray:
 def linear_columns(w: FloatArray, reference: float, a1: float, a2: float, has_ramp: bool) -> FloatArray:
     """The four columns of `section` for w - `reference`, and the response to a unit step or zero; shape (N, 5)."""
     out = np.zeros((5, w.size))
-    x1, x2, h1, h2, r1, r2 = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    _fill_section(out, w, reference, a1, a2)
+    if has_ramp:
+        out[4] = section(np.ones(w.size), a1, a2)[:, 0]
+    return out.T
+
+
+@compiled()
+def _fill_section(out: FloatArray, w: FloatArray, reference: float, a1: float, a2: float) -> None:
+    """Fill the first four rows of `out`, which is zero, for w - `reference`."""
+    x1, x2, h1, h2 = 0.0, 0.0, 1.0, 0.0
     out[2, 0] = 1.0
     for k in range(1, w.size):
         x = w[k - 1] - reference - a1 * x1 - a2 * x2
         h = -a1 * h1 - a2 * h2
         out[0, k], out[1, k], out[2, k], out[3, k] = x, x1, h, h1
         x1, x2, h1, h2 = x, x1, h, h1
-        if has_ramp:
-            r1, r2 = 1.0 - a1 * r1 - a2 * r2, r1
-            out[4, k] = r1
-    return out.T
 
 
 @compiled()

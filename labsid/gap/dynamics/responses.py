@@ -1,7 +1,5 @@
 """Simulated responses of each kind of dynamics, as columns. Time is in samples."""
 
-import math
-
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
@@ -64,18 +62,19 @@ def denominator(c: float, k: float) -> tuple[float, float]:
     """Coefficients a1, a2 of s^2 + c s + k sampled at one sample."""
     s = 0.25 * c * c - k
     if s > 0:
-        root = math.sqrt(s)
-        return -(math.exp(root - 0.5 * c) + math.exp(-root - 0.5 * c)), math.exp(-c)
-    return -2.0 * math.exp(-0.5 * c) * math.cos(math.sqrt(-s)), math.exp(-c)
+        root = np.sqrt(s)
+        up, down = np.exp(root - 0.5 * c), np.exp(-root - 0.5 * c)
+        return float(-(up + down)), float(np.exp(-c))
+    return float(-2.0 * np.exp(-0.5 * c) * np.cos(np.sqrt(-s))), float(np.exp(-c))
 
 
 def real_rates(c: float, k: float) -> tuple[float, float]:
     """The two real decay rates, the slow one first; a complex pair gives two near its natural frequency."""
-    s = math.sqrt(max(0.25 * c * c - k, 0.0))
+    s = np.sqrt(max(0.25 * c * c - k, 0.0))
     fast = 0.5 * c + s
     if s == 0.0:
-        return math.sqrt(k) * 0.8, math.sqrt(k) * 1.25
-    return k / fast, min(fast, 8.0)
+        return float(np.sqrt(k)) * 0.8, float(np.sqrt(k)) * 1.25
+    return float(k / fast), float(min(fast, 8.0))
 
 
 def decay_rates(c: float, k: float) -> tuple[float, float]:
@@ -135,7 +134,7 @@ def mode_mean(w: FloatArray, frequency: float, damping_ratio: float) -> FloatArr
 
 
 def _linear(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: float, late: float) -> FloatArray:
-    c, k = math.exp(own["log_c"]), math.exp(own["log_k"])
+    c, k = float(np.exp(own["log_c"])), float(np.exp(own["log_k"]))
     if plant.zero:
         return _kernels.linear_columns(w, reference, *denominator(c, k), not comes_to_rest(c, k, span))
     ramp = _offset_ramp(c, k, w.size, span)

@@ -344,8 +344,9 @@ def best_onsets(context: Context, count: int, columns_of: Callable[[NDArray[np.b
     e, residual_of = _beside_dynamics(context)
     samples = context.data.samples
     at = _tried_onsets(samples)
-    tried = [residual_of(columns_of(np.arange(samples) >= k)) for k in at]
-    height = explained_energies(np.array([one.T @ one for one in tried]), np.array([one.T @ e for one in tried]))
+    tried = (residual_of(columns_of(np.arange(samples) >= k)) for k in at)
+    grams, crosses = zip(*((columns.T @ columns, columns.T @ e) for columns in tried), strict=True)
+    height = explained_energies(np.array(grams), np.array(crosses))
     found = []
     for _ in range(count):
         i = int(np.argmax(height))

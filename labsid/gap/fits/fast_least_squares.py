@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from scipy.linalg.lapack import dposv
 
 from labsid._arrays import FloatArray
 from labsid._compiled import compiled
@@ -26,8 +27,8 @@ def scaled_gram(Phi: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def solve_positive_definite(gram: FloatArray, right: FloatArray) -> FloatArray:
     """Solve a positive definite system; by LU if rounding has made it indefinite."""
-    x, is_definite = _solve_by_cholesky(gram, right)
-    if not is_definite:
+    _, x, failed = dposv(gram, right)
+    if failed:
         x = np.linalg.solve(gram, right)
     solution: FloatArray = x
     return solution
@@ -54,32 +55,3 @@ def _scaled_gram(Phi: FloatArray) -> tuple[FloatArray, FloatArray]:
             gram[i, j] /= scale[i] * scale[j]
             gram[j, i] = gram[i, j]
     return gram, scale
-
-
-@compiled()
-def _solve_by_cholesky(gram: FloatArray, right: FloatArray) -> tuple[FloatArray, bool]:
-    """The solution, and whether the system is positive definite."""
-    size = right.size
-    factor, x = np.zeros((size, size)), np.empty(size)
-    for i in range(size):
-        for j in range(i + 1):
-            rest = gram[i, j]
-            for k in range(j):
-                rest -= factor[i, k] * factor[j, k]
-            if i > j:
-                factor[i, j] = rest / factor[j, j]
-            elif rest > 0.0:
-                factor[i, i] = math.sqrt(rest)
-            else:  # also where it is not a number
-                return x, False
-    for i in range(size):
-        rest = right[i]
-        for k in range(i):
-            rest -= factor[i, k] * x[k]
-        x[i] = rest / factor[i, i]
-    for i in range(size - 1, -1, -1):
-        rest = x[i]
-        for k in range(i + 1, size):
-            rest -= factor[k, i] * x[k]
-        x[i] = rest / factor[i, i]
-    return x, True

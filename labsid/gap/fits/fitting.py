@@ -154,17 +154,17 @@ class Problem:
             return None
         if not self.has_sensor:
             gains = self._gains(columns, self.y)
-            return self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
+            return self._at(theta, gains, design)
         if gains is None or gains.size != columns.shape[1]:
             reading = self.hypothesis.undone(theta, self.data.y, design, self.data.rows)
             gains = self._gains(columns, self.seen(reading[:, None])[:, 0])
-        best = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
+        best = self._at(theta, gains, design)
         for _ in range(3):
             step = solve_least_squares(self.seen(self._by_gains(best)), best.error)
             better = None
             for share in (1.0, 0.3):
                 gains = best.gains + share * step
-                better = self._made(theta, gains, design, self.hypothesis.sensor(theta, gains, design))
+                better = self._at(theta, gains, design)
                 if better.cost < best.cost:
                     break
             if better is None or better.cost >= best.cost * (1.0 - 1e-6):
@@ -182,7 +182,8 @@ class Problem:
         columns[:, : self.fixed] = 0.0
         return columns
 
-    def _made(self, theta: FloatArray, gains: FloatArray, design: Design, output: FloatArray) -> Point:
+    def _at(self, theta: FloatArray, gains: FloatArray, design: Design) -> Point:
+        output = self.hypothesis.sensor(theta, gains, design)
         error = self.y - self.seen(output[:, None])[:, 0]
         with np.errstate(over="ignore"):  # it may have diverged in one of several records only
             return Point(theta, gains, design, output, error, float(error @ error) / self.count)
