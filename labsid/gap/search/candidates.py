@@ -28,6 +28,7 @@ MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent; 
 MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable; set by hand
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow; set by hand
 QUICK_STARTS = 4  # start points of all variants of a second or third effect; numerics
+MIN_CONTINUED = 6  # start points that have more than one iteration, at least; the better half of more; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,8 +96,14 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
                 starts = [Trial(problem, point, scale) for point in sorted(points, key=attrgetter("cost"))]
                 selected += _in_turn(starts)[:STARTS_PER_VARIANT]
     if brief:
-        selected = _quick_selection(selected)
-    return sorted((start.continued(2 if brief else 3) for start in selected), key=attrgetter("score"))
+        return _continued(_quick_selection(selected), 2)
+    begun = _continued(selected, 1)
+    return _continued(begun[: max(MIN_CONTINUED, (len(begun) + 1) // 2)], 2)
+
+
+def _continued(trials: list[Trial], iterations: int) -> list[Trial]:
+    """The trials after some more iterations, best first."""
+    return sorted((trial.continued(iterations) for trial in trials), key=attrgetter("score"))
 
 
 def _in_turn(ranked: list[Trial]) -> list[Trial]:
@@ -155,7 +162,7 @@ def reranked(trials: list[Trial], count: int) -> list[Trial]:
     """Continue the first trials for some iterations and sort them again: the best one need not lead from the start."""
     if len(trials) <= count // 2:
         return trials
-    return sorted((trial.continued(6) for trial in trials[:count]), key=attrgetter("score"))
+    return _continued(trials[:count], 6)
 
 
 def is_plausible(data: Data, fit: Fit, last: int = 1) -> bool:
