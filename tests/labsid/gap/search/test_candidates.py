@@ -17,11 +17,12 @@ from labsid.gap.effects import disturbance, drifts, dynamics, input, output, per
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.families import CANDIDATES
-from labsid.gap.fits.fitting import Fit, Problem, evaluate, finish, minimize, rms
+from labsid.gap.fits.fitting import Fit, Problem, descend, evaluate, finish, minimize, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.search.candidates import (
+    Trial,
     best_fit,
     is_compatible,
     is_plausible,
@@ -338,13 +339,32 @@ def test_tank_starts_include_a_single_dominant_state(levels: FloatArray, two_pol
 
 def test_reranking_continues_the_first_trials_and_sorts_them_again(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
-    tried = trial_fits(data, base, (input.DeadZone(), input.Backlash()), base)
+    group = input.DeadZone(), input.Backlash(), input.Saturation("both"), input.Saturation("high")
+    tried = trial_fits(data, base, group, base)
     assert len(tried) > 6
     raced = reranked(tried, 6)
     assert len(raced) == 6
     assert [trial.score for trial in raced] == sorted(trial.score for trial in raced)
     assert raced[0].score < min(trial.score for trial in tried)
     assert reranked(tried[:3], 6) == tried[:3]
+
+
+def test_the_better_half_of_the_start_points_is_continued(banded: Explanation, monkeypatch: pytest.MonkeyPatch) -> None:
+    data, base = banded.data, banded.path[0]
+    group = input.DeadZone(), input.Backlash(), input.Saturation("both"), input.Saturation("high")
+    continued: list[int] = []
+
+    def counted(trial: Trial, iterations: int) -> Trial:
+        continued.append(iterations)
+        return replace(trial, point=descend(trial.problem, trial.point, iterations, tolerance=1e-2))
+
+    monkeypatch.setattr(Trial, "continued", counted)
+    tried = trial_fits(data, base, group, base)
+    started = continued.count(1)
+    assert started > 12
+    assert continued == [1] * started + [2] * len(tried)
+    assert len(tried) == (started + 1) // 2
+    assert {trial.hypothesis.names for trial in tried} >= {("input-dead-zone",)}
 
 
 def test_the_right_effect_is_found_although_its_start_ranks_fourth(banded: Explanation) -> None:
