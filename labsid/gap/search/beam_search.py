@@ -29,7 +29,7 @@ from labsid.gap.search.candidates import (
     is_plausible,
     penalized_bic,
     plausible_forms,
-    refine_first,
+    refined_groups,
     trial_fits,
 )
 from labsid.gap.search.forms import remove_effect, transfer_theta
@@ -298,7 +298,7 @@ def _extensions(
     groups = [group for group in candidates_on(data) if group[0].name not in parent.hypothesis.names]
     if step == 0:
         return mapped(lambda group: best_fit(data, tried(group), tries), groups, shared, begun)
-    few = _refined_groups(mapped(tried, groups, shared, begun), FITTED_EFFECTS)
+    few = refined_groups(mapped(tried, groups, shared, begun), REFINED_EFFECTS, FITTED_EFFECTS)
     return mapped(lambda trials: best_fit(data, trials, tries), few, shared)
 
 
@@ -340,15 +340,6 @@ def with_constant_load(data: Data, parent: Fit) -> Fit:
     return fit_from(data, other, transfer_theta(parent, other)) or parent
 
 
-def _refined_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
-    return _best_groups([refine_first(few) for few in _best_groups(tried, REFINED_EFFECTS)], count)
-
-
-def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
-    """The groups with the best trials, best first."""
-    return sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:count]
-
-
 def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
     """Fits with one of the effects replaced by another, started from the parameters of the remaining effects."""
     groups = [group for group in candidates_on(data) if group[0].name not in fit.hypothesis.names]
@@ -357,7 +348,7 @@ def _replacements(data: Data, fit: Fit, highpass: Fit) -> Iterable[Fit | None]:
         parent = remove_effect(data, fit, i)
         if parent is not None:
             tried = mapped(_brief_trials(data, parent, highpass), groups, (parent, *shared))
-            few = _refined_groups(tried, FITTED_REPLACEMENTS)
+            few = refined_groups(tried, REFINED_EFFECTS, FITTED_REPLACEMENTS)
             yield from mapped(lambda trials: best_fit(data, trials, kept=1), few, shared)
 
 

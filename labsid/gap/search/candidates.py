@@ -134,6 +134,18 @@ def refine_first(trials: list[Trial]) -> list[Trial]:
     return [trials[0].continued(4), *trials[1:]]
 
 
+def refined_groups(tried: list[list[Trial]], looked_at: int, count: int) -> list[list[Trial]]:
+    """The `count` groups with the best trials, best first, after their first trial was continued.
+
+    Only the `looked_at` best groups are.
+    """
+    return _best_groups([refine_first(few) for few in _best_groups(tried, looked_at)], count)
+
+
+def _best_groups(tried: list[list[Trial]], count: int) -> list[list[Trial]]:
+    return sorted(filter(None, tried), key=lambda sketched: sketched[0].score)[:count]
+
+
 def best_fit(data: Data, trials: list[Trial], kept: int = 3) -> Fit | None:
     """The best plausible fit after minimizing a few trials to convergence; None if none is plausible."""
     found: list[Fit] = []

@@ -10,12 +10,14 @@ from itertools import product
 from operator import attrgetter
 
 from labsid._cores import mapped
+from labsid.gap.effects.base import Effect
 from labsid.gap.effects.families import LATE, names_where
 from labsid.gap.fits.fitting import Fit
 from labsid.gap.record.data import Data
-from labsid.gap.search.candidates import best_fit, is_plausible, trial_fits
+from labsid.gap.search.candidates import Trial, best_fit, is_plausible, refined_groups, trial_fits
 from labsid.gap.search.refinement import converge, polish
 
+FITTED = 6  # such changes beside an effect that are fitted completely: those with the best trials; set by hand
 MOST_PARENTS = 3  # fits with one effect, to which such a change is added; set by hand
 LEAP_GAIN = 30.0
 """BIC over the highest that counts, up to which leaps out of local minima are tried; measured: of 60 such fits within
@@ -49,7 +51,16 @@ def fits_with_instants(
     pairs = [
         (parent, late) for parent, late in product([base, *single], LATE) if late.name not in parent.hypothesis.names
     ]
-    fits = mapped(lambda pair: best_fit(data, trial_fits(data, pair[0], (pair[1],), highpass)), pairs, (data, base))
+    shared = data, base
+
+    def tried(pair: tuple[Fit, Effect]) -> list[Trial]:
+        return trial_fits(data, pair[0], (pair[1],), highpass, brief=pair[0] is not base)
+
+    groups = mapped(tried, pairs, shared)
+    first = sum(parent is base for parent, _ in pairs)
+    alone, beside = groups[:first], groups[first:]
+    few = [*filter(None, alone), *refined_groups(beside, len(beside), FITTED)]
+    fits = mapped(lambda trials: best_fit(data, trials), few, shared)
     ends = [polish(data, converge(data, fit)) for fit in fits if fit is not None and fit.bic < highest + LEAP_GAIN]
     return [fit for fit in ends if is_plausible(data, fit, len(fit.hypothesis.found))]
 
