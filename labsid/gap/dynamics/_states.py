@@ -18,6 +18,7 @@ NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, ALL_FORCES)
 NEGLIGIBLE = 40.0  # argument from which exp(-x) is nothing beside one, within rounding; numerics
 SATURATED = 20.0  # argument from which tanh is 1, within rounding; numerics
 CLOSE_RATES = 1e-4  # difference of two rates times the step, below which their mean serves for both; numerics
+WEIR_STEPS = 5  # of Newton's method for the head over a weir, from above: convex, so that it converges; numerics
 DIVERGED = 1e6  # a larger state has diverged: every record is smaller; numerics
 CUBIC_CORRECTION = 0.109
 """Factor of h^2 times the acceleration, for the spring at the mean position of a substep of h; measured: against short
@@ -41,11 +42,13 @@ def simulate_tanks(
     opposing: FloatArray | None = None,
     leak: FloatArray | None = None,
     pace: FloatArray | None = None,
+    weir: float = 0.0,
 ) -> FloatArray:
     """Level of the lower of two tanks in series, each with linear or square-root outflow and a brim.
 
     The lower tank receives the `share` of the upper tank's overflow. It loses the flow `opposing`, and `leak` times its
-    level; `pace` multiplies its rate. These three have one value per sample.
+    level; `pace` multiplies its rate. These three have one value per sample. Over its brim it loses `weir` times the
+    head to the power 1.5, or with zero all of the inflow.
     """
     out = np.empty(w.size)
     h = 1.0 / substeps
@@ -57,6 +60,7 @@ def simulate_tanks(
         restoring = 1.0 + leaking
         rate2 = a2 if pace is None else a2 * pace[k]
         keep2 = math.exp(-rate2 * restoring * h)
+        lost = weir * rate2 * h
         for j in range(substeps):
             flow = _held_input(w, k, late * substeps - j)
             if root1:
@@ -73,21 +77,37 @@ def simulate_tanks(
                 h1, h2 = _step_linear_tanks(
                     (h1, h2), flow, load, (a1, rate2), (keep1, keep2), restoring, (brim1, share), h
                 )
-                h2 = min(h2, brim2)
+                h2 = _below_weir(h2, brim2, lost)
                 continue
             if root2:
                 net = inflow - math.sqrt(max(h2, 0.0)) - load - leaking * h2
-                half2 = max(min(h2 + 0.5 * h * rate2 * net, brim2), 0.0)
+                half2 = max(_below_weir(h2 + 0.5 * h * rate2 * net, brim2, 0.5 * lost), 0.0)
                 h2 += h * rate2 * (inflow - math.sqrt(half2) - load - leaking * half2)
                 h2 = max(h2, 0.0)
             else:
                 end = (inflow - load) / restoring
                 h2 = end + (h2 - end) * keep2
-            h2 = min(h2, brim2)
+            h2 = _below_weir(h2, brim2, lost)
         if not (abs(h2) < DIVERGED and abs(h1) < DIVERGED):
             out[k:] = np.nan
             break
     return out
+
+
+@compiled()
+def _below_weir(level: float, brim: float, lost: float) -> float:
+    """The level after the flow over a weir during a step, from the level without it: its head x + lost x^1.5 is known.
+
+    Source: the weir formula of G. Poleni, "De motu aquae mixto" (1717). `lost` is zero where all of the head flows off.
+    """
+    if level <= brim:
+        return level
+    if lost == 0.0:
+        return brim
+    root = math.sqrt(level - brim)
+    for _ in range(WEIR_STEPS):
+        root -= (root**2 + lost * root**3 - (level - brim)) / (2.0 * root + 3.0 * lost * root**2)
+    return brim + root**2
 
 
 @compiled()

@@ -132,6 +132,7 @@ GRAVITY = (  # scaled: radians per position, angle in radians
 LIMIT = Parameter("limit", 1e-3, 50.0, 1e-3, leap=0.05)  # scaled: error at which a loop saturates
 SPRUNG_SHARE = Parameter("sprung_share", 0.2, 1.0, 1e-3, start=0.95)  # of the stiffness, which the loop gives
 DAMPED_SHARE = Parameter("damped_share", 0.0, 1.0, 1e-3, start=0.9)  # of the damping, which the loop gives
+WEIR = Parameter("log_weir", -3.0, 9.0, 1e-3, start=3.0)  # scaled: logarithm of the flow over a weir at a head of one
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 STATES = {
@@ -179,6 +180,8 @@ class PlantForm:
         "ahead", or for a mode "beside" (in parallel); empty without one.
     roots, brims : tuple of str
         Tanks with square-root outflow, and tanks with a brim, of "upper" and "lower".
+    weir : bool
+        Whether the lower tank overflows the more, the higher its level is over the brim.
     flipped : bool
         Whether a larger input means less flow.
     friction : str
@@ -232,6 +235,7 @@ class PlantForm:
     mode: str = ""
     roots: tuple[str, ...] = ()
     brims: tuple[str, ...] = ()
+    weir: bool = False
     flipped: bool = False
     friction: str = ""
     drag: bool = False
@@ -282,6 +286,7 @@ class PlantForm:
                 own += [Parameter("share", 0.0, 1.0)]
             if len(self.brims) == 2:
                 own += [Parameter("brim2", -5.0, 400.0, leap=0.05)]
+            own += [WEIR] if self.weir else []
         elif self.kind == "mechanics":
             own += FRICTION_LAWS[self.friction]
             own += [DRIVEN_SHARE] if self.friction == "drive" and not self.unsprung else []

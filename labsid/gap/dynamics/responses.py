@@ -12,6 +12,7 @@ NO_BRIM = np.inf  # scaled: level of a brim that is not there; definition
 REST_TIME_CONSTANTS = 6.0  # after which a free response has ended; set by hand
 NODES = np.polynomial.legendre.leggauss(8)  # and weights of Gauss-Legendre quadrature; numerics
 MAX_ROOT_RATE = 2.4  # per sample, of a tank with square-root outflow: a faster one follows its inflow; set by hand
+WEIR_SUBSTEPS = 2  # times as many besides, over which the flow over a weir varies; numerics
 MOTOR_SUBSTEPS = 3  # of a motor with dry friction; numerics
 LAW_SUBSTEPS = 2  # times as many, in each of which friction that varies with the speed is linear or constant; numerics
 MAX_OBSERVED_RATE = 2.0  # per sample: the record has no information on a faster pole; set by hand
@@ -175,7 +176,7 @@ def _tanks(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: fl
         lower *= float(pace.max())
     root_rates = [rate for rate, root in ((upper, upper_root), (lower, lower_root)) if root]
     fastest = max(root_rates, default=0.0)  # linear tanks are integrated exactly at any rate
-    substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2))
+    substeps = int(max(np.ceil(fastest / 0.3), np.ceil(min(upper, lower) / 0.2), 2)) * (1 + WEIR_SUBSTEPS * plant.weir)
     flow, loads = _apply_load(plant, own, flow, span)
     return _states.simulate_tanks(
         flow,
@@ -192,6 +193,7 @@ def _tanks(plant: PlantForm, own: Named, w: FloatArray, span: int, reference: fl
         late,
         *loads,
         pace,
+        float(np.exp(own["log_weir"])) if plant.weir else 0.0,
     )[:, None]
 
 

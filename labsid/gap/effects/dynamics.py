@@ -28,6 +28,7 @@ REST = 1e-4  # of the largest speed, below which a mass is at rest; set by hand
 SHORTEST_REST = 3  # samples of a rest; set by hand
 MIN_STOPS = 2  # rests of a mass between motions, in one direction or both; set by hand
 MIN_EITHER_DIRECTION = 0.03  # share of the record with motion in each direction; set by hand
+FULL_FRICTION = 1.5  # times the speed over which friction is smooth: there it has nine tenths of its size; definition
 CREEP = 0.01  # of the largest speed: a slower motion is none; set by hand
 MIN_PARALLEL_SHARE = 0.03  # of the static gain, of a slow mode; set by hand
 MAX_PARALLEL_SHARE = 0.85  # of poles in series, the slowest has a share of one or more; set by hand
@@ -470,6 +471,10 @@ class CoulombFriction(PlantEffect):
         speed = plant.motion(fit.plant_theta, fit.actuator)[:, 1]
         if plant.kind == "mechanics" and count_stops(speed) >= MIN_STOPS:
             return True
+        if plant.kind == "speed" and self.law == "smooth":  # elsewhere it is a curve, of a flow or of a drag
+            least = FULL_FRICTION * float(np.exp(fit.value("log_smooth")))
+            if min(np.mean(speed > least), np.mean(speed < -least)) < MIN_EITHER_DIRECTION:
+                return False
         return moves_both_ways(speed, CREEP * (plant.kind == "speed"))
 
     def values(self, fit: Fitted) -> dict[str, Value]:

@@ -31,7 +31,7 @@ class _OfTanks(PlantEffect):
     def tanks(self) -> tuple[str, ...]:
         """The tanks: "upper" and "lower"."""
         which = self.variant.removesuffix("-flipped")
-        return ("upper", "lower") if which == "both" else (which,)
+        return ("upper", "lower") if which == "both" else ("lower",) if which == "weir" else (which,)
 
     @property
     def is_flipped(self) -> bool:
@@ -152,7 +152,10 @@ def _brimmed(x: FloatArray, p: Mapping[str, float], seen: Seen) -> FloatArray:
 
 
 class Overflow(_OfTanks):
-    """Overflow of a tank at its brim; `variant` upper, lower or both, and "-flipped"."""
+    """Overflow of a tank at its brim; `variant` upper, lower, both or weir, and "-flipped".
+
+    Over a weir the lower tank overflows the more, the higher its level is.
+    """
 
     name = "overflow"
     description = Description(
@@ -194,14 +197,15 @@ class Overflow(_OfTanks):
     further: ClassVar[dict[str, tuple[str, ...]]] = {
         which + side: ("both" + side,) for which in ("upper", "lower") for side in SIDES
     }
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {"lower" + side: ("weir" + side,) for side in SIDES}
 
     def alternatives(self, hypothesis: Structure) -> list[Effect]:
         """Overflow of both tanks, and of linear ones with their order reversed."""
         others = super().alternatives(hypothesis)
         if len(self.tanks) == 2 or hypothesis.plant.has_root:
             return others
-        other = "lower" if self.tanks == ("upper",) else "upper"
-        return [*others, Overflow(f"{other}-flipped" if self.is_flipped else other)]
+        turned = ("lower", "weir") if self.tanks == ("upper",) else ("upper",)
+        return [*others, *(Overflow(f"{other}-flipped" if self.is_flipped else other) for other in turned)]
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
         """Begin a second brim slightly below the highest level; swap rates and levels if the order is reversed."""
@@ -223,7 +227,8 @@ class Overflow(_OfTanks):
 
     def extend(self, plant: Plant) -> Plant:
         """Tanks with a brim."""
-        return plant.modified(kind="tanks", brims=self.tanks, flipped=plant.flipped or self.is_flipped)
+        weir = self.variant.startswith("weir")
+        return plant.modified(kind="tanks", brims=self.tanks, weir=weir, flipped=plant.flipped or self.is_flipped)
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Brims at 8, 25 and 50 % below the highest level, as shares of its range."""
@@ -254,13 +259,15 @@ class Overflow(_OfTanks):
         return {LEVEL_OF[self.tanks[-1]]: -above - START_BELOW} if above > 0.0 else {}
 
     def is_plausible(self, fit: Fitted) -> bool:
-        """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start."""
+        """Reject a tank that fills within a sample (a limit of the actuator or the sensor) and an impossible start.
+
+        The start of the other tank may be any, as far as it is over within a sample.
+        """
         slopes = fit.hypothesis.plant.level_slopes(fit.plant_theta)
-        if any(abs(fit.value(h)) > MAX_START * slope for h, slope in zip(("h1", "h2"), slopes, strict=True)):
-            return False
-        if fit.starts_at_rest and self._overflows_at_first(fit):
-            return False
         rates = np.exp([fit.value("log_a"), fit.value("log_b")]) / slopes
+        starts = np.abs([fit.value("h1"), fit.value("h2")]) / (slopes * np.maximum(rates, 1.0))
+        if starts.max() > MAX_START or (fit.starts_at_rest and self._overflows_at_first(fit)):
+            return False
         return all(rate < MAX_TANK_RATE for tank, rate in zip(RATE_OF, rates, strict=True) if tank in self.tanks)
 
     def _overflows_at_first(self, fit: Fitted) -> bool:

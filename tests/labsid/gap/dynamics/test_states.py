@@ -40,6 +40,22 @@ def test_tanks_without_a_brim(w: FloatArray, held: Held, roots: tuple[bool, bool
     np.testing.assert_allclose(run_tanks(flow, roots, (np.inf, np.inf), 0.0), expected, atol=1e-4)
 
 
+@pytest.mark.parametrize("root", [False, True])
+def test_a_tank_overflows_the_more_the_higher_its_level_is_over_a_weir(w: FloatArray, held: Held, root: bool) -> None:
+    flow = 0.9 + 0.5 * w
+
+    def filling(h: FloatArray, value: float) -> list[float]:
+        out = np.sqrt(np.maximum(h, 0.0)) if root else h
+        over = 5.0 * max(h[1] - 0.8, 0.0) ** 1.5
+        return [0.3 * (value - out[0]), 0.2 * (out[0] - out[1] - over)]
+
+    expected = held(flow, np.array([0.6, 0.5]), filling)[:, 1]
+    own = 0.3, 0.2, root, root, np.inf, 0.8, 0.0, 0.6, 0.5, 16
+    np.testing.assert_allclose(_states.simulate_tanks(flow, *own, *UNLOADED, 5.0), expected, atol=1e-3)
+    assert expected.max() > 0.9
+    assert np.abs(_states.simulate_tanks(flow, *own) - expected).max() > 0.1
+
+
 @pytest.mark.parametrize(
     ("brims", "share"), [((0.7, np.inf), 0.0), ((0.7, np.inf), 0.6), ((np.inf, 0.8), 0.0), ((0.7, 0.75), 1.0)]
 )

@@ -104,12 +104,11 @@ def test_a_general_form_starts_equal_to_the_special_one(
 def test_an_overflow_is_tried_at_both_tanks() -> None:
     for side in ("", "-flipped"):
         for which in ("upper", "lower"):
-            other = {"upper": "lower", "lower": "upper"}[which]
-            both, turned = alternative_forms(Hypothesis((tanks.Overflow(which + side),)))
-            assert both.effects == (tanks.Overflow("both" + side),)
-            assert turned.effects == (tanks.Overflow(other + side),)
-            assert both.plant.flipped == turned.plant.flipped == (side != "")
-        assert alternative_forms(both) == []
+            others = {"upper": ("both", "lower", "weir"), "lower": ("both", "weir", "upper")}[which]
+            forms = alternative_forms(Hypothesis((tanks.Overflow(which + side),)))
+            assert [form.effects for form in forms] == [(tanks.Overflow(other + side),) for other in others]
+            assert {form.plant.flipped for form in forms} == {side != ""}
+        assert alternative_forms(forms[0]) == []
 
 
 def test_a_tank_with_a_brim_keeps_its_rate_before_and_behind_the_other_one(
@@ -594,6 +593,40 @@ def test_a_dead_zone_with_one_edge_fits_as_a_limit_does() -> None:
         data, limit = best_with(u, y, (input.Saturation("low"),))
         zone = best_fit(data, trial_fits(data, fit_baseline(data), (input.DeadZone(),), limit))
         assert (zone is not None and abs(zone.bic - limit.bic) < np.log(u.size)) == ties
+
+
+def test_an_overflow_over_a_weir_is_no_friction() -> None:
+    """The level rises a little over the brim: smooth friction on a level that does not turn fits better than a brim."""
+    u = np.repeat(np.random.default_rng(4).uniform(-1.0, 2.0, 40), 25)
+    level, fine, y = u[0], 20, np.empty(u.size)
+    for k in range(u.size):
+        y[k] = level
+        for _ in range(fine):
+            level += 0.06 * (u[k] - level - 15.0 * max(level - 0.7, 0.0) ** 1.5) / fine
+    y += 0.01 * y.std() * np.random.default_rng(5).standard_normal(u.size)
+    data, fit = best_with(u, y, tuple(tanks.Overflow(variant) for variant in ("lower", "upper")))
+    assert fit.hypothesis.effects[0].variant == "weir"
+    assert values_of(data, fit)["level"] == pytest.approx(0.7, abs=0.02)
+    base = fit_baseline(data)
+    frictions = tuple(dynamics.CoulombFriction(place) for place in ("speed", "speed-lag"))
+    friction = best_fit(data, trial_fits(data, base, frictions, base))
+    assert friction is None or min(one.bic for one in plausible_forms(data, friction)) > fit.bic + 30.0
+
+
+def test_smooth_friction_reaches_its_level_in_either_direction(levels: FloatArray) -> None:
+    """Of a motor that turns, and of one that only creeps back, where the law is any curve through rest."""
+
+    def force(speed: float) -> float:
+        return 0.5 * float(np.tanh(speed / 0.3))
+
+    plausible = []
+    for middle in (0.0, 1.5):
+        u = 1.6 * levels
+        data = scaled(u, sliding_motor(u + middle, force, 0.0), np.ones(u.size, bool), 0.1)
+        base, smooth = fit_baseline(data), dynamics.CoulombFriction("speed-smooth")
+        trial = trial_fits(data, base, (smooth,), base)[0].continued(25)
+        plausible.append(smooth.is_plausible(Fitted.of(finish(data, trial.hypothesis, trial.point), data)))
+    assert plausible == [True, False]
 
 
 @pytest.mark.parametrize(
