@@ -186,9 +186,10 @@ def about_correction(corrected: float | None, limit: float) -> list[Finding]:
     if corrected is None:
         return []
     text = (
-        "the rig is unstable: simulated from its input alone, its output would grow without bound. The simulation is "
-        "corrected by the measured output, with the weakest feedback that keeps it bounded; the correction moves the "
-        f"output by {max(corrected, 0.01):.0%} of what the input moves it{' at most' if corrected < 0.01 else ''}."
+        "the rig is unstable or integrates its input: simulated from its input alone, its output would leave all "
+        "bounds. The simulation is corrected by the measured output, with the weakest feedback that keeps it bounded; "
+        f"the correction moves the output by {max(corrected, 0.01):.0%} of what the input moves "
+        f"it{' at most' if corrected < 0.01 else ''}."
     )
     if corrected <= limit:
         return [Finding("note", "stability", text)]

@@ -73,15 +73,26 @@ def parameter_value(
 
 def parameter_rows(effect: dict[str, Any]) -> list[tuple[str, str, str]]:
     """Label, value and unit of each parameter of an effect, with a mark on those that may be zero."""
+    sizes = [name for name in effect["parameters"] if not _is_place(effect["name"], name)]
+    may_be_zero = [name for name in sizes if _may_be_zero(effect["parameters"][name])]
+    mark = "determined together only" if may_be_zero == sizes and len(sizes) > 1 else "not told from zero"
     rows = []
     for name, entry in effect["parameters"].items():
-        reported = _reported(effect["name"], name)
-        is_place = reported is not None and reported.position
         value, unit = parameter_value(effect["name"], name, entry)
-        if not is_place and (entry["stderr"] or 0.0) > abs(entry["value"]):
-            unit = ", ".join(text for text in (unit, "not told from zero") if text)
+        if name in may_be_zero:
+            unit = ", ".join(text for text in (unit, mark) if text)
         rows.append((parameter_label(effect["name"], name, entry), value, unit))
     return rows
+
+
+def _is_place(effect: str, parameter: str) -> bool:
+    """Whether a parameter is a place or an instant, of which zero is one like others."""
+    reported = _reported(effect, parameter)
+    return reported is not None and reported.position
+
+
+def _may_be_zero(entry: dict[str, Any]) -> bool:
+    return bool((entry["stderr"] or 0.0) > abs(entry["value"]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,8 @@ SIGNIFICANT = 0.01  # p-value below which a residual test is reported as signifi
 DEPENDENT = 1e-3  # p-value below which a record without a named cause is said to have a gap
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
 HALF = 0.5  # of a share or a probability
+MOST = 0.8  # of a share
+CLEARLY_MORE = 1.5  # times the noise: an error on held-out samples that is not noise alone
 LEAST_LEFT = 0.05  # of the gap: what remains is then said to be in the noise
 SHOWN_SHARE = 0.005  # of the gap, that is printed as more than 0 %
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
@@ -132,9 +134,10 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     effects, gap = report["effects"], report["gap"]
     causes = [effect for effect in effects if is_probable(effect)]
     others = [effect for effect in effects if not is_probable(effect)]
+    is_share = gap["closed"] is not None and (causes or not _doubt(gap))
     gain = (
         f"explain* {closed_percent(gap['closed'], gap['ci95'])} of the gap{_doubt(gap)}"
-        if gap["closed"] is not None
+        if is_share
         else f"reduce* the rms simulation error from {number(gap['before'])} to {number(gap['after'])}"
     )
     one, several = gain.replace("*", "s"), gain.replace("*", "")
@@ -192,10 +195,13 @@ def _with_chance(effect: dict[str, Any]) -> str:
 
 def remaining_sentence(report: dict[str, Any]) -> str | None:
     """The main part of the error that no named effect explains; None if all but noise is explained."""
+    from labsid.plots.gap_curves import noise_band
+
     if report["verdict"] not in ("partial", "unknown"):
         return None
     kind, partial = main_kind(report), report["verdict"] == "partial"
     closed = report["unexplained"]["share"] < SHOWN_SHARE
+    closed = closed and report["gap"]["noise_floor"] < CLEARLY_MORE * 0.5 * noise_band(report)[0]
     left = "What remains is as small as the noise, but not white" if closed else "Something else remains"
     if kind is None:
         return f"{left}." if partial else None
@@ -279,8 +285,13 @@ def correction(report: dict[str, Any]) -> str:
     """What distinguishes the simulation after from the one before, as a gerund."""
     if is_mismatch(report):
         return "refitting the parameters"
+    return f"adding the {_added(report)}"
+
+
+def _added(report: dict[str, Any]) -> str:
+    """The effects of a report, as its sentences call them."""
     noun_of_one = "effect" if report["verdict"] == "partial" else "cause"
-    return f"adding the {noun_of_one}{'s' if len(report['effects']) > 1 else ''}"
+    return f"{noun_of_one}{'s' if len(report['effects']) > 1 else ''}"
 
 
 def effects_tried(report: dict[str, Any]) -> list[str]:
@@ -296,10 +307,21 @@ def ambiguity_sentence(report: dict[str, Any]) -> str | None:
         return None
     if not report["effects"]:
         return f"The record does not rule out {rivals}."
-    chances = joined([f"{noun(e['name'])} {e.get('chance', probability(e['probability']))}" for e in report["effects"]])
     several = report["verdict"] == "partial" and len(report["effects"]) > 1
     instead = "in the place of one of the effects" if several else "instead"
-    return f"The record does not rule out {rivals} {instead}. Probability: {chances}.{_other_side(report)}"
+    return f"The record does not rule out {rivals} {instead}. {_chances(report)}{_other_side(report)}"
+
+
+def _chances(report: dict[str, Any]) -> str:
+    """The probabilities of the effects, by numbers or in words; by numbers also those of rivals of a single cause."""
+    effects = report["effects"]
+    chances = {one["name"]: one.get("chance", probability(one["probability"])) for one in effects}
+    if not all(chance.endswith("%") for chance in chances.values()):
+        return f"{capitalised(joined([f'{noun(name)} is {chance}' for name, chance in chances.items()]))}."
+    if len(effects) == 1 and report["verdict"] == "effect":
+        ranked = {row["name"]: probability(p) for row in report["ranking"] if (p := row["probability"]) >= NAMED}
+        chances |= {name: ranked[name] for name in report["ambiguous"] if name in ranked}
+    return f"Probability: {joined([f'{noun(name)} {chance}' for name, chance in chances.items()])}."
 
 
 def _other_side(report: dict[str, Any]) -> str:
@@ -399,7 +421,8 @@ def start_sentence(report: dict[str, Any]) -> str | None:
 
 def has_kinds(report: dict[str, Any]) -> bool:
     """Whether the report attributes a remaining error to kinds of models."""
-    return main_kind(report) is not None and not (report["verdict"] in ("none", "effect") and _is_white(report))
+    explained = report["verdict"] in ("none", "effect") and (_is_white(report) or is_noise_alone(report))
+    return main_kind(report) is not None and not explained
 
 
 def kinds_sentence(report: dict[str, Any]) -> str | None:
@@ -431,7 +454,7 @@ def baseline_sentence(report: dict[str, Any]) -> str | None:
     if model is None or (model["method"] == OUTPUT_ERROR and model["observed"]):
         return None
     if not model["observed"]:
-        return _unobserved_sentence(model["method"])
+        return _unobserved_sentence(report, model["method"])
     if model["method"] == FIRST_ORDER:
         return (
             "The record does not support a linear model of the order asked for: one of first order has the smaller "
@@ -443,9 +466,11 @@ def baseline_sentence(report: dict[str, Any]) -> str | None:
     )
 
 
-def _unobserved_sentence(method: str) -> str:
+def _unobserved_sentence(report: dict[str, Any], method: str) -> str:
     """Which linear model is used where the slowest pole of the one that was asked for cannot be identified."""
-    slow = "The record does not determine the slowest pole of a linear model of the order asked for"
+    without = "" if is_unchanged(report) else f"Without the {_added(report)}, "
+    slow = "the record does not determine the slowest pole of a linear model of the order asked for"
+    slow = f"{without}{slow}" if without else capitalised(slow)
     if method == OUTPUT_ERROR:
         return f"{slow}: the rig may be of lower order, or may integrate its input."
     used = "of first order" if method == FIRST_ORDER else f"fitted by {method}, one step ahead"
@@ -597,7 +622,8 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
     whiteness, correlation = p_value(left["whiteness_p"]), p_value(left["input_correlation_p"])
     texts = ["These are the errors on the holdout."] if only_on_holdout(report) else []
     if _is_white(report) and report["verdict"] in ("none", "effect"):
-        texts.append("Only white noise remains.")
+        beyond = not is_unchanged(report) and gap["after"] > CLEARLY_MORE * gap["noise_floor"]
+        texts.append(f"Only white noise remains{' on the samples that were fitted' * beyond}.")
     elif left["share"] > 0.0 and report["verdict"] != "none" and gap["before"] > gap["noise_floor"]:
         texts.append(f"{percent(left['share'])} of the gap remains; with the noise, {number(left['rms'])} rms.")
     if white:
@@ -609,11 +635,13 @@ def residual_sentences(report: dict[str, Any]) -> list[str]:
     if not correlated:
         texts.append(f"It does not depend linearly on past inputs ({correlation}).")
     elif has_kinds(report) and left["kinds"]["disturbance"] > HALF:
-        texts.append(f"It depends on past inputs ({correlation}), but they predict only a small part of it.")
+        part = "a small part" if left["kinds"]["disturbance"] > MOST else "a part"
+        texts.append(f"It depends on past inputs ({correlation}), but they predict only {part} of it.")
     else:
-        texts.append(f"It depends on past inputs ({correlation}): part of the dynamics is missing.")
+        missing = "a small part of the dynamics may be" if is_noise_alone(report) else "part of the dynamics is"
+        texts.append(f"It depends on past inputs ({correlation}): {missing} missing.")
     if left.get("repeats", 0.0) > 0.1 and not (has_kinds(report) and left["kinds"]["disturbance"] > HALF):
-        texts.append(f"It repeats when the input repeats (correlation {left['repeats']:.2f}), unlike noise.")
+        texts.append(f"After like inputs it is alike (correlation {left['repeats']:.2f}), unlike noise.")
     return texts
 
 

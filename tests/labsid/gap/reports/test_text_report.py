@@ -123,7 +123,7 @@ def test_unknown_lists_the_effects_tried_and_the_residual():
     assert "The rms simulation error is 0.0644; the noise, with what no model predicts, is 0.0100" in text
     assert "100 % of the gap remains; with the noise, 0.0101 rms" in text
     assert "It depends on past inputs (p < 0.001)" in text
-    assert "repeats when the input repeats (correlation 0.30)" in text
+    assert "After like inputs it is alike (correlation 0.30), unlike noise" in text
     assert "Only white noise" not in text
 
 
@@ -233,7 +233,7 @@ def test_the_sentence_on_the_rest_and_the_shares_by_kind_agree(verdict, shares):
 def test_a_residual_that_nothing_foretells_is_not_said_to_repeat():
     base = with_rest(report("input-delay", verdict="partial"), "disturbance")
     base["unexplained"]["repeats"] = 0.3
-    assert "repeats when the input repeats" not in format_report(base)
+    assert "After like inputs" not in format_report(base)
 
 
 def test_a_rest_of_no_kind_is_still_said():
@@ -244,12 +244,15 @@ def test_a_rest_of_no_kind_is_still_said():
 
 
 @pytest.mark.parametrize(
-    ("kind", "end"), [("disturbance", "but they predict only a small part of it."), ("linear", "is missing.")]
+    ("kind", "end"), [("disturbance", "but they predict only a part of it."), ("linear", "is missing.")]
 )
 def test_the_test_on_past_inputs_does_not_contradict_the_kind_of_the_rest(kind, end):
     base = with_rest(report("input-delay", verdict="partial"), kind)
     (said,) = (text for text in sentences.residual_sentences(base) if "past inputs" in text)
     assert said.endswith(end)
+    base["unexplained"]["kinds"][kind] = 0.9
+    (said,) = (text for text in sentences.residual_sentences(base) if "past inputs" in text)
+    assert said.endswith(end.replace("a part", "a small part"))
 
 
 def test_the_methods_of_the_linear_model_are_those_of_its_choice():
@@ -282,6 +285,10 @@ def test_a_set_is_named_as_one_and_not_twice():
         "The record does not rule out a rate limit of the actuator or an extra lag instead. Probability: "
         "a transport delay 58 %."
     )
+    base["ranking"] = [{"name": "extra-lag", "probability": 0.31}, {"name": "input-rate-limit", "probability": 0.02}]
+    assert sentences.ambiguity_sentence(base).endswith("Probability: a transport delay 58 % and an extra lag 31 %.")
+    base["effects"][0]["chance"] = "possible"
+    assert sentences.ambiguity_sentence(base).endswith("instead. A transport delay is possible.")
     part = report("input-delay", "load-step", verdict="partial") | {"ambiguous": ["extra-lag"]}
     assert sentences.ambiguity_sentence(part).startswith(
         "The record does not rule out an extra lag in the place of one of the effects. Probability: a transport delay"
@@ -364,6 +371,49 @@ def test_improbable_effects_that_imitate_a_gap_are_counted():
     assert "not known: 2 improbable effects explain 97 %" in sentences.headline(base)
     base["effects"][0]["probability"] = 0.3
     assert "not known: a lightly damped mode (30 %) and one further effect explain 97 %" in sentences.headline(base)
+
+
+def test_improbable_effects_that_may_close_nothing_have_no_share():
+    """The share of an error beyond noise, of which an unknown part is no noise."""
+    base = with_rest(report("resonance", verdict="partial", probability=0.03), "time")
+    base["gap"]["ci95"] = [-0.2, 1.0]
+    assert "one improbable effect reduces the rms simulation error from 0.0644 to 0.0102" in sentences.headline(base)
+    base["effects"][0]["probability"] = 0.7
+    assert "possibly none" in sentences.headline(base)
+
+
+def test_noise_that_no_model_predicts_is_not_called_the_noise():
+    base = with_rest(report("load-step", verdict="partial"), "disturbance")
+    base["unexplained"] |= {"share": 0.0, "rms": 0.0102, "colour": 4.0}
+    assert sentences.remaining_sentence(base).startswith("Of the error beyond white noise that remains, ")
+
+
+def test_white_noise_on_the_fitted_samples_alone_is_said_so():
+    base = report("input-off")
+    assert "Only white noise remains." in sentences.residual_sentences(base)
+    base["gap"]["after"] = 3.0 * base["gap"]["noise_floor"]
+    assert "Only white noise remains on the samples that were fitted." in sentences.residual_sentences(base)
+
+
+def test_the_slowest_pole_is_not_determined_without_the_cause():
+    base = report("input-dead-zone")
+    base["simulation"] = base["simulation"] | {"model": {"method": "output error of first order", "observed": False}}
+    said = sentences.baseline_sentence(base)
+    assert said.startswith("Without the cause, the record does not determine the slowest pole")
+    assert sentences.baseline_sentence(base | {"verdict": "unknown"}).startswith("The record does not determine")
+
+
+def test_coefficients_that_are_known_together_are_not_each_told_from_zero():
+    base = report("input-nonlinearity")
+    rows = base["effects"][0]["parameters"]
+    for name in ("c2", "c3"):
+        rows[name] |= {"value": 0.1, "stderr": 0.3}
+    text = " ".join(format_report(base).split())
+    assert text.count("determined together only") == 2
+    rows["c2"] |= {"value": 0.9}
+    text = " ".join(format_report(base).split())
+    assert "together only" not in text
+    assert text.count("not told from zero") == 1
 
 
 def test_what_remains_of_a_closed_gap_is_no_part_of_it():
