@@ -118,11 +118,13 @@ def as_vector(name: str, value: Value, size: int | None = None) -> FloatArray:
     if array.ndim == 2 and array.shape[1] == 1:
         array = array.reshape(-1)
     if array.ndim == 2 and array.shape[0] <= array.shape[1] and array.shape[0] == (size or array.shape[1]):
+        is_square = array.shape[0] == array.shape[1]
+        broadcast = "A column (N, 1) and a flat array (N,) in one sum or difference make such a table, and so do"
         raise NoAnswer(
             f"`{name}` should be one column of numbers; it is a table of {array.shape[0]} by "
-            f"{array.shape[1]}. A column (N, 1) and a flat array (N,) in one sum or difference make such a table, "
-            "and so do `*` and `/` between matrices. (Their product is `@`, and a system of equations is solved by "
-            "`np.linalg.solve`.) Print the shapes of its parts.",
+            f"{array.shape[1]}. {broadcast if is_square else 'One way to such a table are'} `*` and `/` between "
+            "matrices. (Their product is `@`, and a system of equations is solved by `np.linalg.solve`.) Print the "
+            "shapes of its parts.",
             "a table in place of a vector",
         )
     if array.ndim == 0 and size is not None and size > 1:

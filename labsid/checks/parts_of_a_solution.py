@@ -13,7 +13,12 @@ _PARALLEL = 1e-5
 
 
 def require_whole_solution(
-    name: str, value: Value, M: FloatArray, v: FloatArray, terms: tuple[str, str] = ("Phi'Phi", "Phi'Y")
+    name: str,
+    value: Value,
+    M: FloatArray,
+    v: FloatArray,
+    terms: tuple[str, str] = ("Phi'Phi", "Phi'Y"),
+    before_y: FloatArray | None = None,
 ) -> None:
     """Refuse a matrix in the place of the solution, and say which part of it this is; or a solution with M + mu I.
 
@@ -26,18 +31,27 @@ def require_whole_solution(
         Of the equations ``M x = v``, in which no student's value stands.
     terms : tuple of str
         What M and v are called in the question.
+    before_y : ndarray, optional
+        The matrix whose product with Y is v.
     """
     if not isinstance(value, np.ndarray) or value.size == 1 or value.dtype.kind not in "iuf":
         return
     if value.size == v.size:
         _require_no_ridge(name, np.ravel(value).astype(float), M, v, terms)
-    if value.shape != M.shape:
+    if value.shape != M.shape and (before_y is None or value.shape != before_y.shape):
         return
     try:
         inverse = np.linalg.inv(M)
     except np.linalg.LinAlgError:
         return
     M_name, v_name = terms
+    if before_y is not None and value.shape == before_y.shape and _same(value, inverse @ before_y):
+        left = v_name.removesuffix("Y").rstrip()
+        raise NoAnswer(
+            f"`{name}` is the inverse of {M_name} times {left} alone: the product with Y is missing.", "Y left out"
+        )
+    if value.shape != M.shape:
+        return
     if _same(value, inverse):
         raise NoAnswer(
             f"`{name}` is the inverse of {M_name} alone: the product with {v_name} is missing.", "only the inverse"

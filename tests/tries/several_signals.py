@@ -241,7 +241,7 @@ TRIES = (
         LOOP,
         "u now",
         loop(PHI_Y.replace("u[1:-1]", "u[2:]") + "return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])"),
-        "u\\(k-1\\)",
+        "holds u\\(k\\)",
     ),
     Try(
         "sev-6-reference",

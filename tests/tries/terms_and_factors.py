@@ -78,6 +78,12 @@ TRIES: dict[str, tuple[Try, ...]] = {
     ),
     "step-response": in_rows(
         (
+            "step-8-error",
+            "two unknowns",
+            "leaves out column 2 of Phi",
+            "def error_vector(Phi, Y, theta):\n    return Y - (Phi[:, 0] * theta[0] + Phi[:, 1] * theta[1])",
+        ),
+        (
             "step-3-mse",
             "after the delay",
             "averaged over the last .* samples of 801",
@@ -136,6 +142,13 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ),
     ),
     "least-squares": in_rows(
+        (
+            "ls-4-fits",
+            "powers as factors",
+            r"columns p \* x",
+            "def fit_powers(x, y, powers):\n    Phi = np.array([[p * xi for p in powers] for xi in x])\n"
+            "    theta = np.linalg.lstsq(Phi, y)[0]\n    e = y - Phi @ theta\n    return theta, e @ e",
+        ),
         (
             "ls-1-kind",
             "determinant and trace",
@@ -248,6 +261,31 @@ TRIES: dict[str, tuple[Try, ...]] = {
         ("nl-8-step", "n - 1", "SSE by n - 1 for", (("(len(y) - 3)", "(len(y) - 1)"),)),
         ("nl-8-step", "n - 2", "SSE by n - 2 for", (("(len(y) - 3)", "(len(y) - 2)"),)),
         ("nl-7-locate", "errors of squares", "hands over errors of the .squared. ranges", ((_DISTANCE, _SQUARES),)),
+    ),
+    "several-signals": in_rows(
+        (
+            "sev-6-reference",
+            "reference in Phi",
+            r"holds r\(k-1\) where u\(k-1\) belongs",
+            "def fit_with_reference(u, y, r):\n    Phi = np.column_stack([y[1:-1], r[1:-1]])\n"
+            "    Z = np.column_stack([r[1:-1], r[:-2]])\n    return np.linalg.solve(Z.T @ Phi, Z.T @ y[2:])",
+        ),
+        (
+            "sev-6-reference",
+            "Y left out",
+            "inverse of Z'Phi times Z' alone: the product with Y",
+            "def fit_with_reference(u, y, r):\n    Phi = np.column_stack([y[1:-1], u[1:-1]])\n"
+            "    Z = np.column_stack([r[1:-1], r[:-2]])\n    return np.linalg.inv(Z.T @ Phi) @ Z.T",
+        ),
+    ),
+    "postlab-model-order": in_rows(
+        (
+            "postlab-2-simulation",
+            "no zero ahead of b1",
+            r"begins with a zero, `\[0, b1\]`",
+            "y_sim_1 = scipy.signal.lfilter([theta_1[1]], [1, -theta_1[0]], u)\n"
+            "y_sim_2 = scipy.signal.lfilter(theta_2[2:], [1, *-theta_2[:2]], u)",
+        ),
     ),
     "sim-to-real-gap": in_rows(
         ("gap-3-time", "the other axis", "adds up over the 4 stretches", (("axis=1", "axis=0"),)),

@@ -50,11 +50,11 @@ BEFORE_INF = (
     "bounds.)"
 )
 TABLE = "`y` should be one column of numbers; it is a table of"
-ASKED = (
-    "A column (N, 1) and a flat array (N,) in one sum or difference make such a table, and so do `*` and `/` between "
-    "matrices. (Their product is `@`, and a system of equations is solved by `np.linalg.solve`.) Print the shapes of "
-    "its parts."
+OF_MATRICES = (
+    "`*` and `/` between matrices. (Their product is `@`, and a system of equations is solved by `np.linalg.solve`.) "
+    "Print the shapes of its parts."
 )
+OF_A_COLUMN = "A column (N, 1) and a flat array (N,) in one sum or difference make such a table, and so do"
 
 
 def refused(said: str, slip: str | None = None) -> Any:
@@ -170,7 +170,7 @@ def test_a_column_of_one_is_a_vector() -> None:
         (np.zeros((3, 2)), "`y` should be one column of numbers; it is an array of shape (3, 2).", None),
         (
             np.zeros((3, 3)),
-            f"{TABLE} 3 by 3. {ASKED}",
+            f"{TABLE} 3 by 3. {OF_A_COLUMN} {OF_MATRICES}",
             "a table in place of a vector",
         ),
         (np.zeros((1, 1, 3)), "`y` should be one column of numbers; it is an array of shape (1, 1, 3).", None),
@@ -179,7 +179,11 @@ def test_a_column_of_one_is_a_vector() -> None:
         (np.zeros(0), "`y` should have 3 elements; it has 0.", None),
         (5.0, "`y` should hold 3 numbers; it is one number.", "one number in place of a vector"),
         (..., "`y` should be a vector; it is still `...`.", None),
-        (np.zeros((3, 9)), f"{TABLE} 3 by 9. {ASKED}", "a table in place of a vector"),
+        (
+            np.zeros((3, 9)),
+            f"{TABLE} 3 by 9. One way to such a table are {OF_MATRICES}",
+            "a table in place of a vector",
+        ),
         (("a", 1), "`y` should be a vector; it is a list or tuple of 2 items.", None),
         (np.array([1, NAN, NAN]), f"`y` holds nan (at [1]): {BEFORE_NAN}", None),
         (np.array([[1], [np.inf]]), f"`y` holds inf (at [1, 0]): {BEFORE_INF}", None),

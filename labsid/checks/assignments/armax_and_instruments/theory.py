@@ -251,7 +251,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             ),
             Slip(
                 "c everywhere",
-                "`covariance` has c between all samples: only neighbours have an e in common.",
+                "`covariance` has c var_e between all samples: only neighbours have an e in common.",
                 lambda: sandwich((1 + c**2 - c) * diagonal + c * np.ones((n, n))),
             ),
             Slip(
@@ -263,19 +263,19 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             Slip("as if white", of_v, lambda: (1 + c**2) * white),
             Slip(
                 "diagonal of white noise",
-                "`covariance` has 1 on the diagonal of E(vv').",
+                "`covariance` has var_e on the diagonal of E(vv'), the variance of e(t) alone.",
                 lambda: sandwich(diagonal + c * beside),
-                mend="v(t) is a sum of two, with variance 1 + c^2.",
+                mend="v(t) is a sum of two, with variance (1 + c^2) var_e.",
             ),
             Slip(
                 "diagonal without a square",
-                "`covariance` has 1 + c on the diagonal of E(vv'): v(t) is e(t) + c e(t-1), and variances take the "
-                "squares.",
+                "`covariance` has (1 + c) var_e on the diagonal of E(vv'): v(t) is e(t) + c e(t-1), and variances take "
+                "the squares.",
                 lambda: sandwich((1 + c) * diagonal + c * beside),
             ),
             Slip(
                 "2c beside the diagonal",
-                "`covariance` has 2c beside the diagonal of E(vv'): v(t) and v(t-1) share e(t-1) alone.",
+                "`covariance` has 2 c var_e beside the diagonal of E(vv'): v(t) and v(t-1) share e(t-1) alone.",
                 lambda: sandwich((1 + c**2) * diagonal + 2 * c * beside),
             ),
             Slip(
@@ -290,7 +290,7 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
             ),
             Slip(
                 "c squared beside the diagonal",
-                "`covariance` has c^2 beside the diagonal.",
+                "`covariance` has c^2 var_e beside the diagonal of E(vv').",
                 lambda: sandwich((1 + c**2) * diagonal + c**2 * beside),
                 mend="v(t) and v(t-1) share e(t-1), once with c and once with 1.",
             ),

@@ -58,8 +58,8 @@ def _output_offset(got: float, u_act: FloatArray, y_act: FloatArray, y_actm: Flo
         if not is_mean and _is_mean_up_to(n, y_actm, got):
             return Verdict(
                 False,
-                "`y_offset` is the mean of the measured output `y_actm`. `y` is made from the noise-reduced `y_act`: "
-                "average that one.",
+                "`y_offset` is the mean of the measured output `y_actm`. It should be that of the noise-reduced "
+                "`y_act`, from which `y` is made, too.",
                 "measured output used",
             )
         if not is_mean and _is_mean_up_to(n + 1, y_act, got):

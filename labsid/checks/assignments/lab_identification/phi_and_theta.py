@@ -140,7 +140,7 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "arguments of lstsq swapped",
         )
     right = solve_least_squares(Phi, Y).theta
-    require_whole_solution(name, value, Phi.T @ Phi, Phi.T @ Y)
+    require_whole_solution(name, value, Phi.T @ Phi, Phi.T @ Y, before_y=Phi.T)
     got = as_vector(name, value, right.size if np.ndim(value) == 2 else None)  # type: ignore[arg-type]
     if got.size == right.size + 1 and _has_a_constant(got, Phi, Y):
         raise NoAnswer(
@@ -181,8 +181,10 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             lambda: (Phi.T @ Phi) ** -1.0 @ Phi.T @ Y,
         ),
         Slip(
-            "divided element by element",
-            "`/` and `*` work element by element. Use `@` and `np.linalg.solve` or `np.linalg.inv`.",
+            "each column fitted alone",
+            f"`{name}` divides each entry of Phi'Y by the one on the diagonal of Phi'Phi, which fits each column of "
+            "Phi alone. The columns are correlated: eq. (8) has the inverse of the whole matrix, `np.linalg.inv`, or "
+            "use `np.linalg.solve`.",
             lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
         ),
         Slip(
@@ -374,10 +376,8 @@ def _wrong_equations(
         made = build_phi(wrong_u, wrong_y, order, start, stop)
         yield slip, hint, made.Phi, made.Y
     if start < order:
-        hint = (
-            "The first rows contain samples from the *end*: `y[-1]` is the last sample. Use zeros there, or start "
-            "later."
-        )
+        begins = "The first row contains" if start == order - 1 else "The first rows contain"
+        hint = f"{begins} samples from the *end*: `y[-1]` is the last sample. Use zeros there, or start later."
         for end in (stop, y.size):
             round_u, round_y = (np.concatenate([x[end - order : end], x]) for x in (u, y))
             yield (

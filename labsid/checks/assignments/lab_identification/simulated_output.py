@@ -325,7 +325,8 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     yield slip("measured output", "is the measured output itself; simulate with `u` alone.", y)
     # not `simulate`, which rejects overflow: the first of these diverges on a long record
     denominator = np.concatenate([[1.0], -model.a[1:]])
-    wrong_sign = "comes from a model with the wrong sign of a: the denominator is 1, a1, a2."
+    of_a, of_b = (", ".join(f"{letter}{i}" for i in range(1, n + 1)) for letter in "ab")
+    wrong_sign = f"comes from a model with the wrong sign of a: the denominator is 1, {of_a}."
     yield slip("sign of a", wrong_sign, lfilter(numerator, denominator, u))
     yield slip(
         "sign of b", "is right but for its sign, as with -b1 and -b2, or with -u.", lfilter(-numerator, model.a, u)
@@ -340,9 +341,9 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         with np.errstate(all="ignore"):
             yield slip("sign of some coefficients", text, lfilter(np.r_[0.0, b], a, u))
     if n > 1:
-        no_leading_one = "has a denominator without its leading 1: it is 1, a1, a2."
+        no_leading_one = f"has a denominator without its leading 1: it is 1, {of_a}."
         yield slip("theta in place of the denominator", no_leading_one, lfilter(numerator, model.a[1:], u))
-    early = "is one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, b1, b2]`."
+    early = f"is one sample too early: the numerator in powers of z^-1 begins with a zero, `[0, {of_b}]`."
     yield slip("numerator one step early", early, lfilter(model.b, model.a, u))
     late = "is one sample too late: y(k) depends on u(k-1)."
     yield slip("numerator one step late", late, lfilter(np.concatenate([[0.0], numerator]), model.a, u))
@@ -354,7 +355,7 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
     if n > 1:
         exchanged = "has a2 in the place of a1 and a1 in that of a2: a1 belongs to y(k-1), a2 to y(k-2)."
         yield slip("order of a", exchanged, lfilter(numerator, np.r_[1, model.a[:0:-1]], u))
-        last = "has a denominator whose 1 stands last: it is 1, a1, a2, the highest power first."
+        last = f"has a denominator whose 1 stands last: it is 1, {of_a}, the highest power first."
         for a in (model.a[1:], model.a[:0:-1]):
             with np.errstate(all="ignore"):
                 yield slip("order of the denominator", last, lfilter(numerator, np.r_[a, 1], u))
@@ -403,4 +404,5 @@ def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
         )
     n = int(np.argmax(np.abs(got - right) > 1e-6 * np.max(np.abs(right))))
     begun = f" It is right up to sample {n - 1}." if n > _FEW else " It differs from its first samples on."
-    return f"`{name}` is not the free run of your model from rest.{begun} Use your a1, a2, b1, b2, and `u` alone."
+    use = "Use the coefficients of your model, and `u` alone."
+    return f"`{name}` is not the free run of your model from rest.{begun} {use}"

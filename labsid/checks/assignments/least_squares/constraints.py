@@ -200,7 +200,7 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
 
     value = returned(ask, "weighted_fit", Phi, Y, sigma)
     PhiW = Phi.T / sigma**2
-    require_whole_solution("weighted_fit", value, PhiW @ Phi, PhiW @ Y, ("Phi'W Phi", "Phi'W Y"))
+    require_whole_solution("weighted_fit", value, PhiW @ Phi, PhiW @ Y, ("Phi'W Phi", "Phi'W Y"), PhiW)
     inverted = "`weighted_fit` gives the worst measurements the largest weights: a large sigma needs a small weight."
     return judge(
         as_theta("weighted_fit(Phi, Y, sigma)", value, Phi.shape[1]),

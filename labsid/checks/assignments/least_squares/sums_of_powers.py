@@ -86,6 +86,11 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
                 lambda: solve_least_squares(np.array([float(p) ** x for p in powers]).T, y).theta,
             ),
             Slip(
+                "p x for x^p",
+                "`fit_powers` makes the columns p * x: a column is x to the power p, `x ** p`.",
+                lambda: np.linalg.lstsq(np.outer(x, powers), y)[0],
+            ),
+            Slip(
                 "x and y swapped", "`fit_powers` fits x to y; make Phi from x.", lambda: fit_powers(y, x, powers).theta
             ),
             Slip(

@@ -60,10 +60,13 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
     rows = build_phi(u, y, 1, _START)
     Phi, Y = rows.Phi, rows.Y
     Z = _past(r, (1, 2))
-    require_whole_solution(_CALL, value, Z.T @ Phi, Z.T @ Y, ("Z'Phi", "Z'Y"))
+    require_whole_solution(_CALL, value, Z.T @ Phi, Z.T @ Y, ("Z'Phi", "Z'Y"), Z.T)
     got = as_theta(_CALL, value, 2)
 
     def by(Z: FloatArray) -> FloatArray:
+        return instrumental_variables(Z, Phi, Y).theta
+
+    def by_regressors(Phi: FloatArray) -> FloatArray:
         return instrumental_variables(Z, Phi, Y).theta
 
     right = by(Z)
@@ -164,10 +167,18 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
             Slip("sign of a", f"`{_CALL}` returns [a, b]; theta is [-a, b].", lambda: right * [-1, 1]),
             Slip("a and b swapped", f"`{_CALL}` returns b first.", lambda: right[::-1]),
             Slip("inverse forgotten", f"`{_CALL}` returns Z'Y: the inverse of Z'Phi is missing.", lambda: Z.T @ Y),
+            *(
+                Slip(
+                    "reference in place of the input",
+                    f"Phi of `{_CALL}` holds {_reference(lag)} where u(k-1) belongs: the reference stands in Z alone.",
+                    partial(by_regressors, np.column_stack([_past(y, (1,)), _past(r, (lag,))])),
+                )
+                for lag in (1, 0)
+            ),
             Slip(
                 "u(k) for u(k-1)",
                 f"Phi of `{_CALL}` holds u(k); the equation has u(k-1).",
-                lambda: instrumental_variables(Z, np.column_stack([_past(y, (1,)), _past(u, (0,))]), Y).theta,
+                lambda: by_regressors(np.column_stack([_past(y, (1,)), _past(u, (0,))])),
             ),
         ],
     )

@@ -93,7 +93,7 @@ def check_parameters(ask: Ask) -> Verdict:
     if not isinstance(value, Mapping):
         what = kind_of(value)
         if isinstance(value, np.ndarray) and value.ndim == 1:
-            what = f"a list or an array of {value.size} numbers"
+            what = f"{value.size} numbers without keys"
         raise NoAnswer(
             '`parameters` should be a dictionary, with a key for each value, such as {"low": 1.2, "high": 3.4}; it is '
             f"{what}.",

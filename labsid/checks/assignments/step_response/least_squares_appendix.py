@@ -222,7 +222,7 @@ def check_minimum(ask: Ask) -> Verdict:
 
     def one(Phi: FloatArray, Y: FloatArray, _: FloatArray) -> Verdict:
         value = returned(ask, "best_theta", Phi, Y)
-        require_whole_solution("best_theta", value, Phi.T @ Phi, Phi.T @ Y)
+        require_whole_solution("best_theta", value, Phi.T @ Phi, Phi.T @ Y, before_y=Phi.T)
         fitted = Phi @ solve_least_squares(Phi, Y).theta
         if isinstance(value, np.ndarray) and value.size == Y.size and len(Phi) > Phi.shape[1]:
             for made, what in ((fitted, "Phi theta, the model output"), (Y - fitted, "Y - Phi theta, the errors")):

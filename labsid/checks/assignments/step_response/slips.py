@@ -89,14 +89,27 @@ def error_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
             f"`error_vector` multiplies theta by the transpose, Phi'; (A4) has Phi theta, not transposed: {_ROWS}",
             lambda: Y - Phi.T @ theta,
         ),
+        *(
+            Slip(
+                "an unknown left out",
+                f"`error_vector` leaves out column {j} of Phi (counted from 0) and its unknown: Phi theta has a term "
+                "for each.",
+                partial(_without_column, Phi, Y, theta, j),
+            )
+            for j in range(theta.size)
+        ),
     ]
+
+
+def _without_column(Phi: FloatArray, Y: FloatArray, theta: FloatArray, j: int) -> FloatArray:
+    return np.asarray(Y - Phi @ np.where(np.arange(theta.size) == j, 0.0, theta), np.float64)
 
 
 def loss_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> list[Slip[float]]:
     """Mistakes in (A5)."""
     V = loss(Phi, Y, theta)
     mean = "`loss` is a mean of the squared errors; (A5) is half their sum."
-    root = "`loss` contains a root; (A5) is the square of the norm."
+    root = "`loss` contains a root; (A5) is half the square of the norm."
     return [
         Slip(
             "the half forgotten",
