@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from labsid.plots.gap_curves import noise_band, unit_of
+from labsid.plots.gap_curves import noise_band
+from labsid.plots.signal_names import plain_label, unit_of
 from labsid.plots.style import TIME
 
 if TYPE_CHECKING:
@@ -53,9 +54,9 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
     t = report["holdout_traces" if on_holdout else "traces"]["t"]
     times = Range1d(t[0], t[-1], bounds="auto")
     source = ColumnDataSource({column: [] for column in COLUMNS}, name=name)
-    output = _panel("output", "Measured and simulated output", f"Output y ({unit_of(report)})", times)
+    output = _panel("output", "Measured and simulated output", plain_label(report, "y"), times)
     error = _panel("error", "Simulation error", f"Error ({unit_of(report)})", times)
-    command = _panel("input", "Input", f"Input u ({unit_of(report, 'u')})", times)
+    command = _panel("input", "Input", plain_label(report, "u"), times)
     _line(output, source, "y", "--ink", line_width=2.8, line_alpha=0.55)
     for curve, dash in (("before", "dashed"), ("after", "solid")):
         _line(output, source, curve, f"--{curve}", line_width=1.5, line_dash=dash)
@@ -98,7 +99,7 @@ def _cursor(drawn: list[figure]) -> None:
 
 def _panel(name: str, title: str, label: str, times: Range1d) -> figure:
     """An empty panel: drag zooms in time, and the wheel scrolls the page. The script of the page sets its heights."""
-    from bokeh.models import BoxZoomTool, Range1d
+    from bokeh.models import BoxZoomTool, PlainText, Range1d
     from bokeh.plotting import figure
 
     zoom = BoxZoomTool(dimensions="width")
@@ -106,7 +107,7 @@ def _panel(name: str, title: str, label: str, times: Range1d) -> figure:
     panel = figure(
         name=name,
         title=title,
-        y_axis_label=label,
+        y_axis_label=PlainText(text=label),  # a name may look like mathematics
         x_range=times,
         y_range=Range1d(start=0.0, end=1.0),
         height=HEIGHTS[name],

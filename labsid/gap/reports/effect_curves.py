@@ -7,6 +7,7 @@ import numpy as np
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.sketch import Seen
 from labsid.gap.reports.sentences import capitalised, noun_without_article
+from labsid.plots.signal_names import unit_of
 
 DEVIATIONS = 1.96  # of a parameter, for 95 %
 
@@ -80,7 +81,7 @@ def _seen(report: dict[str, Any], effect: dict[str, Any], of: dict[str, str]) ->
     """Samples of the record around an effect, and the units of its input and output."""
     if "signals" not in report:
         traces = report["traces"]
-        units = report.get("units", {"u": "units of u", "y": "units of y"})
+        units = {signal: unit_of(report, signal) for signal in ("u", "y")}
     else:
         own = report["outputs"][effect["outputs"][0]]
         traces, names = own["traces"], {"u": own["main"], "y": effect["outputs"][0]}

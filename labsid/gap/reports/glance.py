@@ -34,7 +34,7 @@ def chances_sentence(report: dict[str, Any]) -> str | None:
         return None
     if len(set(chances)) == 1:
         return f"Probability of the cause{'s' * (len(effects) > 1)}: {chances[0]}."
-    nouns = [sentences.noun_without_article(one["name"]) for one in effects]
+    nouns = [sentences.placed_noun(one) for one in effects]
     return f"Probability: {', '.join(f'{noun} {chance}' for noun, chance in zip(nouns, chances, strict=True))}."
 
 
@@ -80,7 +80,7 @@ def _of_causes(report: dict[str, Any]) -> str:
     if sentences.is_mismatch(report):
         return "Give your simulation the fitted values, which --export FILE writes."
     simulated = [one for one in report["effects"] if one["name"] not in UNSIMULATED]
-    nouns = joined([sentences.noun(one["name"]) for one in report["effects"]])
+    nouns = joined([sentences.placed_noun(one, article=True) for one in report["effects"]])
     if "signals" in report or not simulated:
         return f"Check the rig for {nouns}."
     return f"Check the rig for {nouns}, or use the corrected simulation, which --export FILE writes."

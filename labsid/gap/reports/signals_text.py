@@ -4,7 +4,7 @@ from typing import Any
 
 from labsid._texts import joined
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import clause, noun
+from labsid.gap.reports.effect_texts import clause, noun, place_at
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
 from labsid.gap.reports.text_report import INDENT, effect_lines, printable, titled_lines
@@ -47,6 +47,11 @@ def format_signals(report: dict[str, Any]) -> str:
 
 def verdict_sentence(report: dict[str, Any]) -> str:
     """The verdict: each cause with its signal, and what remains."""
+    return " ".join(text for text in (headline(report), remaining_sentence(report)) if text)
+
+
+def headline(report: dict[str, Any]) -> str:
+    """The verdict without what remains: each cause with its signal, and the share of the gap that is explained."""
     gap, effects = report["gap"], report["effects"]
     if not effects:
         size = _over_noise(gap, "before")
@@ -62,7 +67,7 @@ def verdict_sentence(report: dict[str, Any]) -> str:
         return f"The cause of the gap is not known: {added} {explain}, but may only imitate it."
     said = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
-    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}. {_remaining(report)}".strip()
+    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}."
 
 
 def _gain(gap: dict[str, Any]) -> str:
@@ -106,23 +111,19 @@ def _qualified(effect: dict[str, Any]) -> str:
 
 def place_of(effect: dict[str, Any]) -> str:
     """Where an effect acts, and on which outputs."""
-    if effect.get("from"):
-        return f"from {effect['from']} to {effect['to']}"
-    outputs = joined(effect["outputs"])
-    where = effect["signal"] or effect.get("joint")
-    return f"at {where}, seen in {outputs}" if where else f"seen in {outputs}"
+    seen = f"seen in {joined(effect['outputs'])}"
+    return ", ".join(text for text in (place_at(effect), "" if effect.get("from") else seen) if text)
 
 
 def _at(signal: str | None) -> str:
     return f" at {signal}" if signal else ""
 
 
-def _remaining(report: dict[str, Any]) -> str:
-    """What remains, if that is more than noise."""
-    if report["verdict"] not in ("partial", "unknown"):
-        return ""
-    left = report["unexplained"]
-    return f"Something else remains, most of it in {left['output']}."
+def remaining_sentence(report: dict[str, Any]) -> str | None:
+    """The output in which most of what remains is; None if no cause is named, or if noise alone remains."""
+    if report["verdict"] != "partial" or not any(sentences.is_probable(effect) for effect in report["effects"]):
+        return None
+    return f"Something else remains, most of it in {report['unexplained']['output']}."
 
 
 def _over_noise(gap: dict[str, Any], key: str) -> str:
