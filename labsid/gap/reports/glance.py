@@ -45,12 +45,12 @@ def shown_sentence(report: dict[str, Any]) -> str | None:
         return None
     seen = {row["name"] for row in report["limits"] if row["detect"] is not None}
     hidden = [sentences.noun_without_article(name) for name in names if name not in seen]
+    sizes = "at the sizes that --json writes as limits" if "signals" in report else "from the sizes below on"
     if not hidden:
-        return f"The record would have shown each of {len(names)} effects, from the sizes below on."
+        return f"The record would have shown each of {len(names)} effects, {sizes}."
     listed = joined(hidden, "or") if len(hidden) <= MOST_HIDDEN else f"the {len(hidden)} others"
     return (
-        f"The record would have shown {len(seen)} of {len(names)} effects, from the sizes below on. It could not have "
-        f"shown {listed}."
+        f"The record would have shown {len(seen)} of {len(names)} effects, {sizes}. It could not have shown {listed}."
     )
 
 

@@ -8,6 +8,7 @@ from labsid.gap.reports.effect_texts import clause, noun, place_at
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
 from labsid.gap.reports.text_report import INDENT, effect_lines, printable, titled_lines
+from labsid.gap.verdict.scores import NO_GAP_RMS
 
 COLUMNS = ("rms error of", "before", "after", "noise", "closed")
 MIN_COUPLING = 0.005  # share of an output's response, from which an input is listed
@@ -71,7 +72,9 @@ def headline(report: dict[str, Any]) -> str:
 
 
 def _gain(gap: dict[str, Any]) -> str:
-    """The share of the gap that is explained, or the errors where there is none on held-out samples."""
+    """The share of the gap that is explained, or what is reduced where there is none on held-out samples."""
+    if gap["closed"] is None and gap["before"] <= NO_GAP_RMS * gap["noise_floor"]:
+        return "reduces the error on the fitted samples, but held-out samples show no gap"
     if gap["closed"] is None:
         return f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
     return f"explains {closed_percent(gap['closed'], gap['ci95'])} of the gap"
