@@ -24,6 +24,7 @@ from labsid.gap.reports.signals_text import (
     finding_sentences,
     gap_sentence,
     headline,
+    of_worst_output,
     output_rows,
     remaining_sentence,
     verdict_sentence,
@@ -79,20 +80,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "findings": finding_sentences(report),
         "holdout": has_holdout(report),
     }
-
-
-def of_worst_output(report: dict[str, Any]) -> dict[str, Any]:
-    """What is known of the output with the largest gap, as a report of one input and one output.
-
-    Its verdict and effects are those of all outputs.
-    """
-    name = report["where"]["output"]
-    own = report["outputs"][name]
-    names = {"u": own["main"], "y": name}
-    stated = {one["name"]: one["unit"] for side in report["signals"].values() for one in side}
-    units = {symbol: stated[signal] for symbol, signal in names.items() if stated.get(signal)}
-    common = {"verdict": report["verdict"], "effects": [effect | {"closed": None} for effect in report["effects"]]}
-    return {"holdout_traces": None} | own | common | {"names": names, "units": units}
 
 
 def _table(report: dict[str, Any]) -> list[tuple[str, ...]]:

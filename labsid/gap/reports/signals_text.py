@@ -7,7 +7,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import clause, noun, place_at
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
-from labsid.gap.reports.text_report import INDENT, effect_lines, printable, titled_lines
+from labsid.gap.reports.text_report import bar_lines, effect_lines, printable, titled_lines, titled_table
 from labsid.gap.verdict.scores import NO_GAP_RMS
 
 COLUMNS = ("rms error of", "before", "after", "noise", "closed")
@@ -30,11 +30,12 @@ def format_signals(report: dict[str, Any]) -> str:
     """
     lines = [*titled_lines("", verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
-        first, *others = effect_lines(effect)
-        lines += [*titled_lines(first[:INDENT].strip(), f"{first[INDENT:]}; {place_of(effect)}"), *others]
+        lines += effect_lines(effect, place_of(effect))
     lines += titled_lines("ambiguous", ambiguity_sentence(report))
     lines += titled_lines("gap", gap_sentence(report))
-    lines += _outputs(report)
+    lines += titled_table("outputs", [COLUMNS, *(tuple(map(printable, row)) for row in output_rows(report))])
+    drawn = of_worst_output(report)
+    lines += [*titled_lines("largest", f"Rms error of {drawn['names']['y']}:"), *bar_lines(drawn)]
     lines += titled_lines("signals", coupling_sentence(report))
     if report["verdict"] != "none":
         lines += titled_lines("where", " ".join(where_sentences(report)))
@@ -78,6 +79,20 @@ def _gain(gap: dict[str, Any]) -> str:
     if gap["closed"] is None:
         return f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
     return f"explains {closed_percent(gap['closed'], gap['ci95'])} of the gap"
+
+
+def of_worst_output(report: dict[str, Any]) -> dict[str, Any]:
+    """What is known of the output with the largest gap, as a report of one input and one output.
+
+    Its verdict and effects are those of all outputs.
+    """
+    name = report["where"]["output"]
+    own = report["outputs"][name]
+    names = {"u": own["main"], "y": name}
+    stated = {one["name"]: one["unit"] for side in report["signals"].values() for one in side}
+    units = {symbol: stated[signal] for symbol, signal in names.items() if stated.get(signal)}
+    common = {"verdict": report["verdict"], "effects": [effect | {"closed": None} for effect in report["effects"]]}
+    return {"holdout_traces": None} | own | common | {"names": names, "units": units}
 
 
 def ambiguity_sentence(report: dict[str, Any]) -> str:
@@ -164,19 +179,6 @@ def output_rows(report: dict[str, Any]) -> list[tuple[str, ...]]:
     ]
 
 
-def _outputs(report: dict[str, Any]) -> list[str]:
-    """The gap of each output, in columns."""
-    table = [COLUMNS, *(tuple(printable(cell) for cell in row) for row in output_rows(report))]
-    wide = [max(len(row[i]) for row in table) for i in range(len(COLUMNS))]
-    return [
-        "  ".join(
-            [f"{'' if count else 'outputs':<{INDENT}}{row[0]:<{wide[0]}}"]
-            + [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
-        )
-        for count, row in enumerate(table)
-    ]
-
-
 def coupling_sentence(report: dict[str, Any]) -> str:
     """Which inputs move each output, the strongest first."""
     texts: list[str] = []
@@ -197,5 +199,6 @@ def where_sentences(report: dict[str, Any]) -> list[str]:
     texts = []
     if len(where["outputs"]) > 1:
         listed = [f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda item: -item[1])]
-        texts.append(f"Of the gap, each in units of its noise: {joined(listed)}. In {where['output']}:")
+        of_all = f"Of the gap, each in units of its noise: {joined(listed)}. " if listed else ""
+        texts.append(f"{of_all}In {where['output']}:")
     return [*texts, *location_sentences(report)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from signals_reports import signals_report, with_planned_inputs
 
-from labsid.gap.reports.signals_page import of_worst_output
+from labsid.gap.reports.signals_text import of_worst_output
 from labsid.plots.couplings import figure_couplings
 from labsid.plots.gap import figure_first, figure_location
 from labsid.plots.page_figures import NARROW, WIDE, in_both_widths, palette_png
