@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ROW, NARROW_ROW = 1.75, 3.0  # inches
-NAME, SHORT = 36, 16  # characters of the name of a record, and of an output
+NAME, SHORT = 36, 10  # characters of the name of a record, and of an output
 AROUND = 0.9  # inches, for the legend and the axis of time
 
 
