@@ -1,6 +1,20 @@
-"""Words of sentences."""
+"""Words of sentences, and the width of lines."""
 
+import shutil
+import textwrap
 from collections.abc import Sequence
+
+LEAST_WIDTH = 60  # characters of a line, also on a narrower terminal
+
+
+def line_width(most: int) -> int:
+    """Characters of a line: those of the terminal, from 60 to `most`, and `most` without one."""
+    return max(min(shutil.get_terminal_size((most, 24)).columns, most), LEAST_WIDTH)
+
+
+def wrapped(text: str, most: int = 90) -> str:
+    """A text on lines of `line_width`, without breaks within words."""
+    return textwrap.fill(text, line_width(most), break_on_hyphens=False)
 
 
 def joined(words: Sequence[str], last: str = "and", comma: bool = False) -> str:

@@ -9,13 +9,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labsid._texts import wrapped
+
 if TYPE_CHECKING:  # slow imports, and a command needs only one of them
+    from rich.console import Console
+    from rich.table import Table
+
     from labsid._arrays import FloatArray
     from labsid.lab.findings import Finding
     from labsid.lab.identification import Identification
     from labsid.lab.record_check import RecordCheck
     from labsid.records.contents import ColumnSummary
 
+WIDEST = 1300  # characters of a table before it is compared with the terminal
 _BOLD, _NORMAL = "\033[1m", "\033[0m"
 _COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"}
 
@@ -57,9 +63,9 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]", command: str
 
     from labsid.records.contents import options_of_several, suggested_options
 
-    table = Table("column", "unit", "samples", "every", "from", "to", "missing", "looks like", "why", box=None)
-    for summary in summaries:
-        table.add_row(
+    titles = ("column", "unit", "samples", "every", "from", "to", "missing", "looks like", "why")
+    rows = [
+        (
             summary.name,
             summary.unit,
             str(summary.samples),
@@ -70,13 +76,44 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]", command: str
             summary.role,
             summary.why,
         )
+        for summary in summaries
+    ]
+    table = Table(*titles, box=None)
+    for row in rows:
+        table.add_row(*row)
     console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
-    with console.capture() as capture:
-        console.print(table)
-    print("\n".join(line.rstrip() for line in capture.get().splitlines()))
+    if is_too_wide(table, console):
+        print(paragraphs(titles, rows, console.width))
+    else:
+        with console.capture() as capture:
+            console.print(table)
+        print("\n".join(line.rstrip() for line in capture.get().splitlines()))
     print(f"\nType: labsid {command} {shlex.join([name, *suggested_options(summaries)])}")
     several = options_of_several(summaries) if command == "check" else []
     print(f"or, with all signals: labsid check {shlex.join([name, *several])}\n" if several else "")
+
+
+def is_too_wide(table: "Table", console: "Console", broken: bool = False) -> bool:
+    """Whether a terminal is too narrow for a table of which no word is cut, and no cell `broken` into lines."""
+    needed = console.measure(table, options=console.options.update(width=WIDEST))
+    return console.is_terminal and (needed.minimum if broken else needed.maximum) > console.width
+
+
+def paragraphs(titles: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> str:
+    """A paragraph of at most `width` characters a line for each row, with the titles of its cells but the first."""
+    texts = []
+    for name, *cells in rows:
+        said = [f"{title} {cell}" for title, cell in zip(titles[1:], cells, strict=True) if cell not in ("", "–")]
+        texts.append(
+            textwrap.fill(
+                "; ".join(said).replace("\n", ", "),
+                width,
+                initial_indent=f"{name}: ",
+                subsequent_indent="  ",
+                break_on_hyphens=False,
+            )
+        )
+    return "\n".join(texts)
 
 
 def identification_text(identification: "Identification") -> str:
@@ -101,11 +138,14 @@ def identification_text(identification: "Identification") -> str:
     theta = theta_texts(fit.theta, fit.stderr)
     lines = [
         f"{record.name}: {len(record)} samples, Ts = {record.Ts:.9g} s",
-        *(textwrap.fill(f"Read: {note}.", 90) for note in reading_notes(record)),
+        *(wrapped(f"Read: {note}.") for note in reading_notes(record)),
         "",
         f"u_offset = {digits_of(offsets.u_offset, np.ptp(record.u), 6)}, the first input",
         f"y_offset = {offsets.y_offset:.8f}, the mean of samples {offsets.settled[0]} to {offsets.settled[1] - 1}",
-        f"Phi: rows k = {rows.start} to {rows.stop - 1} of the first half, condition number {fit.condition_number:.2f}",
+        wrapped(
+            f"Phi: rows k = {rows.start} to {rows.stop - 1} of the first half, "
+            f"condition number {fit.condition_number:.2f}"
+        ),
         *_left_out(identification),
         "",
         "theta, ± one standard error",
@@ -121,8 +161,8 @@ def identification_text(identification: "Identification") -> str:
         f"  second half, state carried over       {runs.mse_second_half_carried:.5e}",
         f"  second half, initial state estimated  {runs.mse_second_half_estimated:.5e}",
         "",
-        *(textwrap.fill(line, 90) for line in _verdict(identification)),
-        *(textwrap.fill(f"Warning: {warning}.", 90) for warning in identification.warnings),
+        *(wrapped(line) for line in _verdict(identification)),
+        *(wrapped(f"Warning: {warning}.") for warning in identification.warnings),
     ]
     return "\n".join(lines)
 

@@ -6,6 +6,7 @@ from textwrap import fill
 from rich.console import Console
 from rich.table import Table
 
+from labsid.cli.console import WIDEST, is_too_wide, paragraphs
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.quantities import number
 from labsid.gap.reports.sentences import noun_without_article
@@ -17,16 +18,19 @@ WIDTH = 130  # characters of a table that is written to a file
 
 def print_effects() -> None:
     """Print a row for each effect: name, path, what it is, parameters, and the record that shows it."""
-    table = Table("effect", "path", "what it is", "parameters", "record that shows it")
-    for name, guide in DESCRIPTIONS.items():
-        table.add_row(
-            name,
-            guide.path,
-            noun_without_article(name),
-            ", ".join(guide.parameters) or "–",
-            guide.excited_by,
-        )
-    _print(table)
+    titles = ("effect", "path", "what it is", "parameters", "record that shows it")
+    rows = [
+        (name, guide.path, noun_without_article(name), ", ".join(guide.parameters) or "–", guide.excited_by)
+        for name, guide in DESCRIPTIONS.items()
+    ]
+    table = Table(*titles)
+    for row in rows:
+        table.add_row(*row)
+    console = Console()
+    if is_too_wide(table, console, broken=True):
+        print(paragraphs(titles, rows, console.width))
+        return
+    (console if console.is_terminal else Console(width=WIDTH)).print(table)
 
 
 def print_rigs(results: Sequence[RigResult]) -> None:
@@ -47,16 +51,13 @@ def print_rigs(results: Sequence[RigResult]) -> None:
         "error; exported: the simulation with the effects; left: path of the remaining error. ! misses its limit."
     )
     console = Console()
-    needed = console.measure(table, options=console.options.update(width=10 * WIDTH)).maximum
-    if not console.is_terminal or needed <= console.width:
-        table.caption = caption
-        (console if console.is_terminal else Console(width=max(WIDTH, needed))).print(table)
+    if is_too_wide(table, console):
+        print(paragraphs(titles, rows, console.width))
+        print(fill(caption, console.width))
         return
-    for row in rows:
-        said = [f"{title} {cell}" for title, cell in zip(titles[1:], row[1:], strict=True) if cell not in ("", "–")]
-        text = "; ".join(said).replace("\n", ", ")
-        print(fill(text, console.width, initial_indent=f"{row[0]}: ", subsequent_indent="  ", break_on_hyphens=False))
-    print(fill(caption, console.width))
+    needed = console.measure(table, options=console.options.update(width=WIDEST)).maximum
+    table.caption = caption
+    (console if console.is_terminal else Console(width=max(WIDTH, needed))).print(table)
 
 
 def _cells(rig: RigResult) -> list[str]:
@@ -75,8 +76,3 @@ def _cells(rig: RigResult) -> list[str]:
         rig.remaining or "–",
         f"{rig.seconds:.1f}",
     ]
-
-
-def _print(table: Table) -> None:
-    console = Console()
-    (console if console.is_terminal else Console(width=WIDTH)).print(table)

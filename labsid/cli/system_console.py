@@ -1,11 +1,11 @@
 """Text output of ``labsid identify`` for several signals."""
 
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labsid._texts import wrapped
 from labsid.cli.console import theta_texts
 
 if TYPE_CHECKING:  # a slow import
@@ -32,7 +32,7 @@ def system_text(identification: "SystemIdentification") -> str:
     record, model = identification.record, identification.model
     lines = [
         f"{record.name}: {len(record)} samples, Ts = {record.Ts:.9g} s",
-        *(textwrap.fill(f"Read: {note}.", 90) for note in reading_notes(record)),
+        *(wrapped(f"Read: {note}.") for note in reading_notes(record)),
         "",
         *_offsets(identification),
         *_thetas(identification),
@@ -41,7 +41,7 @@ def system_text(identification: "SystemIdentification") -> str:
     if len(model.inputs) * len(model.outputs) <= _MOST_PAIRS:
         lines += [str(to_tf(model)).strip(), ""]
     lines += [*_errors(identification), "", *_pairs(identification), "", _dynamics(identification)]
-    lines += [textwrap.fill(f"Warning: {warning}.", 90) for warning in identification.warnings]
+    lines += [wrapped(f"Warning: {warning}.") for warning in identification.warnings]
     return "\n".join(lines)
 
 
@@ -108,10 +108,9 @@ def _dynamics(identification: "SystemIdentification") -> str:
         f"{name} {', '.join(f'{gain:.4g}' for gain in row)}"
         for name, row in zip(model.outputs, model.static_gain, strict=True)
     ]
-    return textwrap.fill(
+    return wrapped(
         f"It is stable, with longest time constant {tau:.3g} s and static gains from {', '.join(model.inputs)}: "
-        f"{'; '.join(gains)}.",
-        90,
+        f"{'; '.join(gains)}."
     )
 
 

@@ -29,7 +29,7 @@ from labsid.gap.record.record_findings import about_correction, findings_from_er
 from labsid.gap.reports.layout import listed_findings
 from labsid.gap.reports.limit_rows import as_rows
 from labsid.gap.reports.notebook_progress import runs_in_notebook, show_in_notebook
-from labsid.gap.reports.quantities import with_units
+from labsid.gap.reports.quantities import with_names, with_units
 from labsid.gap.reports.replay_data import ReplayData, replay_content
 from labsid.gap.reports.report import about_shift, build_report, fit_of_limits, record_limits
 from labsid.gap.reports.result import Diagnosis
@@ -170,7 +170,7 @@ def diagnose(
             if prepared.holdout is not None and _changed_during(explanation):
                 notes = (*prepared.notes, CHANGED_RIG)
                 prepared = replace(prepared, holdout=None, holdout_measured=None, notes=notes)
-            return _in_units(_report(prepared, explanation, seed, progress, why), records[0].units)
+            return _as_logged(_report(prepared, explanation, seed, progress, why), records[0])
 
 
 @contextmanager
@@ -199,9 +199,10 @@ def _check_several_signals(
     _check_evaluations(evaluations, is_run=is_given)
 
 
-def _in_units(diagnosed: Diagnosis, units: tuple[str, ...]) -> Diagnosis:
-    """The result in the units of the record, if it states both."""
-    return diagnosed.with_summary(with_units(diagnosed.summary, *units)) if all(units) else diagnosed
+def _as_logged(diagnosed: Diagnosis, record: Record) -> Diagnosis:
+    """The result with the names of the columns of the record, and in its units if it states both."""
+    summary = with_names(diagnosed.summary, *record.labels)
+    return diagnosed.with_summary(with_units(summary, *record.units) if all(record.units) else summary)
 
 
 def find_limits(

@@ -15,12 +15,11 @@ from labsid.plots.gap_curves import (
     shade_scored,
     simulation_curves,
     trace_of,
-    unit_of,
 )
 from labsid.plots.gap_details import figure_poles, figure_residual, figure_responses
 from labsid.plots.gap_records import figure_records
 from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, page_style, palette_png
-from labsid.plots.signal_names import as_text_lines, one_line, units_of
+from labsid.plots.signal_names import as_text_lines, axis_label, name_beside, one_line, unit_of
 from labsid.plots.style import (
     BLACK,
     BLUE,
@@ -48,6 +47,7 @@ LIMIT_MARKS = (
     ("named", "Told from all others", BLUE, "s"),
     ("excluded_above", "Excluded from here on (95 %)", BLACK, "|"),
 )
+NAME_WIDTH = 16  # characters of a line of the name beside the panel of the first figure
 LIMIT_TEXT_SIZE, NARROW_TEXT_SIZE = 9.5, 8.0
 
 
@@ -78,10 +78,10 @@ def figure_first(report: dict[str, Any], narrow: bool = False) -> Figure:
         title = f"Where the gap{of} is largest"
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.7, 1.0])
     draw_outputs(upper, trace, curves, slice(None))
-    longest, unit = 36 if narrow else 60, f"({unit_of(report)})"
-    whole = f"{title} {unit}"
+    longest, unit = 36 if narrow else 60, "" if "names" in report else f"({unit_of(report)})"
+    whole = f"{title} {unit}".strip()
     title = as_text_lines([whole] if len(whole) <= longest else [*fill(title, longest).splitlines(), unit])
-    finish(upper, title, "", "Output $y$", legend_columns=0)
+    finish(upper, title, "", name_beside(report, NAME_WIDTH), legend_columns=0)
     draw_errors(lower, report, trace, curves)
     finish(lower, "", TIME, "Error", legend_columns=0)
     lower.locator_params(axis="x", nbins=4 if narrow else 7)
@@ -113,7 +113,7 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     rows = 2 + zoom + (holdout is not None)
     figure = page_figure(narrow, 3.1 * rows, 2.75 * rows)
     panels = list(figure.subplots(rows, 1))
-    output, error = _signals(report)["y"], f"Simulation error ({unit_of(report)})"
+    output, error = axis_label(report, "y"), as_text_lines([f"Simulation error ({unit_of(report)})"])
     draw_outputs(panels[0], trace, curves, slice(None))
     finish(panels[0], "The whole record", TIME, output, legend_columns=2 if narrow else len(curves) + 1)
     make_headroom(panels[0], 0.27 if narrow else 0.18)
@@ -134,26 +134,6 @@ def figure_simulations(report: dict[str, Any], narrow: bool = False) -> Figure:
     return figure
 
 
-def _signals(report: dict[str, Any]) -> dict[str, str]:
-    """Labels of the signals and of an error, with the units that the report states."""
-    if "signals" in report:
-        return _named_signals(report)
-    u, y = unit_of(report, "u"), unit_of(report)
-    rate = f"{y}/s" if "units" in report else f"{y} a second"
-    error = f"Rms error ({y})"
-    return {"u": f"Input $u$ ({u})", "y": f"Output $y$ ({y})", "dy": f"Rate of $y$ ({rate})", "error": error}
-
-
-def _named_signals(report: dict[str, Any]) -> dict[str, str]:
-    """Labels of the output with the largest gap, of the input through which it is explained, and of the error."""
-    output = report["where"]["output"]
-    units = units_of(report)
-    u, y = (one_line(name, units[name]) for name in (report["outputs"][output]["main"], output))
-    rate = one_line(f"rate of {output}", units[output] and f"{units[output]}/s")
-    own = {report["outputs"][output]["main"]: u, output: y, f"rate of {output}": rate}
-    return own | {"u": u, "y": y, "error": one_line("Rms error", units[output])}
-
-
 def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
     """Draw the gap over time, over frequency, over the range of each signal, and as an operating map.
 
@@ -167,7 +147,8 @@ def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    where, labels = report["where"], _signals(report)
+    where = report["where"]
+    labels = {"u": axis_label(report, "u"), "y": axis_label(report, "y"), "dy": axis_label(report, "y", rate=True)}
     signals = list(dict.fromkeys(cell["signal"] for cell in where["operating"]))
     parts = ["frequency", *signals, "map"]
     if narrow:
@@ -184,7 +165,7 @@ def figure_location(report: dict[str, Any], narrow: bool = False) -> Figure:
     _bands(panels["frequency"], where["band_hz"])
     for signal in signals:
         cells = [cell for cell in where["operating"] if cell["signal"] == signal]
-        _cells(panels[signal], cells, labels.get(signal, signal), narrow)
+        _cells(panels[signal], cells, labels[signal], narrow)
     _operating_map(panels["map"], report, "bottom" if narrow else "right")
     return figure
 
@@ -237,12 +218,12 @@ def _cells(ax: Axes, cells: list[dict[str, Any]], label: str, beside: bool) -> N
 
 def _operating_map(ax: Axes, report: dict[str, Any], bar_place: Literal["bottom", "right"]) -> None:
     """Draw the rms error of the simulation before in each cell of input and output that the record visits."""
-    seen, labels = report["where"]["map"], _signals(report)
+    seen = report["where"]["map"]
     rms = np.array(seen["rms"], float)  # None becomes NaN, which is not drawn
     mesh = ax.pcolormesh(seen["u"], seen["y"], rms.T, cmap=error_colours(), vmin=0.0)
-    finish(ax, "Operating map", labels["u"], labels["y"], legend_columns=0)
+    finish(ax, "Operating map", axis_label(report, "u"), axis_label(report, "y"), legend_columns=0)
     bar = ax.figure.colorbar(mesh, ax=ax, location=bar_place)
-    bar.set_label(labels["error"], fontsize=SMALL_TEXT_SIZE)
+    bar.set_label(as_text_lines([f"Rms error ({unit_of(report)})"]), fontsize=SMALL_TEXT_SIZE)
     bar.ax.tick_params(labelsize=SMALL_TEXT_SIZE)
 
 
@@ -267,7 +248,7 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
     panels = list(figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0])
     panels[0].step(planned["t"], planned["u"], where="post", color=BLACK, linewidth=1.2)
     panels[0].margins(x=0)
-    finish(panels[0], "Proposed input", "" if rivals else TIME, _signals(report)["u"], legend_columns=0)
+    finish(panels[0], "Proposed input", "" if rivals else TIME, axis_label(report, "u"), legend_columns=0)
     if rivals:
         panels[1].margins(x=0)
         ours, rival = rivals.values()
@@ -276,7 +257,9 @@ def figure_experiment(report: dict[str, Any], narrow: bool = False) -> Figure:
         for side, text in ((-noise, f"{name}, ±2 s.d."), (noise, "")):
             panels[1].axhline(side, color=GREEN, linestyle=":", linewidth=1.6, label=text)
         label = fill("Response with {} less that with {}, as fitted".format(*rivals), 44 if narrow else 90)
-        finish(panels[1], as_text_lines(label.splitlines()), TIME, f"Difference ({unit_of(report)})", legend_columns=0)
+        finish(
+            panels[1], as_text_lines(label.splitlines()), TIME, as_text_lines([f"Difference ({unit_of(report)})"]), 0
+        )
         figure.legend(loc="outside lower center", ncols=2, fontsize=SMALL_TEXT_SIZE)
     return figure
 

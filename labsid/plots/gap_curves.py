@@ -18,11 +18,6 @@ MIN_ZOOM_SAMPLES = 40  # samples in the zoom
 BREAK = 10.0  # median distances of the samples drawn, from which there is no line: between several records
 
 
-def unit_of(report: dict[str, Any], signal: str = "y") -> str:
-    """Unit of "u" or "y" as the report states it."""
-    return str(report.get("units", {}).get(signal, f"units of {signal}"))
-
-
 def simulation_curves(report: dict[str, Any]) -> list[tuple[str, str, str, str]]:
     """Trace, label, colour and line style of each simulation to draw."""
     outputs = report["outputs"].values() if "signals" in report else [report]

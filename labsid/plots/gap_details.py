@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labsid.plots.gap_curves import noise_band, simulation_curves, unit_of
+from labsid.plots.gap_curves import noise_band, simulation_curves
 from labsid.plots.page_figures import NARROW, page_figure
 from labsid.plots.root_plane import DrawnRoots, draw_roots, draw_zoom, has_zoom
-from labsid.plots.signal_names import as_text_lines
+from labsid.plots.signal_names import as_text_lines, unit_of
 from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, axis_of_gain, finish, new_figure
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from labsid.plots.gap_curves import noise_band, unit_of
+from labsid.plots.gap_curves import noise_band
+from labsid.plots.signal_names import plain_label, unit_of
 from labsid.plots.style import TIME
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ COLUMNS = ("t", "u", "y", "before", "after", "e_before", "e_after")
 HEIGHTS = {"output": 270, "error": 220, "input": 170, "strip": 90}  # pixels
 LEFT, RIGHT = 74, 12  # pixels: the panels share one axis of time
 FONT = "system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"
+FOCUS = '[class*="Button"]:focus-visible { outline: 3px solid #0072b2; }'
+"""Style of the buttons above the panels: a ring that one sees, as on the page."""
 _TEXT_COLOURS = {"axis_label_text_color": "--ink", "major_label_text_color": "--ink", "axis_line_color": "--soft"}
 _TICK_COLOURS = {"major_tick_line_color": "--soft", "minor_tick_line_color": "--soft"}
 
@@ -53,9 +56,9 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
     t = report["holdout_traces" if on_holdout else "traces"]["t"]
     times = Range1d(t[0], t[-1], bounds="auto")
     source = ColumnDataSource({column: [] for column in COLUMNS}, name=name)
-    output = _panel("output", "Measured and simulated output", f"Output y ({unit_of(report)})", times)
+    output = _panel("output", "Measured and simulated output", plain_label(report, "y"), times)
     error = _panel("error", "Simulation error", f"Error ({unit_of(report)})", times)
-    command = _panel("input", "Input", f"Input u ({unit_of(report, 'u')})", times)
+    command = _panel("input", "Input", plain_label(report, "u"), times)
     _line(output, source, "y", "--ink", line_width=2.8, line_alpha=0.55)
     for curve, dash in (("before", "dashed"), ("after", "solid")):
         _line(output, source, curve, f"--{curve}", line_width=1.5, line_dash=dash)
@@ -71,7 +74,7 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
     _hover(command, {"Input": "@u"})
     command.xaxis.axis_label = TIME
     grid = gridplot([[output], [error], [command]], sizing_mode="stretch_width", toolbar_location="above")
-    grid.toolbar.logo = None
+    grid.toolbar.update(logo=None, stylesheets=[FOCUS])
     return dict(json_item(column([_strip(source, times, t), grid], sizing_mode="stretch_width") if strip else grid))
 
 
@@ -98,7 +101,7 @@ def _cursor(drawn: list[figure]) -> None:
 
 def _panel(name: str, title: str, label: str, times: Range1d) -> figure:
     """An empty panel: drag zooms in time, and the wheel scrolls the page. The script of the page sets its heights."""
-    from bokeh.models import BoxZoomTool, Range1d
+    from bokeh.models import BoxZoomTool, PlainText, Range1d
     from bokeh.plotting import figure
 
     zoom = BoxZoomTool(dimensions="width")
@@ -106,7 +109,7 @@ def _panel(name: str, title: str, label: str, times: Range1d) -> figure:
     panel = figure(
         name=name,
         title=title,
-        y_axis_label=label,
+        y_axis_label=PlainText(text=label),  # a name may look like mathematics
         x_range=times,
         y_range=Range1d(start=0.0, end=1.0),
         height=HEIGHTS[name],

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labsid.plots.gap_curves import draw_errors, draw_outputs, simulation_curves, unit_of
+from labsid.plots.gap_curves import draw_errors, draw_outputs, simulation_curves
 from labsid.plots.page_figures import NARROW, WIDE
-from labsid.plots.signal_names import as_text_lines, fitted
+from labsid.plots.signal_names import as_text_lines, fitted, name_beside, unit_of
 from labsid.plots.style import GREY, SMALL_TEXT_SIZE, TIME, finish, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ROW, NARROW_ROW = 1.75, 3.0  # inches
-NAME = 36  # characters of a name
+NAME, SHORT = 36, 10  # characters of the name of a record, and of an output
 AROUND = 0.9  # inches, for the legend and the axis of time
 
 
@@ -45,13 +45,14 @@ def figure_records(report: dict[str, Any], narrow: bool = False) -> Figure:
         for ax in (left, right):
             ax.axvspan(0.0, row["unscored"] * report["record"]["Ts"], color=GREY, alpha=0.35, linewidth=0, zorder=0)
         last = trace is records[-1]
-        finish(left, as_text_lines(fitted(str(row["name"]), NAME, 1)), TIME if last and not narrow else "", "Output", 0)
+        title = as_text_lines(fitted(str(row["name"]), NAME, 1))
+        finish(left, title, TIME if last and not narrow else "", name_beside(report, SHORT), 0)
         finish(right, "", TIME if last else "", "Error", 0)
     lines = {str(line.get_label()): line for ax in panels[0] for line in ax.lines if str(line.get_label())[:1] != "_"}
     lines.pop("", None)
     figure.legend(
         handles=list(lines.values()),
-        title=f"Outputs and errors in {unit_of(report)}; shaded samples are not scored",
+        title=as_text_lines([f"Outputs and errors in {unit_of(report)}", "Shaded samples are not scored"]),
         title_fontsize=SMALL_TEXT_SIZE,
         loc="outside upper center",
         ncols=2 if narrow else 4,

@@ -1,4 +1,4 @@
-"""Names and units of signals as matplotlib shows them: any text, on lines of limited length."""
+"""Names and units of signals, as matplotlib shows them: any text, on lines of limited length."""
 
 from textwrap import wrap
 from typing import Any
@@ -6,11 +6,48 @@ from typing import Any
 LINES = 2  # of a name
 UNIT = 10  # characters of a unit
 LONGEST = 24  # characters of a label on one line
+SYMBOLS = {"u": "Input", "y": "Output"}
 
 
 def units_of(report: dict[str, Any]) -> dict[str, str]:
     """Units of all signals of a report by name; empty where unknown."""
     return {one["name"]: one["unit"] or "" for kind in ("inputs", "outputs") for one in report["signals"][kind]}
+
+
+def name_of(report: dict[str, Any], signal: str) -> str:
+    """Name of the column of "u" or "y" in the record of one input and one output; else ``u`` or ``y``."""
+    return str(report.get("names", {}).get(signal, signal))
+
+
+def unit_of(report: dict[str, Any], signal: str = "y") -> str:
+    """Unit of "u" or "y" as the report states it; else ``units of`` its name."""
+    stated = report.get("units", {}).get(signal)
+    return str(stated or f"units of {fitted(name_of(report, signal), LONGEST, 1)[0]}")
+
+
+def axis_label(report: dict[str, Any], signal: str, rate: bool = False) -> str:
+    """Name and unit of "u" or "y", or of its rate, for an axis: ``Output $y$ (V)``, or ``position (rad)``."""
+    is_stated = bool(report.get("units", {}).get(signal))
+    unit = unit_of(report, signal) + (("/s" if is_stated else " a second") if rate else "")
+    if "names" not in report:
+        name = f"Rate of ${signal}$" if rate else f"{SYMBOLS[signal]} ${signal}$"
+        return f"{name} ({as_text_lines([unit])})"
+    return one_line(f"{'rate of ' if rate else ''}{name_of(report, signal)}", unit if is_stated else "")
+
+
+def plain_label(report: dict[str, Any], signal: str) -> str:
+    """`axis_label` of "u" or "y" without the mathematics of matplotlib."""
+    stated = report.get("units", {}).get(signal)
+    if "names" not in report:
+        return f"{SYMBOLS[signal]} {signal} ({unit_of(report, signal)})"
+    return " ".join([*fitted(name_of(report, signal), LONGEST, 1), *_bracketed(str(stated or ""))])
+
+
+def name_beside(report: dict[str, Any], width: int) -> str:
+    """Name of the output with its unit below, on lines of `width` characters; ``Output $y$`` where it is not named."""
+    if "names" not in report:
+        return "Output $y$"
+    return stacked(name_of(report, "y"), str(report.get("units", {}).get("y") or ""), width)
 
 
 def one_line(name: str, unit: str = "") -> str:

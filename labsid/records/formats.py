@@ -20,7 +20,7 @@ from labsid.records.library_formats import OBJECTS, LibraryFormat, library_forma
 from labsid.records.mat_file import is_mat5, open_mat
 from labsid.records.numpy_file import NUMPY_MAGIC, open_numpy
 from labsid.records.reading import Reading
-from labsid.records.several_signals import SeveralSignals, joined, units_of
+from labsid.records.several_signals import SeveralSignals, joined, labels_of, units_of
 from labsid.records.signals import Signals, without_placeholders
 from labsid.records.steps import even_signals, signal_keys, signals_of
 from labsid.records.text_file import open_text
@@ -53,6 +53,8 @@ class RawRecord(SeveralSignals):
         Units of inputs and outputs, as the file names them; empty where it does not.
     inputs, outputs : tuple of str
         Names of inputs and outputs.
+    labels : tuple of str
+        Names of the columns of inputs and outputs; by default `inputs` and `outputs`.
     """
 
     t: FloatArray | None
@@ -68,10 +70,12 @@ class RawRecord(SeveralSignals):
     units: tuple[str, ...] = ("", "")
     inputs: tuple[str, ...] = ("u",)
     outputs: tuple[str, ...] = ("y",)
+    labels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(self, **self._present())
         object.__setattr__(self, "units", units_of(self.units, self.signal_names))
+        object.__setattr__(self, "labels", labels_of(self.labels, self.signal_names))
 
     @property
     def columns(self) -> dict[str, FloatArray]:
@@ -136,6 +140,7 @@ def read_raw(path: str | PathLike[str], how: Reading | None = None) -> RawRecord
         units=tuple(column.unit for column in (*chosen.inputs, *chosen.outputs)),
         inputs=tuple(map(signals.called, inputs)),
         outputs=tuple(map(signals.called, outputs)),
+        labels=tuple("" if column.name.isdecimal() else column.name for column in (*chosen.inputs, *chosen.outputs)),
     )
 
 

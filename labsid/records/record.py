@@ -17,6 +17,7 @@ from labsid.records.several_signals import (
     SeveralSignals,
     check_names,
     joined,
+    labels_of,
     names_of,
     signal_columns,
     units_of,
@@ -67,6 +68,9 @@ class Record(SeveralSignals):
         Units of the inputs, then of the outputs, as the file names them; empty where it does not.
     inputs, outputs : tuple of str
         Names of the inputs and outputs; by default ``u`` and ``y``, of several ``u1, u2, ...`` and ``y1, y2, ...``.
+    labels : tuple of str
+        Names of the inputs, then of the outputs, on the axes of figures: those of the columns of the file, by default
+        `inputs` and `outputs`.
 
     Raises
     ------
@@ -89,6 +93,7 @@ class Record(SeveralSignals):
     units: tuple[str, ...] = ("", "")
     inputs: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         u, y = signal_columns(self.u), signal_columns(self.y)
@@ -116,6 +121,7 @@ class Record(SeveralSignals):
         object.__setattr__(self, "inputs", inputs)
         object.__setattr__(self, "outputs", outputs)
         object.__setattr__(self, "units", units_of(self.units, (*inputs, *outputs)))
+        object.__setattr__(self, "labels", labels_of(self.labels, (*inputs, *outputs)))
 
     @property
     def missing(self) -> NDArray[np.bool_]:
@@ -241,6 +247,7 @@ def read_record(path: str | PathLike[str], how: Reading) -> Record:
         units=raw.units,
         inputs=raw.inputs,
         outputs=raw.outputs,
+        labels=raw.labels,
     )
 
 

@@ -21,6 +21,7 @@ class SeveralSignals:
     u: FloatArray
     y: FloatArray
     units: tuple[str, ...]
+    labels: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
@@ -70,6 +71,7 @@ class SeveralSignals:
             y=self.output_columns[:, i],
             name=f"{self.name}: {name}" if self.name else name,
             units=(self.units[j], self.units[of_output]),
+            labels=(self.labels[j], self.labels[of_output]),
             inputs=(self.inputs[j],),
             outputs=(self.outputs[i],),
         )
@@ -148,7 +150,7 @@ def check_names(inputs: Sequence[str], outputs: Sequence[str]) -> None:
         raise ValueError(f"{both[0]!r} is named as an input and as an output. Leave it out of one of them.")
 
 
-def units_of(given: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
+def units_of(given: Sequence[str], names: Sequence[str], what: str = "unit") -> tuple[str, ...]:
     """A unit for each signal; all empty if none is given.
 
     Parameters
@@ -156,6 +158,8 @@ def units_of(given: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
     given : sequence of str
     names : sequence of str
         Names of the inputs, then of the outputs.
+    what : {"unit", "label"}
+        What is given, for the error message.
 
     Raises
     ------
@@ -166,10 +170,28 @@ def units_of(given: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
         return ("",) * len(names)
     if len(given) != len(names):
         raise ValueError(
-            f"units must hold one unit for each of the {len(names)} signals {', '.join(names)}; got {len(given)}: "
+            f"{what}s must hold one {what} for each of the {len(names)} signals {', '.join(names)}; got {len(given)}: "
             f"{', '.join(map(repr, given))}. Give '' for an unknown one."
         )
     return tuple(given)
+
+
+def labels_of(given: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
+    """A label for each signal: as given, or its name.
+
+    Parameters
+    ----------
+    given : sequence of str
+        Names of the columns of a file; empty where it names none.
+    names : sequence of str
+        Names of the inputs, then of the outputs.
+
+    Raises
+    ------
+    ValueError
+        If labels are given, but not one for each signal.
+    """
+    return tuple(label or name for label, name in zip(units_of(given, names, "label"), names, strict=True))
 
 
 def place_of(signal: int | str, names: Sequence[str], kind: str) -> int:

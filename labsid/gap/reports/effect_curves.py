@@ -7,6 +7,7 @@ import numpy as np
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.sketch import Seen
 from labsid.gap.reports.sentences import capitalised, noun_without_article
+from labsid.plots.signal_names import LONGEST, fitted, unit_of
 
 DEVIATIONS = 1.96  # of a parameter, for 95 %
 
@@ -80,7 +81,7 @@ def _seen(report: dict[str, Any], effect: dict[str, Any], of: dict[str, str]) ->
     """Samples of the record around an effect, and the units of its input and output."""
     if "signals" not in report:
         traces = report["traces"]
-        units = report.get("units", {"u": "units of u", "y": "units of y"})
+        units = {signal: unit_of(report, signal) for signal in ("u", "y")}
     else:
         own = report["outputs"][effect["outputs"][0]]
         traces, names = own["traces"], {"u": own["main"], "y": effect["outputs"][0]}
@@ -88,7 +89,8 @@ def _seen(report: dict[str, Any], effect: dict[str, Any], of: dict[str, str]) ->
             traces = traces | {"u": report["inputs"][effect["signal"]]["u"]}
             names["u"] = effect["signal"]
         stated = {one["name"]: one["unit"] for side in report["signals"].values() for one in side}
-        units = {key: f"{name}, {stated[name]}" if stated.get(name) else name for key, name in names.items()}
+        short = {key: fitted(name, LONGEST, 1)[0] for key, name in names.items()}
+        units = {key: ", ".join([short[key], *filter(None, [stated.get(name)])]) for key, name in names.items()}
     t, u, y = (np.array(traces[name], float) for name in ("t", "u", "y"))
     return Seen(t, u, y, of), units
 

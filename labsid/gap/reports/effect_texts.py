@@ -71,6 +71,14 @@ def parameter_value(
     return write(value, stderr), UNITS.get(unit, unit)
 
 
+def place_at(effect: dict[str, Any]) -> str:
+    """Where an effect of several signals acts, as ``at valve``; empty in the dynamics, or for one signal."""
+    if effect.get("from"):
+        return f"from {effect['from']} to {effect['to']}"
+    where = effect.get("signal") or effect.get("joint")
+    return f"at {where}" if where else ""
+
+
 def parameter_rows(effect: dict[str, Any]) -> list[tuple[str, str, str]]:
     """Label, value and unit of each parameter of an effect, with a mark on those that may be zero."""
     sizes = [name for name in effect["parameters"] if not _is_place(effect["name"], name)]

@@ -34,7 +34,7 @@ def chances_sentence(report: dict[str, Any]) -> str | None:
         return None
     if len(set(chances)) == 1:
         return f"Probability of the cause{'s' * (len(effects) > 1)}: {chances[0]}."
-    nouns = [sentences.noun_without_article(one["name"]) for one in effects]
+    nouns = [sentences.placed_noun(one) for one in effects]
     return f"Probability: {', '.join(f'{noun} {chance}' for noun, chance in zip(nouns, chances, strict=True))}."
 
 
@@ -45,12 +45,12 @@ def shown_sentence(report: dict[str, Any]) -> str | None:
         return None
     seen = {row["name"] for row in report["limits"] if row["detect"] is not None}
     hidden = [sentences.noun_without_article(name) for name in names if name not in seen]
+    sizes = "at the sizes that --json writes as limits" if "signals" in report else "from the sizes below on"
     if not hidden:
-        return f"The record would have shown each of {len(names)} effects, from the sizes below on."
+        return f"The record would have shown each of {len(names)} effects, {sizes}."
     listed = joined(hidden, "or") if len(hidden) <= MOST_HIDDEN else f"the {len(hidden)} others"
     return (
-        f"The record would have shown {len(seen)} of {len(names)} effects, from the sizes below on. It could not have "
-        f"shown {listed}."
+        f"The record would have shown {len(seen)} of {len(names)} effects, {sizes}. It could not have shown {listed}."
     )
 
 
@@ -80,7 +80,7 @@ def _of_causes(report: dict[str, Any]) -> str:
     if sentences.is_mismatch(report):
         return "Give your simulation the fitted values, which --export FILE writes."
     simulated = [one for one in report["effects"] if one["name"] not in UNSIMULATED]
-    nouns = joined([sentences.noun(one["name"]) for one in report["effects"]])
+    nouns = joined([sentences.placed_noun(one, article=True) for one in report["effects"]])
     if "signals" in report or not simulated:
         return f"Check the rig for {nouns}."
     return f"Check the rig for {nouns}, or use the corrected simulation, which --export FILE writes."

@@ -8,10 +8,9 @@ from typing import Any
 from labsid._files import write_file
 from labsid._texts import joined
 from labsid.gap.effects.detected import UNSIMULATED
-from labsid.gap.record.record_findings import BY_LAW, BY_RELAY
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS
-from labsid.gap.reports.glance import on_track, shown_sentence
+from labsid.gap.reports.glance import on_track
 from labsid.gap.reports.limit_rows import (
     COLUMNS,
     hidden_sentences,
@@ -27,6 +26,7 @@ from labsid.gap.reports.page_parts import (
     digest,
     effect_pictures,
     effects_content,
+    first_screen,
     has_holdout,
     has_probabilities,
     in_base64,
@@ -42,16 +42,9 @@ from labsid.gap.reports.response_curves import find_response_curves
 from labsid.gap.reports.rivals import rival_responses
 from labsid.gap.reports.signals_page import render_signals
 from labsid.gap.reports.traces import record_traces, worst_of_records, worst_stretch
-from labsid.gap.verdict.black_boxes import PATHS
+from labsid.plots.signal_names import name_of
 
 VISIBLE_ROWS = 8  # rows of the ranking outside the collapsed part
-LOOP = (
-    ("input", "Actuator", "command to process"),
-    ("dynamics", "Process", "dynamics of the rig"),
-    ("output", "Sensor", "process to record"),
-    ("disturbance", "Environment", "loads and noise"),
-    ("parameters", "Simulation", "its parameters"),
-)
 
 
 def write_html_report(path: Path, report: dict[str, Any]) -> None:
@@ -83,13 +76,14 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
     from labsid.plots.gap_curves import noise_band
 
+    names = {signal: name_of(report, signal) for signal in ("u", "y")}
+    first = first_screen(report, report, sentences.headline(report), sentences.remaining_sentence(report))
     return overview(report) | {
+        "first": first,
+        "names": names if "names" in report else None,
         "noise": noise_band(report)[1],
         "sentence": sentences.verdict_sentence(report),
-        "headline": sentences.headline(report),
-        "remaining": sentences.remaining_sentence(report),
         "simulation": simulation_sentence(report),
-        "unit": report.get("units", {}).get("y", "units of y"),
         "stabilised": report["gap"].get("mode") == "stabilised",
         "gap": sentences.gap_sentence(report),
         "start": sentences.start_sentence(report),
@@ -98,7 +92,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "records_text": sentences.records_sentence(report),
         "kinds": _kinds(report),
         "effects": effects_content(report),
-        "shown_effects": shown_sentence(report),
         "refitted": sentences.is_mismatch(report) and not sentences.is_unchanged(report),
         "alternatives": sentences.ambiguity_sentence(report),
         "record": sentences.record_sentences(report),
@@ -108,8 +101,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "plateaus": sentences.plateaus_matter(report),
         "ranking_text": sentences.ranking_sentence(report),
         "has_probabilities": has_probabilities(report),
-        "loop": _loop(report),
-        "controller": _has_controller(report),
         "place": sentences.place_sentence(report),
         "where": location_sentences(report),
         "fitted_baseline": sentences.fitted_baseline_sentence(report),
@@ -122,48 +113,6 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "poles": poles_sentence(report),
         "limits": _limits(report),
     }
-
-
-def _loop(report: dict[str, Any]) -> list[dict[str, Any]]:
-    """The blocks of the control loop, with marks on those of the causes; the simulation only if it was given."""
-    possible = {effect["path"]: effect["probability"] for effect in sorted(report["effects"], key=_probability)}
-    kind = sentences.main_kind(report) if report["verdict"] in ("partial", "unknown") else None
-    rest = None if kind is None else PATHS[kind]
-    return [
-        {
-            "path": path,
-            "title": title,
-            "what": what,
-            "share": f"{100.0 * possible.get(path, 0.0):.0f}",
-            "tags": [
-                *_causes_at(path, report["effects"]),
-                *([f"main part of the {'rest' if possible else 'error'}"] if path == rest else []),
-            ],
-        }
-        for path, title, what in LOOP
-        if path != "parameters" or report["simulation"]["given"]
-    ]
-
-
-def _causes_at(path: str, effects: list[dict[str, Any]]) -> list[str]:
-    """The causes in one block of the loop; apart from them those that are less probable than not, and improbable."""
-    named: dict[str, list[str]] = {}
-    for effect in effects:
-        if effect["path"] == path:
-            p = effect["probability"]
-            title = "cause" if p >= sentences.HALF else "possible cause" if p >= sentences.NAMED else "improbable cause"
-            named.setdefault(title, []).append(sentences.noun_without_article(effect["name"]))
-    return [f"{title}: {joined(names)}" for title, names in named.items()]
-
-
-def _has_controller(report: dict[str, Any]) -> bool:
-    """Whether a controller gives the input of the record: as its findings say, or because the rig falls without one."""
-    said = [finding["text"] for finding in report["record_findings"] if finding["topic"] == "feedback"]
-    return report["gap"].get("mode") == "stabilised" or any(text.startswith((BY_RELAY, BY_LAW)) for text in said)
-
-
-def _probability(effect: dict[str, Any]) -> float:
-    return float(effect["probability"])
 
 
 def _ranking(report: dict[str, Any]) -> list[dict[str, Any]]:

@@ -75,8 +75,9 @@ def _in_range(report: dict[str, Any]) -> list[str]:
     cells: dict[str, list[dict[str, Any]]] = {}
     for cell in report["where"]["operating"]:
         cells.setdefault(cell["signal"], []).append(cell)
+    names = report.get("names", {"u": "u", "y": "y"})
     for signal, own in cells.items():
-        what = "the rate of y" if signal == "dy" else signal
+        what = f"the rate of {names['y']}" if signal == "dy" else names.get(signal, signal)
         if unevenness(own) < MIN_EXCESS:
             texts.append(f"Over the range of {what}, the gap is in proportion to the time spent at each value.")
             continue

@@ -19,8 +19,10 @@ from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_curves import effect_curve
 from labsid.gap.reports.effect_texts import parameter_rows
-from labsid.gap.reports.glance import chances_sentence, next_step, on_track
+from labsid.gap.reports.glance import chances_sentence, next_step, on_track, shown_sentence
+from labsid.gap.reports.loop import control_loop
 from labsid.gap.reports.quantities import closed_percent, number
+from labsid.plots.signal_names import name_of, unit_of
 from labsid.plots.style import STYLE_SHEETS
 
 if TYPE_CHECKING:
@@ -44,23 +46,57 @@ def simulation_sentence(report: dict[str, Any]) -> str:
 
 
 def overview(report: dict[str, Any]) -> dict[str, Any]:
-    """What every page shows: the record, the size of the gap, and how to make the report again."""
-    gap, record = report["gap"], report["record"]
-    unchanged = gap["closed"] is None or sentences.is_unchanged(report)
+    """What every page shows: the record, and how to make the report again."""
+    record = report["record"]
     return {
         "verdict": report["verdict"],
         "name": record["name"] or "record",
         "samples": record["samples"],
         "Ts": f"{record['Ts']:.6g}",
         "duration": f"{record['samples'] * record['Ts']:.4g}",
-        "share": None if unchanged else on_track(gap["closed"], gap["ci95"]),
-        "chances": chances_sentence(report),
         "next": next_step(report),
-        "bars": error_bars(report),
         "at_most": "noise" if sentences.is_noise_alone(report) else "noise, with what no model predicts,",
         "command": command(report),
         "exact": "command" in report,
     }
+
+
+def first_screen(report: dict[str, Any], drawn: dict[str, Any], headline: str, remaining: str | None) -> dict[str, Any]:
+    """What the first screen shows beside the figure, as plain text.
+
+    Parameters
+    ----------
+    report : dict
+        Of one input and one output, or of several signals.
+    drawn : dict
+        The report of the output in the figure: `report` itself where there is only one.
+    headline, remaining : str
+        The verdict, and what remains.
+    """
+    shares = _closed_shares(report, drawn)
+    return {
+        "headline": headline,
+        "remaining": remaining,
+        "unit": unit_of(drawn),
+        "bars": error_bars(drawn),
+        "shares": shares,
+        "of_all": len(shares) > 1,
+        "chances": chances_sentence(report),
+        "shown_effects": shown_sentence(report),
+        "next": next_step(report),
+        "loop": control_loop(report),
+    }
+
+
+def _closed_shares(report: dict[str, Any], drawn: dict[str, Any]) -> list[dict[str, str]]:
+    """The closed share of the gap as a bar; of several outputs, that of the output in the figure, and that of all."""
+    several = len(report.get("outputs", ())) > 1
+    named = [(f"Gap closed in {name_of(drawn, 'y')}", drawn), ("In all outputs", report)]
+    return [
+        {"label": label} | on_track(one["gap"]["closed"], one["gap"]["ci95"])
+        for label, one in (named if several else [("Gap closed", report)])
+        if one["gap"]["closed"] is not None and not sentences.is_unchanged(one)
+    ]
 
 
 def error_bars(report: dict[str, Any]) -> list[dict[str, Any]]:
@@ -88,7 +124,7 @@ def _noise_rows(report: dict[str, Any]) -> list[tuple[str, float, str]]:
     if sentences.is_noise_alone(report):
         return [("Noise alone", floor, "floor")]
     rest = [("Noise and what no model predicts", floor, "rest")]
-    if "signals" in report or has_probabilities(report):
+    if has_probabilities(report):
         return rest
     return [*rest, ("White noise", 0.5 * noise_band(report)[0], "floor")]
 

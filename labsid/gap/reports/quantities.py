@@ -59,6 +59,11 @@ def with_units(report: dict[str, Any], u: str, y: str) -> dict[str, Any]:
     return report | {"effects": effects, "units": {"u": u, "y": y}}
 
 
+def with_names(report: dict[str, Any], u: str, y: str) -> dict[str, Any]:
+    """A copy of the report with the names of the columns of input and output, if they are not called u and y."""
+    return report if (u, y) == ("u", "y") else report | {"names": {"u": u, "y": y}}
+
+
 def in_units(unit: str, u: str, y: str) -> str:
     """A unit in terms of u and y, in the units of the record."""
     if unit not in UNITS:

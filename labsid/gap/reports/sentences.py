@@ -6,7 +6,7 @@ from typing import Any
 from labsid._texts import joined
 from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.effects.families import names_where
-from labsid.gap.reports.effect_texts import REMAINING_ERRORS, clause, noun
+from labsid.gap.reports.effect_texts import REMAINING_ERRORS, clause, noun, place_at
 from labsid.gap.reports.quantities import (
     closed_percent,
     counted,
@@ -18,6 +18,7 @@ from labsid.gap.reports.quantities import (
     with_error,
 )
 from labsid.gap.verdict.scores import NO_GAP_RMS
+from labsid.plots.signal_names import unit_of
 
 PLACES = {
     "input": "between the command and the process",
@@ -395,7 +396,7 @@ def gap_sentence(report: dict[str, Any]) -> str:
     gap = report["gap"]
     where = "held-out samples" if report["holdout_traces"] is None else "holdout record"
     where = "each record left out in turn" if report.get("records") else where
-    unit = report.get("units", {}).get("y", "units of y")
+    unit = unit_of(report)
     noise = "noise alone" if is_noise_alone(report) else "noise, with what no model predicts,"
     end = f"the {noise} is {number(gap['noise_floor'])} ({unit}, {where})."
     if is_unchanged(report):
@@ -675,6 +676,12 @@ def distinguishing_effects(separates: list[str]) -> tuple[str, str]:
 def noun_without_article(name: str) -> str:
     """The noun of an effect without its article."""
     return noun(name).removeprefix("a ").removeprefix("an ")
+
+
+def placed_noun(effect: dict[str, Any], article: bool = False) -> str:
+    """The noun of an effect, of several signals with its place."""
+    named = noun(effect["name"]) if article else noun_without_article(effect["name"])
+    return f"{named} {place_at(effect)}".strip()
 
 
 def capitalised(text: str) -> str:

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 from labsid._texts import joined
 from labsid.gap.reports import sentences
+from labsid.gap.reports.effect_texts import place_at
 from labsid.gap.reports.page_parts import (
     effect_content,
     effect_pictures,
+    first_screen,
     has_holdout,
     in_base64,
     input_file,
@@ -21,7 +23,10 @@ from labsid.gap.reports.signals_text import (
     coupling_sentence,
     finding_sentences,
     gap_sentence,
+    headline,
+    of_worst_output,
     output_rows,
+    remaining_sentence,
     verdict_sentence,
     where_sentences,
 )
@@ -50,7 +55,9 @@ def render_signals(report: dict[str, Any]) -> str:
 def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
     signals, probable = report["signals"], [one for one in report["effects"] if sentences.is_probable(one)]
+    drawn = of_worst_output(report)
     return overview(report) | {
+        "first": first_screen(report, drawn, headline(report), remaining_sentence(report)),
         "signals": f"{counted(len(signals['inputs']), 'input', 'inputs')} and "
         f"{counted(len(signals['outputs']), 'output', 'outputs')}",
         "sentence": verdict_sentence(report),
@@ -65,7 +72,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "couplings": coupling_sentence(report),
         "not_drawn": _not_drawn(report),
         "where": where_sentences(report),
-        "main": report["outputs"][report["where"]["output"]]["main"],
+        "main": drawn["names"]["u"],
         "worst": report["where"]["output"],
         "rest": report["unexplained"]["output"],
         "look": sentences.look_sentence(report),
@@ -85,11 +92,8 @@ def _table(report: dict[str, Any]) -> list[tuple[str, ...]]:
 
 def _effect(effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its signal in the title, and the outputs in which it is seen."""
-    shown = effect_content(effect)
-    where = effect["signal"] or effect.get("joint")
-    at = f" at {where}" if where else ""
-    return shown | {
-        "title": f"{shown['title']}{at}",
+    return effect_content(effect) | {
+        "title": sentences.capitalised(sentences.placed_noun(effect)),
         "place": f"seen in {joined(effect['outputs'])}",
         "closed": None,  # of all effects together only
     }
@@ -97,9 +101,7 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 
 def _place(effect: dict[str, Any]) -> str:
     """Where to look for the cause of an effect."""
-    if effect["signal"] or effect.get("joint"):
-        return f"at {effect['signal'] or effect['joint']}"
-    return f"in the dynamics of {joined(effect['outputs'])}"
+    return place_at(effect) or f"in the dynamics of {joined(effect['outputs'])}"
 
 
 def _has_units(effect: dict[str, Any]) -> bool:
@@ -136,17 +138,20 @@ def with_titles(report: dict[str, Any]) -> dict[str, Any]:
 def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """The figures as PNG in base64, each for a wide and for a narrow screen."""
     from labsid.plots.couplings import figure_couplings
-    from labsid.plots.gap import figure_location
+    from labsid.plots.gap import figure_first, figure_location
     from labsid.plots.page_figures import in_both_widths
     from labsid.plots.signals import figure_planned_inputs, figure_signals
 
+    of_worst: dict[str, PageFigure] = {"first": figure_first}
     figures: dict[str, PageFigure] = {"signals": figure_signals}
     if report["couplings"]:
         figures["couplings"] = figure_couplings
     if report["verdict"] != "none":
-        figures |= {"zoom": partial(figure_signals, zoom=True), "where": figure_location}
+        figures["zoom"] = partial(figure_signals, zoom=True)
+        of_worst["where"] = figure_location
     if has_holdout(report):
         figures["holdout"] = partial(figure_signals, traces="holdout_traces")
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_planned_inputs
-    return in_base64(in_both_widths(figures, with_titles(report)) | effect_pictures(report))
+    drawn = in_both_widths(figures, with_titles(report)) | in_both_widths(of_worst, of_worst_output(report))
+    return in_base64(drawn | effect_pictures(report))

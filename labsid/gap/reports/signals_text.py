@@ -4,10 +4,11 @@ from typing import Any
 
 from labsid._texts import joined
 from labsid.gap.reports import sentences
-from labsid.gap.reports.effect_texts import clause, noun
+from labsid.gap.reports.effect_texts import clause, noun, place_at
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
-from labsid.gap.reports.text_report import INDENT, effect_lines, printable, titled_lines
+from labsid.gap.reports.text_report import bar_lines, effect_lines, printable, titled_lines, titled_table
+from labsid.gap.verdict.scores import NO_GAP_RMS
 
 COLUMNS = ("rms error of", "before", "after", "noise", "closed")
 MIN_COUPLING = 0.005  # share of an output's response, from which an input is listed
@@ -29,11 +30,12 @@ def format_signals(report: dict[str, Any]) -> str:
     """
     lines = [*titled_lines("", verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
-        first, *others = effect_lines(effect)
-        lines += [*titled_lines(first[:INDENT].strip(), f"{first[INDENT:]}; {place_of(effect)}"), *others]
+        lines += effect_lines(effect, place_of(effect))
     lines += titled_lines("ambiguous", ambiguity_sentence(report))
     lines += titled_lines("gap", gap_sentence(report))
-    lines += _outputs(report)
+    lines += titled_table("outputs", [COLUMNS, *(tuple(map(printable, row)) for row in output_rows(report))])
+    drawn = of_worst_output(report)
+    lines += [*titled_lines("largest", f"Rms error of {drawn['names']['y']}:"), *bar_lines(drawn)]
     lines += titled_lines("signals", coupling_sentence(report))
     if report["verdict"] != "none":
         lines += titled_lines("where", " ".join(where_sentences(report)))
@@ -47,6 +49,11 @@ def format_signals(report: dict[str, Any]) -> str:
 
 def verdict_sentence(report: dict[str, Any]) -> str:
     """The verdict: each cause with its signal, and what remains."""
+    return " ".join(text for text in (headline(report), remaining_sentence(report)) if text)
+
+
+def headline(report: dict[str, Any]) -> str:
+    """The verdict without what remains: each cause with its signal, and the share of the gap that is explained."""
     gap, effects = report["gap"], report["effects"]
     if not effects:
         size = _over_noise(gap, "before")
@@ -62,14 +69,30 @@ def verdict_sentence(report: dict[str, Any]) -> str:
         return f"The cause of the gap is not known: {added} {explain}, but may only imitate it."
     said = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
-    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}. {_remaining(report)}".strip()
+    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}."
 
 
 def _gain(gap: dict[str, Any]) -> str:
-    """The share of the gap that is explained, or the errors where there is none on held-out samples."""
+    """The share of the gap that is explained, or what is reduced where there is none on held-out samples."""
+    if gap["closed"] is None and gap["before"] <= NO_GAP_RMS * gap["noise_floor"]:
+        return "reduces the error on the fitted samples, but held-out samples show no gap"
     if gap["closed"] is None:
         return f"reduces the rms error from {number(gap['before'])} to {number(gap['after'])}"
     return f"explains {closed_percent(gap['closed'], gap['ci95'])} of the gap"
+
+
+def of_worst_output(report: dict[str, Any]) -> dict[str, Any]:
+    """What is known of the output with the largest gap, as a report of one input and one output.
+
+    Its verdict and effects are those of all outputs.
+    """
+    name = report["where"]["output"]
+    own = report["outputs"][name]
+    names = {"u": own["main"], "y": name}
+    stated = {one["name"]: one["unit"] for side in report["signals"].values() for one in side}
+    units = {symbol: stated[signal] for symbol, signal in names.items() if stated.get(signal)}
+    common = {"verdict": report["verdict"], "effects": [effect | {"closed": None} for effect in report["effects"]]}
+    return {"holdout_traces": None} | own | common | {"names": names, "units": units}
 
 
 def ambiguity_sentence(report: dict[str, Any]) -> str:
@@ -106,23 +129,19 @@ def _qualified(effect: dict[str, Any]) -> str:
 
 def place_of(effect: dict[str, Any]) -> str:
     """Where an effect acts, and on which outputs."""
-    if effect.get("from"):
-        return f"from {effect['from']} to {effect['to']}"
-    outputs = joined(effect["outputs"])
-    where = effect["signal"] or effect.get("joint")
-    return f"at {where}, seen in {outputs}" if where else f"seen in {outputs}"
+    seen = f"seen in {joined(effect['outputs'])}"
+    return ", ".join(text for text in (place_at(effect), "" if effect.get("from") else seen) if text)
 
 
 def _at(signal: str | None) -> str:
     return f" at {signal}" if signal else ""
 
 
-def _remaining(report: dict[str, Any]) -> str:
-    """What remains, if that is more than noise."""
-    if report["verdict"] not in ("partial", "unknown"):
-        return ""
-    left = report["unexplained"]
-    return f"Something else remains, most of it in {left['output']}."
+def remaining_sentence(report: dict[str, Any]) -> str | None:
+    """The output in which most of what remains is; None if no cause is named, or if noise alone remains."""
+    if report["verdict"] != "partial" or not any(sentences.is_probable(effect) for effect in report["effects"]):
+        return None
+    return f"Something else remains, most of it in {report['unexplained']['output']}."
 
 
 def _over_noise(gap: dict[str, Any], key: str) -> str:
@@ -160,19 +179,6 @@ def output_rows(report: dict[str, Any]) -> list[tuple[str, ...]]:
     ]
 
 
-def _outputs(report: dict[str, Any]) -> list[str]:
-    """The gap of each output, in columns."""
-    table = [COLUMNS, *(tuple(printable(cell) for cell in row) for row in output_rows(report))]
-    wide = [max(len(row[i]) for row in table) for i in range(len(COLUMNS))]
-    return [
-        "  ".join(
-            [f"{'' if count else 'outputs':<{INDENT}}{row[0]:<{wide[0]}}"]
-            + [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
-        )
-        for count, row in enumerate(table)
-    ]
-
-
 def coupling_sentence(report: dict[str, Any]) -> str:
     """Which inputs move each output, the strongest first."""
     texts: list[str] = []
@@ -193,5 +199,6 @@ def where_sentences(report: dict[str, Any]) -> list[str]:
     texts = []
     if len(where["outputs"]) > 1:
         listed = [f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda item: -item[1])]
-        texts.append(f"Of the gap, each in units of its noise: {joined(listed)}. In {where['output']}:")
+        of_all = f"Of the gap, each in units of its noise: {joined(listed)}. " if listed else ""
+        texts.append(f"{of_all}In {where['output']}:")
     return [*texts, *location_sentences(report)]

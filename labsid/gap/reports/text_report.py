@@ -1,19 +1,19 @@
 """The text report for the terminal, made from the JSON report alone."""
 
-import shutil
 import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-from labsid._texts import joined
+from labsid._texts import joined, line_width
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import noun, parameter_rows
 from labsid.gap.reports.limit_rows import COLUMNS, NOT_SHOWN, hidden_sentences, limit_cells, limits_sentence
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import error_bars
+from labsid.plots.signal_names import fitted
 
 WIDTH = 96  # characters of a line, or those of the terminal if it is narrower
-LEAST_WIDTH = 60
+LEAST_NAME = 12  # characters of a name in a table, however narrow the terminal
 BAR, LEAST_BAR = 24, 6  # characters of the longest bar
 INDENT = 11  # characters of the column of titles
 RECORD_COLUMNS = ("rms error on", "before", "after", "noise", "closed")
@@ -57,7 +57,7 @@ def format_report(report: dict[str, Any]) -> str:
         rows.insert(1, ("tried", [f"{sentences.capitalised(tried)}."]))
     for title, texts in rows:
         lines += titled_lines(title, " ".join(printable(text) for text in texts if text))
-        lines += [*_bars(report), *_records(report)] if title == "gap" else []
+        lines += [*bar_lines(report), *_records(report)] if title == "gap" else []
     if report["verdict"] in ("none", "unknown"):
         lines += limits_lines(report)
     return "\n".join(lines)
@@ -87,10 +87,11 @@ def limits_lines(report: dict[str, Any]) -> list[str]:
     return [*lines, *(line for text in hidden_sentences(report) for line in titled_lines("", printable(text)))]
 
 
-def effect_lines(effect: dict[str, Any]) -> list[str]:
-    """One cause, with its parameters in columns below."""
+def effect_lines(effect: dict[str, Any], place: str = "") -> list[str]:
+    """One cause, with its `place` among several signals, and with its parameters in columns below."""
     title = "cause" if sentences.is_probable(effect) else "possible"
-    lines = titled_lines(title, f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}")
+    said = f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}"
+    lines = titled_lines(title, f"{said}; {place}" if place else said)
     return lines + _in_columns(parameter_rows(effect), INDENT + 2)
 
 
@@ -112,7 +113,7 @@ def _in_columns(rows: Sequence[Sequence[str]], indent: int = 0) -> list[str]:
     return [line for line in lines if line]
 
 
-def _bars(report: dict[str, Any]) -> list[str]:
+def bar_lines(report: dict[str, Any]) -> list[str]:
     """The errors before and after beside the noise, as bars."""
     rows = error_bars(report)
     label, value = (max(len(row[key]) for row in rows) for key in ("label", "value"))
@@ -130,13 +131,22 @@ def _records(report: dict[str, Any]) -> list[str]:
     if not rows:
         return []
     table = [RECORD_COLUMNS, *(tuple(printable(cell) for cell in row) for row in rows)]
-    wide = [max(len(row[i]) for row in table) for i in range(len(RECORD_COLUMNS))]
-    lines = []
-    for number, row in enumerate(table):
-        title = "" if number else "records"
-        cells = [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
-        lines.append("  ".join([f"{title:<{INDENT}}{row[0]:<{wide[0]}}", *cells]))
-    return [*lines, *titled_lines("", sentences.records_sentence(report) or "")]
+    return [*titled_table("records", table), *titled_lines("", sentences.records_sentence(report) or "")]
+
+
+def titled_table(title: str, table: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of a name and numbers in columns behind a title; names too long for a line are shortened."""
+    wide = [max(len(row[i]) for row in table) for i in range(len(table[0]))]
+    room = max(_width() - INDENT - sum(wide[1:]) - 2 * len(wide[1:]), LEAST_NAME)
+    names = [row[0] if len(row[0]) <= room else fitted(row[0], room, 1)[0] for row in table]
+    wide[0] = max(len(name) for name in names)
+    return [
+        "  ".join(
+            [f"{'' if count else title:<{INDENT}}{name:<{wide[0]}}"]
+            + [f"{cell:>{width}}" for cell, width in zip(row[1:], wide[1:], strict=True)]
+        )
+        for count, (name, row) in enumerate(zip(names, table, strict=True))
+    ]
 
 
 def _experiment(report: dict[str, Any]) -> str | None:
@@ -150,13 +160,14 @@ def titled_lines(title: str, text: str, indent: int = INDENT) -> list[str]:
         return []
     for unit in "%±":  # no line break between a number and its unit
         text = text.replace(f" {unit}", f"\u00a0{unit}")
-    lines = textwrap.wrap(text, _width(), initial_indent=f"{title:<{indent}}", subsequent_indent=" " * indent)
+    begun = f"{title:<{indent}}"
+    lines = textwrap.wrap(text, _width(), initial_indent=begun, subsequent_indent=" " * indent, break_on_hyphens=False)
     return [line.replace("\u00a0", " ") for line in lines]
 
 
 def _width() -> int:
     """Characters of a line: those of the terminal, within limits."""
-    return max(min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH), LEAST_WIDTH)
+    return line_width(WIDTH)
 
 
 def printable(text: str) -> str:

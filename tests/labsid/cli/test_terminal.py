@@ -6,12 +6,15 @@ import sys
 
 import pytest
 from gap_reports import report
+from signals_reports import signals_report
 
-from labsid.cli.console import print_report
-from labsid.cli.gap_tables import print_rigs
+from labsid.cli.console import print_contents, print_report
+from labsid.cli.gap_tables import print_effects, print_rigs
 from labsid.cli.progress import shown_progress
+from labsid.gap.reports.signals_text import format_signals
 from labsid.gap.reports.text_report import format_report
 from labsid.gap.rigs import RigResult
+from labsid.records.contents import ColumnSummary
 
 LONGEST = "periodic-disturbance"
 RIGS = [
@@ -51,6 +54,30 @@ def terminal(monkeypatch):
     return opened
 
 
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_the_table_of_effects_and_that_of_columns_never_cut_a_word(terminal, columns):
+    out = terminal(columns)
+    print_effects()
+    print_contents("log.csv", [ColumnSummary("torque_of_the_motor", "N m", 1201, 0.005, -1.75, 1.75, 0.1, "input", "")])
+    shown = re.sub("\033\\[[0-9;]*m", "", out.getvalue())
+    for word in ("output-nonlinearity", "torque_of_the_motor", "10.0%", "missing"):
+        assert word in shown
+    assert "…" not in shown
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_a_report_of_several_signals_fits_and_names_the_place_of_an_effect(monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    names = [("temperature of the upper tank at the wall of the second room", "K"), ("level", "")]
+    lines = format_signals(signals_report(("input-delay", "valve"), outputs=names)).splitlines()
+    assert all(len(line) <= columns for line in lines)
+    text = " ".join(" ".join(lines).split())
+    assert "; at valve, seen in level" in text
+    assert "largest Rms error of level: Before ####" in text
+    (row,) = [line for line in lines if line.rstrip().endswith("97 %") and "level" not in line]
+    assert "second room" in row or columns > 110
+
+
 @pytest.mark.parametrize("columns", [60, 80, 120, 200])
 def test_the_name_of_an_effect_is_never_cut(terminal, columns):
     out = terminal(columns)
@@ -58,6 +85,7 @@ def test_the_name_of_an_effect_is_never_cut(terminal, columns):
     shown = re.sub("\033\\[[0-9;]*m", "", out.getvalue())
     for word in ("coulomb-friction", LONGEST, "emps-axis-with-a-name", "(0.61)"):
         assert word in shown
+    assert all(len(line) <= columns for line in shown.splitlines())
     assert "…" not in shown
     assert max(map(len, shown.splitlines())) <= columns
 

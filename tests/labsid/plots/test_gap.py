@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from gap_reports import report, with_experiment, with_holdout, with_limits
 
+from labsid.gap.reports.quantities import with_names
 from labsid.plots.gap import (
     figure_experiment,
     figure_first,
@@ -14,6 +15,7 @@ from labsid.plots.gap import (
 )
 from labsid.plots.gap_curves import largest_error, noise_band, trace_of
 from labsid.plots.page_figures import NARROW, WIDE
+from labsid.plots.signal_names import axis_label, plain_label
 
 WIDTHS = pytest.mark.parametrize("narrow", [False, True])
 
@@ -237,3 +239,13 @@ def test_the_rivals_differ_by_so_much_on_the_proposed_input(narrow, covered):
     np.testing.assert_allclose(_curve(figure.axes[1], "Difference").get_ydata(), np.arange(count) / count)
     assert "a delay less that with an extra lag" in figure.axes[1].get_title().replace("\n", " ")
     assert covered(figure) == []
+
+
+def test_axes_say_the_names_of_the_columns():
+    plain, named = report("input-delay"), with_names(report("input-delay"), "goal", "position $x$")
+    assert axis_label(plain, "y") == "Output $y$ (units of y)"
+    assert (axis_label(named, "u"), axis_label(named, "y")) == ("goal", r"position \$x\$")
+    assert axis_label(named | {"units": {"u": "V", "y": "mm"}}, "y", rate=True) == r"rate of position \$x\$ (mm/s)"
+    assert plain_label(named, "y") == "position $x$"
+    assert figure_first(named).axes[0].get_ylabel() == r"position \$x\$"
+    assert figure_first(plain).axes[0].get_ylabel() == "Output $y$"

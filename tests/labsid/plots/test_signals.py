@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from signals_reports import signals_report, with_planned_inputs
 
+from labsid.gap.reports.signals_text import of_worst_output
 from labsid.plots.couplings import figure_couplings
-from labsid.plots.gap import figure_location
+from labsid.plots.gap import figure_first, figure_location
 from labsid.plots.page_figures import NARROW, WIDE, in_both_widths, palette_png
 from labsid.plots.signal_names import fitted, one_line, stacked
 from labsid.plots.signals import figure_planned_inputs, figure_signals, inputs_shown, worst_stretch
@@ -137,9 +138,11 @@ def test_the_couplings_are_a_table_with_effects_under_the_names(narrow, inputs, 
 
 def test_the_location_names_the_signals_and_their_units():
     labels = {
-        text for ax in figure_location(signals_report(*FOUND)).axes for text in (ax.get_xlabel(), ax.get_ylabel())
+        text
+        for ax in figure_location(of_worst_output(signals_report(*FOUND))).axes
+        for text in (ax.get_xlabel(), ax.get_ylabel())
     }
-    assert {"heater (%)", "temperature", "Rms error"} <= labels
+    assert {"heater (%)", "temperature", "Rms error (units of temperature)"} <= labels
 
 
 @WIDTHS
@@ -157,9 +160,10 @@ def test_names_are_no_mathematics_and_any_script_is_drawn_without_a_warning():
     base = signals_report(("input-delay", "$a^{$"), inputs=names[:2], outputs=names[2:])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        drawn = in_both_widths({"a": figure_signals, "b": figure_couplings, "c": figure_location}, base)
+        drawn = in_both_widths({"a": figure_signals, "b": figure_couplings}, base)
+        drawn |= in_both_widths({"c": figure_location, "d": figure_first}, of_worst_output(base))
         assert palette_png(figure_signals(base)).startswith(b"\x89PNG")
-    assert set(drawn) == {"a", "b", "c"}
+    assert set(drawn) == {"a", "b", "c", "d"}
 
 
 def test_long_names_keep_their_ends():

@@ -112,6 +112,20 @@ def test_time_that_starts_again_is_two_runs_or_one_clock(logs, plain):
         load_record(logs / "reset.csv", select=3)
 
 
+@pytest.mark.parametrize(
+    ("file", "how", "labels"),
+    [
+        ("ms.csv", {"columns": "1,2,3"}, ("pwm", "speed")),
+        ("log_start.csv", {}, ("Input", "Output")),
+        ("plain.csv", {}, ("u", "y")),
+        ("fortran.txt", {}, ("u", "y")),  # without a header
+    ],
+)
+def test_labels_are_the_names_of_the_columns(logs, file, how, labels):
+    found = load_record(logs / file, **how)
+    assert (found.labels, found.inputs, found.outputs) == (labels, ("u",), ("y",))
+
+
 def test_jitter_beyond_a_tenth_names_what_decides(logs):
     with pytest.raises(ValueError, match=r"sampling is irregular: .*\(--Ts 0.1\).*\(--resample 0.1\)"):
         load_record(logs / "jitter.csv")

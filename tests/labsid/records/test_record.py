@@ -132,7 +132,14 @@ def test_a_pair_is_a_record_of_one_signal_each(input, output):
     np.testing.assert_array_equal(one.u, -U)
     np.testing.assert_array_equal(one.y, 3 * Y)
     assert (one.name, one.units, one.notes, one.jitter) == ("run 7: Q2 -> T3", ("%", "K"), ("said",), 0.1)
-    assert (one.several, one.inputs, one.outputs) == (False, ("Q2",), ("T3",))
+    assert (one.several, one.inputs, one.outputs, one.labels) == (False, ("Q2",), ("T3",), ("Q2", "T3"))
+
+
+def test_labels_are_the_names_unless_the_file_has_others():
+    assert record().labels == ("u", "y")
+    assert record(labels=("goal", "")).labels == ("goal", "y")
+    with pytest.raises(ValueError, match="labels must hold one label for each of the 2 signals u, y; got 1: 'goal'"):
+        record(labels=("goal",))
 
 
 @given(st.integers(1, 3), st.integers(1, 3), st.data())

@@ -16,16 +16,16 @@ def test_the_bar_of_the_share_is_the_number_beside_it_and_not_the_difference_of_
     before, after, floor = 0.0670, 0.0452, 0.0373
     closed = closed_share(before**2, after**2, floor**2)
     shown["gap"] |= {"before": before, "after": after, "noise_floor": floor, "closed": closed, "ci95": [-7.7, 1.0]}
-    share = page_content(shown)["share"]
-    assert share == {"closed": "54 % [0, 100]", "at": "54.1", "low": "0.0", "span": "100.0"}
+    (share,) = page_content(shown)["first"]["shares"]
+    assert share == {"label": "Gap closed", "closed": "54 % [0, 100]", "at": "54.1", "low": "0.0", "span": "100.0"}
     assert (before - after) / (before - floor) == pytest.approx(0.73, abs=0.01)
     assert 'class="fill after" style="width: 54.1%"' in render_html(shown)
 
 
 def test_a_share_without_an_interval_has_no_line_and_none_without_a_gap():
     assert on_track(0.4, None) == {"closed": "40 %", "at": "40.0", "low": "", "span": ""}
-    assert page_content(report(verdict="none"))["share"] is None
-    assert page_content(report(verdict="unknown"))["share"] is None
+    assert page_content(report(verdict="none"))["first"]["shares"] == []
+    assert page_content(report(verdict="unknown"))["first"]["shares"] == []
 
 
 def test_a_probability_is_given_once_if_it_is_that_of_all_causes():

@@ -19,6 +19,7 @@ from labsid.gap.reports import sentences
 from labsid.gap.reports.html_report import page_content, render_html, write_html_report
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import command
+from labsid.gap.reports.quantities import with_names
 from labsid.plots.gap_curves import noise_band
 
 HOSTILE = "<script>alert('&\"')</script>"
@@ -243,18 +244,18 @@ def test_the_rest_is_shown_as_bars_and_on_the_loop(kind, pages):
     assert sum(float(bar["width"] or 0.0) for bar in content["kinds"]) == pytest.approx(100.0, abs=0.2)
     what = "main part of the rest" if kind == "partial" else "main part of the error"
     block = "Actuator" if kind == "partial" else "Environment"
-    assert [part["title"] for part in content["loop"] if what in part["tags"]] == [block]
+    assert [part["title"] for part in content["first"]["loop"]["blocks"] if what in part["tags"]] == [block]
     _, parsed = pages[kind]
     assert f"{block} {what}" in parsed.words
     assert content["look"] in parsed.words
-    assert parsed.words.index(content["headline"]) < parsed.words.index(content["remaining"])
+    assert parsed.words.index(content["first"]["headline"]) < parsed.words.index(content["first"]["remaining"])
 
 
 def test_the_noise_includes_disturbances_where_something_else_remains(pages):
     assert "indistinguishable from noise" in pages["effect"][1].words
     for kind in ("partial", "unknown"):
         assert "indistinguishable from noise" not in pages[kind][1].words
-        rest, white = page_content(KINDS[kind])["bars"][-2:]
+        rest, white = page_content(KINDS[kind])["first"]["bars"][-2:]
         assert (rest["label"], white["label"]) == ("Noise and what no model predicts", "White noise")
         assert float(white["value"]) == pytest.approx(0.5 * noise_band(KINDS[kind])[0], rel=0.01)
 
@@ -262,7 +263,7 @@ def test_the_noise_includes_disturbances_where_something_else_remains(pages):
 def test_an_effect_that_is_less_probable_than_not_is_no_cause_on_the_loop():
     base = report("coulomb-friction", "output-drift", verdict="partial")
     base["effects"][1]["probability"] = 0.2
-    tags = {part["title"]: part["tags"] for part in page_content(base)["loop"]}
+    tags = {part["title"]: part["tags"] for part in page_content(base)["first"]["loop"]["blocks"]}
     assert (tags["Process"], tags["Sensor"], tags["Actuator"]) == (
         ["cause: dry friction"],
         ["possible cause: drift of the sensor"],
@@ -280,10 +281,12 @@ def test_the_proposed_input_can_be_saved(pages):
 
 
 def test_the_loop_marks_the_blocks_of_the_causes():
-    stations = page_content(KINDS["pair"])["loop"]
+    stations = page_content(KINDS["pair"])["first"]["loop"]["blocks"]
     assert [part["title"] for part in stations if part["share"] != "0"] == ["Sensor", "Environment"]
     assert "Simulation" not in [part["title"] for part in stations]
-    assert [part["title"] for part in page_content(KINDS["mismatch"])["loop"] if part["share"] != "0"] == ["Simulation"]
+    assert [
+        part["title"] for part in page_content(KINDS["mismatch"])["first"]["loop"]["blocks"] if part["share"] != "0"
+    ] == ["Simulation"]
 
 
 @pytest.mark.parametrize(
@@ -300,15 +303,18 @@ def test_the_loop_marks_the_blocks_of_the_causes():
 )
 def test_the_way_of_the_signal_is_a_loop_where_the_record_has_a_controller(text, closed):
     finding = {"level": "note", "topic": "feedback", "text": text}
-    assert page_content(report("input-delay") | {"record_findings": [finding]})["controller"] is closed
+    assert page_content(report("input-delay") | {"record_findings": [finding]})["first"]["loop"]["closed"] is closed
     assert (
-        page_content(report("input-delay") | {"record_findings": [finding | {"topic": "input"}]})["controller"] is False
+        page_content(report("input-delay") | {"record_findings": [finding | {"topic": "input"}]})["first"]["loop"][
+            "closed"
+        ]
+        is False
     )
 
 
 def test_an_unstable_rig_has_a_loop():
     shown = report("input-delay")
-    assert page_content(shown | {"gap": shown["gap"] | {"mode": "stabilised"}})["controller"] is True
+    assert page_content(shown | {"gap": shown["gap"] | {"mode": "stabilised"}})["first"]["loop"]["closed"] is True
 
 
 def test_no_line_ends_between_a_number_and_its_per_cent(pages):
@@ -352,16 +358,16 @@ def test_the_page_explains_that_the_baseline_is_fitted_to_both_sides_of_a_load_s
 
 
 def test_bars_compare_errors_before_and_after_with_the_noise():
-    assert [bar["width"] for bar in page_content(KINDS["effect"])["bars"]] == ["100.0", "15.8", "15.5"]
-    assert [bar["label"] for bar in page_content(KINDS["none"])["bars"]] == ["Simulation", "Noise alone"]
-    assert [bar["label"] for bar in page_content(KINDS["unknown"])["bars"]] == [
+    assert [bar["width"] for bar in page_content(KINDS["effect"])["first"]["bars"]] == ["100.0", "15.8", "15.5"]
+    assert [bar["label"] for bar in page_content(KINDS["none"])["first"]["bars"]] == ["Simulation", "Noise alone"]
+    assert [bar["label"] for bar in page_content(KINDS["unknown"])["first"]["bars"]] == [
         "Simulation",
         "Noise and what no model predicts",
         "White noise",
     ]
     noise = {"partial": 2}
     after = {
-        kind: page_content(KINDS[kind])["bars"][-1 - noise.get(kind, 1)]["label"]
+        kind: page_content(KINDS[kind])["first"]["bars"][-1 - noise.get(kind, 1)]["label"]
         for kind in ("effect", "partial", "mismatch")
     }
     assert after == {
@@ -374,7 +380,7 @@ def test_bars_compare_errors_before_and_after_with_the_noise():
 def test_a_bar_for_each_effect_has_the_error_that_its_share_leaves():
     shown = report("coulomb-friction", "resonance", verdict="partial")
     shown["effects"][0]["closed"] = 0.5
-    (_, step, after, floor, _) = page_content(shown)["bars"]
+    (_, step, after, floor, _) = page_content(shown)["first"]["bars"]
     gap = shown["gap"]
     left = (float(step["value"]) ** 2 - gap["noise_floor"] ** 2) / (gap["before"] ** 2 - gap["noise_floor"] ** 2)
     assert 1.0 - left**0.5 == pytest.approx(0.5, abs=0.01)
@@ -386,7 +392,7 @@ def test_effects_that_were_added_in_one_step_have_one_bar_and_one_share():
     for effect, closed in zip(shown["effects"], (0.5, 0.5, 0.969), strict=True):
         effect["closed"] = closed
     content = page_content(shown)
-    assert [bar["label"] for bar in content["bars"]][:3] == [
+    assert [bar["label"] for bar in content["first"]["bars"]][:3] == [
         "Before",
         "With dry friction and lightly damped mode",
         "After adding the effects",
@@ -394,7 +400,7 @@ def test_effects_that_were_added_in_one_step_have_one_bar_and_one_share():
     assert [effect["closed"] for effect in content["effects"]] == [None, "50 %", "97 %"]
     for effect in shown["effects"]:
         effect["closed"] = 0.969
-    assert [bar["label"] for bar in page_content(shown)["bars"]][:2] == ["Before", "After adding the effects"]
+    assert [bar["label"] for bar in page_content(shown)["first"]["bars"]][:2] == ["Before", "After adding the effects"]
 
 
 def test_without_a_gap_no_place_of_it_is_named(pages):
@@ -430,3 +436,16 @@ def test_the_page_is_a_pure_function_of_the_report(tmp_path, pages):
 def test_a_folder_that_is_not_there_is_an_error(tmp_path, undrawn):
     with pytest.raises(FileNotFoundError, match="no such folder"):
         write_html_report(tmp_path / "nowhere" / "page.html", KINDS["none"])
+
+
+def test_names_of_the_columns_are_on_the_loop_and_in_the_texts(monkeypatch):
+    monkeypatch.setattr("labsid.gap.reports.html_report.encoded_figures", undrawn_figures)
+    shown = with_names(KINDS["effect"], "goal", "position")
+    content = page_content(shown)
+    assert content["first"]["loop"]["ends"] == ("goal", "position")
+    assert content["first"]["unit"] == "units of position"
+    assert "(units of position, " in content["gap"]
+    words = Page(render_html(shown)).words
+    assert "u is the input goal and y the output position, in the units of the record." in words
+    assert page_content(KINDS["effect"])["first"]["loop"]["ends"] == ("u", "y")
+    assert with_names(KINDS["effect"], "u", "y") == KINDS["effect"]

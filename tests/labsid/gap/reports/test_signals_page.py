@@ -14,6 +14,7 @@ from signals_reports import signals_report, with_planned_inputs
 
 from labsid.gap.reports.html_report import write_html_report
 from labsid.gap.reports.page_parts import command
+from labsid.gap.reports.quantities import number
 from labsid.gap.reports.signals_page import encoded_figures, page_content, render_signals
 from labsid.gap.reports.signals_text import verdict_sentence
 from labsid.gap.signals.result import SignalsDiagnosis
@@ -32,7 +33,8 @@ KINDS = {
 
 def _undrawn(report):
     return {
-        name: {"wide": "", "narrow": ""} for name in ("signals", "zoom", "couplings", "where", "holdout", "experiment")
+        name: {"wide": "", "narrow": ""}
+        for name in ("first", "signals", "zoom", "couplings", "where", "holdout", "experiment")
     }
 
 
@@ -133,6 +135,34 @@ def test_names_from_a_file_are_escaped(undrawn_signals):
     assert f"b: {HOSTILE}" in page.words
 
 
+def test_the_first_screen_is_that_of_the_output_with_the_largest_gap():
+    shown = KINDS["partial"] | {"where": KINDS["partial"]["where"] | {"output": "level"}}
+    first, gap = page_content(shown)["first"], shown["outputs"]["level"]["gap"]
+    assert first["unit"] == "cm"
+    assert [bar["value"] for bar in first["bars"]][:2] == [number(gap[key]) for key in ("before", "after")]
+    assert [bar["label"] for bar in first["bars"]][2:] == ["Noise and what no model predicts", "White noise"]
+    assert [share["label"] for share in first["shares"]] == ["Gap closed in level", "In all outputs"]
+    assert first["shares"][1]["closed"] in first["headline"]
+    assert page_content(KINDS["unknown"])["first"]["shares"] == []
+
+
+def test_one_output_has_one_closed_share():
+    base = signals_report(FOUND[0], outputs=[("level", "cm")])
+    assert [share["label"] for share in page_content(base)["first"]["shares"]] == ["Gap closed"]
+
+
+def test_the_loop_names_each_effect_with_its_signal():
+    loop = page_content(KINDS["partial"])["first"]["loop"]
+    tags = {part["title"]: part["tags"] for part in loop["blocks"]}
+    assert tags["Actuator"] == ["cause: dead zone at valve", "main part of the rest in temperature"]
+    assert tags["Process"] == ["cause: extra lag in temperature"]
+    assert loop["ends"] == ("valve, heater", "level, temperature")
+    many = signals_report(verdict="unknown", inputs=[("torque_1", ""), ("torque_2", ""), ("torque_3", "")])
+    assert page_content(many)["first"]["loop"]["ends"][0] == "3 inputs"
+    assert not loop["closed"]
+    assert page_content(KINDS["effect"])["first"]["next"] == "Check the rig for a dead zone at valve and an extra lag."
+
+
 def test_a_signal_without_a_unit_shows_its_name_only():
     assert [row[0] for row in page_content(KINDS["effect"])["table"]] == ["Output", "level (cm)", "temperature"]
 
@@ -178,9 +208,9 @@ def test_the_command_names_the_signals():
 
 
 def test_the_figures_are_those_of_the_verdict():
-    assert set(encoded_figures(KINDS["none"])) == {"signals", "couplings"}
+    assert set(encoded_figures(KINDS["none"])) == {"first", "signals", "couplings"}
     found = encoded_figures(KINDS["holdout"])
-    assert set(found) == {"signals", "couplings", "zoom", "where", "holdout", "effect 1", "effect 2"}
+    assert set(found) == {"first", "signals", "couplings", "zoom", "where", "holdout", "effect 1", "effect 2"}
     assert all(base64.b64decode(png).startswith(b"\x89PNG") for one in found.values() for png in one.values())
 
 
