@@ -88,7 +88,7 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
             Slip(
                 "p x for x^p",
                 "`fit_powers` makes the columns p * x: a column is x to the power p, `x ** p`.",
-                lambda: np.linalg.lstsq(np.outer(x, powers), y)[0],
+                lambda: np.asarray(np.linalg.lstsq(np.outer(x, powers), y)[0], np.float64),
             ),
             Slip(
                 "x and y swapped", "`fit_powers` fits x to y; make Phi from x.", lambda: fit_powers(y, x, powers).theta
