@@ -167,5 +167,5 @@ def test_pages_are_written_once_and_again_after_a_new_report(out):
 @pytest.mark.usefixtures("written_here")
 def test_a_page_that_cannot_be_written_is_reported(out):
     (out / "a.json").write_text("{}", encoding="utf-8")
-    assert write_record_pages(out, {"a": REPORTS["a"], "d": REPORTS["d"]}, 1) == {"a": "KeyError: 'gap'"}
+    assert write_record_pages(out, {"a": REPORTS["a"], "d": REPORTS["d"]}, 1) == {"a": "KeyError: 'verdict'"}
     assert (out / "d.html").exists()
