@@ -28,7 +28,6 @@ MIN_STIFFNESS_RATIO = 4.0  # stiffness of such a start over that of the parent; 
 MAX_SINGLE_RATE = 1.0  # per sample: nonlinearity of a faster state is hardly observable; set by hand
 SLOW_RATIO = 4.0  # mean square error over the variance of its innovations, from which a residual is slow; set by hand
 QUICK_STARTS = 4  # start points of all variants of a second or third effect; numerics
-MIN_CONTINUED = 3  # start points of a variant that have more iterations than one, at least; numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,14 +93,8 @@ def trial_fits(data: Data, parent: Fit, group: tuple[Effect, ...], highpass: Fit
                     thetas += list(grown_starts(data, hypothesis, thetas))
                 points = evaluate(problem, thetas)
                 starts = [Trial(problem, point, scale) for point in sorted(points, key=attrgetter("cost"))]
-                best = _in_turn(starts)[:STARTS_PER_VARIANT]
-                selected += best if brief else _better_half(best)
-    return _continued(_quick_selection(selected) if brief else selected, 2)
-
-
-def _better_half(starts: list[Trial]) -> list[Trial]:
-    """The better half of the start points of a variant after one iteration."""
-    return _continued(starts, 1)[: max(MIN_CONTINUED, (len(starts) + 1) // 2)]
+                selected += _in_turn(starts)[:STARTS_PER_VARIANT]
+    return _continued(_quick_selection(selected), 2) if brief else _continued(selected, 3)
 
 
 def _continued(trials: list[Trial], iterations: int) -> list[Trial]:

@@ -1,6 +1,5 @@
 """The linear fits, and fits with one more effect."""
 
-from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -18,12 +17,11 @@ from labsid.gap.effects import disturbance, drifts, dynamics, input, output, per
 from labsid.gap.effects.base import Effect
 from labsid.gap.effects.context import Context
 from labsid.gap.effects.families import CANDIDATES
-from labsid.gap.fits.fitting import Fit, Problem, descend, evaluate, finish, minimize, rms
+from labsid.gap.fits.fitting import Fit, Problem, evaluate, finish, minimize, rms
 from labsid.gap.fits.hypothesis import Hypothesis
 from labsid.gap.fits.linear_fits import LINEAR, fit_baseline, fit_highpass
 from labsid.gap.record.data import Data, scaled
 from labsid.gap.search.candidates import (
-    Trial,
     best_fit,
     is_compatible,
     is_plausible,
@@ -348,25 +346,6 @@ def test_reranking_continues_the_first_trials_and_sorts_them_again(banded: Expla
     assert [trial.score for trial in raced] == sorted(trial.score for trial in raced)
     assert raced[0].score < min(trial.score for trial in tried)
     assert reranked(tried[:3], 6) == tried[:3]
-
-
-def test_the_better_half_of_the_start_points_is_continued(banded: Explanation, monkeypatch: pytest.MonkeyPatch) -> None:
-    data, base = banded.data, banded.path[0]
-    group = input.DeadZone(), input.Backlash(), input.Saturation("both"), input.Saturation("high")
-    continued: list[int] = []
-
-    def counted(trial: Trial, iterations: int) -> Trial:
-        continued.append(iterations)
-        return replace(trial, point=descend(trial.problem, trial.point, iterations, tolerance=1e-2))
-
-    monkeypatch.setattr(Trial, "continued", counted)
-    tried = trial_fits(data, base, group, base)
-    assert sorted(set(continued)) == [1, 2]
-    assert len(tried) == continued.count(2) < continued.count(1)
-    by_variant = Counter(trial.hypothesis.effects[0].key for trial in tried)
-    assert set(by_variant) == {effect.key for effect in group}
-    assert all(3 <= count <= 4 for count in by_variant.values())
-    assert continued[-len(tried) :] == [2] * len(tried)
 
 
 def test_the_right_effect_is_found_although_its_start_ranks_fourth(banded: Explanation) -> None:
