@@ -471,11 +471,10 @@ class CoulombFriction(PlantEffect):
         speed = plant.motion(fit.plant_theta, fit.actuator)[:, 1]
         if plant.kind == "mechanics" and count_stops(speed) >= MIN_STOPS:
             return True
-        if plant.kind == "speed" and self.law == "smooth":  # elsewhere it is a curve, of a flow or of a drag
-            least = FULL_FRICTION * float(np.exp(fit.value("log_smooth")))
-            if min(np.mean(speed > least), np.mean(speed < -least)) < MIN_EITHER_DIRECTION:
-                return False
-        return moves_both_ways(speed, CREEP * (plant.kind == "speed"))
+        slow = 0.0
+        if plant.kind == "speed" and self.law == "smooth":  # at small speeds alone it is any curve
+            slow = FULL_FRICTION * float(np.exp(fit.value("log_smooth")))
+        return moves_both_ways(speed, CREEP * (plant.kind == "speed"), slow)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`friction` in units of the input; with a peak, `break_away`; with the load, its share `load`."""
@@ -505,12 +504,15 @@ def count_stops(speed: FloatArray) -> int:
     return sum(stop - start >= SHORTEST_REST and start > 0 and stop < speed.size for start, stop in rests)
 
 
-def moves_both_ways(speed: FloatArray, least: float = 0.0) -> bool:
-    """Whether a motion has either direction for long enough, and up to the share `least` of its largest speed."""
+def moves_both_ways(speed: FloatArray, least: float = 0.0, slow: float = 0.0) -> bool:
+    """Whether a motion has either direction for long enough, and up to the share `least` of its largest speed.
+
+    Motion at speeds up to `slow` does not count.
+    """
     forth, back = float(speed.max()), float(-speed.min())
     if min(forth, back) < least * max(forth, back):
         return False
-    return bool(min(np.mean(speed > 0), np.mean(speed < 0)) > MIN_EITHER_DIRECTION)
+    return bool(min(np.mean(speed > slow), np.mean(speed < -slow)) > MIN_EITHER_DIRECTION)
 
 
 def initial_offset(context: Context) -> float:

@@ -31,7 +31,7 @@ class _OfTanks(PlantEffect):
     def tanks(self) -> tuple[str, ...]:
         """The tanks: "upper" and "lower"."""
         which = self.variant.removesuffix("-flipped")
-        return ("upper", "lower") if which == "both" else ("lower",) if which == "weir" else (which,)
+        return {"both": ("upper", "lower"), "weir": ("lower",)}.get(which, (which,))
 
     @property
     def is_flipped(self) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.sketch import Seen
 from labsid.gap.reports.sentences import capitalised, noun_without_article
-from labsid.plots.signal_names import LONGEST, fitted, unit_of
+from labsid.plots.signal_names import LONGEST, fitted, unit_of, units_of
 
 DEVIATIONS = 1.96  # of a parameter, for 95 %
 
@@ -88,7 +88,7 @@ def _seen(report: dict[str, Any], effect: dict[str, Any], of: dict[str, str]) ->
         if effect["signal"] in report.get("inputs", {}):
             traces = traces | {"u": report["inputs"][effect["signal"]]["u"]}
             names["u"] = effect["signal"]
-        stated = {one["name"]: one["unit"] for side in report["signals"].values() for one in side}
+        stated = units_of(report)
         short = {key: fitted(name, LONGEST, 1)[0] for key, name in names.items()}
         units = {key: ", ".join([short[key], *filter(None, [stated.get(name)])]) for key, name in names.items()}
     t, u, y = (np.array(traces[name], float) for name in ("t", "u", "y"))

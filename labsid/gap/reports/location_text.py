@@ -6,6 +6,7 @@ from typing import Any
 from labsid._texts import joined
 from labsid.gap.reports.location import share_by_record, unevenness
 from labsid.gap.reports.quantities import between, number, percent
+from labsid.plots.signal_names import name_of
 
 HALF = 0.5  # of the gap, that a reported band or range contains
 DENSE_RATIO = 1.5  # error power over the average of the record, in a dense stretch
@@ -75,9 +76,8 @@ def _in_range(report: dict[str, Any]) -> list[str]:
     cells: dict[str, list[dict[str, Any]]] = {}
     for cell in report["where"]["operating"]:
         cells.setdefault(cell["signal"], []).append(cell)
-    names = report.get("names", {"u": "u", "y": "y"})
     for signal, own in cells.items():
-        what = f"the rate of {names['y']}" if signal == "dy" else names.get(signal, signal)
+        what = f"the rate of {name_of(report, 'y')}" if signal == "dy" else name_of(report, signal)
         if unevenness(own) < MIN_EXCESS:
             texts.append(f"Over the range of {what}, the gap is in proportion to the time spent at each value.")
             continue

@@ -83,7 +83,6 @@ def first_screen(report: dict[str, Any], drawn: dict[str, Any], headline: str, r
         "of_all": len(shares) > 1,
         "chances": chances_sentence(report),
         "shown_effects": shown_sentence(report),
-        "next": next_step(report),
         "loop": control_loop(report),
     }
 

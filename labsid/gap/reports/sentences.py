@@ -469,9 +469,10 @@ def baseline_sentence(report: dict[str, Any]) -> str | None:
 
 def _unobserved_sentence(report: dict[str, Any], method: str) -> str:
     """Which linear model is used where the slowest pole of the one that was asked for cannot be identified."""
-    without = "" if is_unchanged(report) else f"Without the {_added(report)}, "
-    slow = "the record does not determine the slowest pole of a linear model of the order asked for"
-    slow = f"{without}{slow}" if without else capitalised(slow)
+    without = "" if is_unchanged(report) else f"without the {_added(report)}, "
+    slow = capitalised(
+        f"{without}the record does not determine the slowest pole of a linear model of the order asked for"
+    )
     if method == OUTPUT_ERROR:
         return f"{slow}: the rig may be of lower order, or may integrate its input."
     used = "of first order" if method == FIRST_ORDER else f"fitted by {method}, one step ahead"

@@ -9,6 +9,7 @@ from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
 from labsid.gap.reports.text_report import bar_lines, effect_lines, printable, titled_lines, titled_table
 from labsid.gap.verdict.scores import NO_GAP_RMS
+from labsid.plots.signal_names import units_of
 
 COLUMNS = ("rms error of", "before", "after", "noise", "closed")
 MIN_COUPLING = 0.005  # share of an output's response, from which an input is listed
@@ -89,7 +90,7 @@ def of_worst_output(report: dict[str, Any]) -> dict[str, Any]:
     name = report["where"]["output"]
     own = report["outputs"][name]
     names = {"u": own["main"], "y": name}
-    stated = {one["name"]: one["unit"] for side in report["signals"].values() for one in side}
+    stated = units_of(report)
     units = {symbol: stated[signal] for symbol, signal in names.items() if stated.get(signal)}
     common = {"verdict": report["verdict"], "effects": [effect | {"closed": None} for effect in report["effects"]]}
     return {"holdout_traces": None} | own | common | {"names": names, "units": units}

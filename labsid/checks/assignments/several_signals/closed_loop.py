@@ -63,10 +63,7 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
     require_whole_solution(_CALL, value, Z.T @ Phi, Z.T @ Y, ("Z'Phi", "Z'Y"), Z.T)
     got = as_theta(_CALL, value, 2)
 
-    def by(Z: FloatArray) -> FloatArray:
-        return instrumental_variables(Z, Phi, Y).theta
-
-    def by_regressors(Phi: FloatArray) -> FloatArray:
+    def by(Z: FloatArray, Phi: FloatArray = Phi) -> FloatArray:
         return instrumental_variables(Z, Phi, Y).theta
 
     right = by(Z)
@@ -171,14 +168,14 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
                 Slip(
                     "reference in place of the input",
                     f"Phi of `{_CALL}` holds {_reference(lag)} where u(k-1) belongs: the reference stands in Z alone.",
-                    partial(by_regressors, np.column_stack([_past(y, (1,)), _past(r, (lag,))])),
+                    partial(by, Z, np.column_stack([_past(y, (1,)), _past(r, (lag,))])),
                 )
                 for lag in (1, 0)
             ),
             Slip(
                 "u(k) for u(k-1)",
                 f"Phi of `{_CALL}` holds u(k); the equation has u(k-1).",
-                lambda: by_regressors(np.column_stack([_past(y, (1,)), _past(u, (0,))])),
+                lambda: by(Z, np.column_stack([_past(y, (1,)), _past(u, (0,))])),
             ),
         ],
     )

@@ -160,7 +160,7 @@ def test_the_loop_names_each_effect_with_its_signal():
     many = signals_report(verdict="unknown", inputs=[("torque_1", ""), ("torque_2", ""), ("torque_3", "")])
     assert page_content(many)["first"]["loop"]["ends"][0] == "3 inputs"
     assert not loop["closed"]
-    assert page_content(KINDS["effect"])["first"]["next"] == "Check the rig for a dead zone at valve and an extra lag."
+    assert page_content(KINDS["effect"])["next"] == "Check the rig for a dead zone at valve and an extra lag."
 
 
 def test_a_signal_without_a_unit_shows_its_name_only():

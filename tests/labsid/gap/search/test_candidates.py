@@ -338,8 +338,7 @@ def test_tank_starts_include_a_single_dominant_state(levels: FloatArray, two_pol
 
 def test_reranking_continues_the_first_trials_and_sorts_them_again(banded: Explanation) -> None:
     data, base = banded.data, banded.path[0]
-    group = input.DeadZone(), input.Backlash(), input.Saturation("both"), input.Saturation("high")
-    tried = trial_fits(data, base, group, base)
+    tried = trial_fits(data, base, (input.DeadZone(), input.Backlash()), base)
     assert len(tried) > 6
     raced = reranked(tried, 6)
     assert len(raced) == 6
