@@ -97,12 +97,16 @@ def backlash(w: FloatArray, width: float, position: float) -> FloatArray:
 
 
 @compiled()
-def rate_limit(w: FloatArray, rate: float, start: float) -> tuple[FloatArray, FloatArray]:
-    """Mean and first moment about the middle of each sample, of an actuator slewing to `w` at `rate` per sample."""
+def rate_limit(w: FloatArray, up: float, down: float, start: float) -> tuple[FloatArray, FloatArray]:
+    """Mean and first moment about the middle of each sample, of an actuator slewing to `w`.
+
+    It moves by at most `up` per sample towards larger values, and by at most `down` towards smaller ones.
+    """
     mean, moment = np.empty(w.size), np.empty(w.size)
     now = start
     for k in range(w.size):
         distance = w[k] - now
+        rate = up if distance > 0.0 else down
         share = min(abs(distance) / rate, 1.0)  # share of the sample spent slewing
         moved = distance if abs(distance) <= rate else math.copysign(rate, distance)
         now += moved

@@ -11,7 +11,7 @@ from labsid._arrays import FloatArray
 from labsid._compiled import compiled
 
 SHARP = (0.0, 0.0, 1.0)  # law of friction without smoothing and without a peak; definition
-NO_STOPS = (-np.inf, np.inf)  # positions of stops that are not there; definition
+NO_STOPS = (-np.inf, np.inf, 0.0)  # positions of stops that are not there, and their rebound; definition
 ALL_FORCES = -1.0  # in place of the share of the drive: the transmitted force is that of all; definition
 NO_JOINT = (np.inf, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, ALL_FORCES)
 """Neither limit nor gravity, and friction that neither grows nor bends; definition."""
@@ -295,6 +295,26 @@ def _slide_motor(v: float, drive: float, a: float, friction: float, smooth: floa
 
 
 @compiled()
+def _rebound(
+    z: float, v: float, before: float, stop: float, outwards: float, share: float, h: float
+) -> tuple[float, float]:
+    """Position and speed after a step of `h` that ended beyond a stop, from the speed `before`.
+
+    `outwards` is the sign of a speed into the stop. The acceleration is constant within the step. The mass rests at
+    the stop if it would be back within a step.
+    """
+    if v * outwards <= 0.0:
+        return stop, v
+    acceleration = (v - before) / h
+    since = (z - stop) / v
+    since = (z - stop) / (v - 0.5 * acceleration * since)
+    back = -share * (v - acceleration * since)
+    if abs(back) <= acceleration * outwards * h:
+        return stop, 0.0
+    return stop + (back + 0.5 * acceleration * since) * since, back + acceleration * since
+
+
+@compiled()
 def simulate_mass(
     w: FloatArray,
     c: float,
@@ -310,18 +330,19 @@ def simulate_mass(
     pace: FloatArray | None = None,
     law: tuple[float, float, float] = SHARP,
     drag: float = 0.0,
-    stops: tuple[float, float] = NO_STOPS,
+    stops: tuple[float, float, float] = NO_STOPS,
     joint: tuple[float, float, float, float, float, float, float, float, float] = NO_JOINT,
 ) -> FloatArray:
     """Position and speed of z'' = -c z' - k z - friction sign(z') - drag z' |z'| - cubic z^3 + w, including sticking.
 
     The force `opposing` and a spring of stiffness `leak` times k oppose the input; `pace` multiplies k. These three
     have one value per sample. `law` holds the speed over which friction is smooth about rest (zero for none), and the
-    `peak` and `decay` of `sliding_friction`. At either of the `stops` the mass loses its speed. `joint` holds the limit
-    of the force of a drive, w - of_position k z - of_speed c z', with the shares of both that the drive gives; the
-    torque of gravity, its `turn` and `angle` in torque sin(turn z - angle), the share of the transmitted force that is
-    added to friction, the stiffness of Dahl's bristles, which bend before they slide, zero for rigid ones, and the
-    share of the stiffness that is the drive's, if the transmitted force is that of the drive, or `ALL_FORCES`.
+    `peak` and `decay` of `sliding_friction`. `stops` holds two positions, and the share of its speed that the mass
+    keeps when it hits one of them. `joint` holds the limit of the force of a drive, w - of_position k z - of_speed
+    c z', with the shares of both that the drive gives; the torque of gravity, its `turn` and `angle` in
+    torque sin(turn z - angle), the share of the transmitted force that is added to friction, the stiffness of Dahl's
+    bristles, which bend before they slide, zero for rigid ones, and the share of the stiffness that is the drive's, if
+    the transmitted force is that of the drive, or `ALL_FORCES`.
     """
     smooth, peak, decay = law
     limit, of_position, of_speed, torque, turn, angle, share, stiff, own = joint
@@ -346,6 +367,7 @@ def simulate_mass(
         spring = 0.0 if leak is None else leak[n] * k
         for j in range(substeps):
             drive = _held_input(w, n, late * substeps - j)
+            v_before = v
             middle = z + 0.5 * h * v
             damping, stiffness = c, k
             f11, f12, f21, f22, g1, g2 = free
@@ -406,9 +428,9 @@ def simulate_mass(
             else:
                 z, v = f11 * z + f12 * v + g1 * force, f21 * z + f22 * v + g2 * force
             if z > stops[1]:
-                z, v = stops[1], min(v, 0.0)
+                z, v = _rebound(z, v, v_before, stops[1], 1.0, stops[2], h)
             elif z < stops[0]:
-                z, v = stops[0], max(v, 0.0)
+                z, v = _rebound(z, v, v_before, stops[0], -1.0, stops[2], h)
         if not abs(z) < far:
             out[:, n:] = np.nan
             break

@@ -133,6 +133,7 @@ LIMIT = Parameter("limit", 1e-3, 50.0, 1e-3, leap=0.05)  # scaled: error at whic
 SPRUNG_SHARE = Parameter("sprung_share", 0.2, 1.0, 1e-3, start=0.95)  # of the stiffness, which the loop gives
 DAMPED_SHARE = Parameter("damped_share", 0.0, 1.0, 1e-3, start=0.9)  # of the damping, which the loop gives
 WEIR = Parameter("log_weir", -3.0, 9.0, 1e-3, start=3.0)  # scaled: logarithm of the flow over a weir at a head of one
+REBOUND = Parameter("rebound", 0.0, 0.9, 1e-3, start=0.3)  # speed after a hit over that before
 DRAG = Parameter("drag", 0.0, 200.0, 1e-3)  # scaled
 ONSET = Parameter("onset", 0.0, 1.0, 2e-4, leap=0.004)  # as a share of the record
 STATES = {
@@ -199,6 +200,8 @@ class PlantForm:
         "loaded" if it gives a share of the stiffness, or "speed" of a mass or a motor; empty if none does.
     stops : tuple of str
         Mechanical stops of a mass, of "low" and "high".
+    rebound : bool
+        Whether the mass keeps a share of its speed at a stop.
     slow : bool
         A slow real pole in parallel.
     sampled : bool
@@ -244,6 +247,7 @@ class PlantForm:
     follows: bool = False
     limit: str = ""
     stops: tuple[str, ...] = ()
+    rebound: bool = False
     slow: bool = False
     sampled: bool = False
     unsprung: bool = False
@@ -292,6 +296,7 @@ class PlantForm:
             own += [DRIVEN_SHARE] if self.friction == "drive" and not self.unsprung else []
             own += [DRAG] if self.drag else []
             own += [Parameter(f"stop_{side}", -50.0, 50.0, leap=0.05) for side in self.stops]
+            own += [REBOUND] if self.rebound else []
             own += GRAVITY if self.gravity else ()
             own += [LIMIT] if self.limit else []
             own += [DAMPED_SHARE] if self.limit == "damped" else [SPRUNG_SHARE] if self.limit == "loaded" else []

@@ -253,7 +253,7 @@ def _mechanics(plant: PlantForm, own: Named, w: FloatArray, span: int, reference
     drive, loads = _apply_load(plant, own, drive, span)
     friction, law = own.get("friction", 0.0), _friction_law(own, float(1.0 / np.sqrt(unit)))
     drag = own.get("drag", 0.0) * unit
-    stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit
+    stops = own.get("stop_low", -np.inf) / unit, own.get("stop_high", np.inf) / unit, own.get("rebound", 0.0)
     z0 = min(max(z0, stops[0]), stops[1])
     limit = own.get("limit", np.inf), sprung_share(plant, own), damped_share(plant, own)
     given = own.get("driven_share", 0.0) if plant.friction == "drive" else _states.ALL_FORCES

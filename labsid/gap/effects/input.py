@@ -11,7 +11,7 @@ from labsid.gap.dynamics.plant_form import Parameter
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.effects import curves
 from labsid.gap.effects.base import REST_SAMPLES, Fitted, InputEffect, Planted, Value
-from labsid.gap.effects.context import Context
+from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.limits import Limits
 from labsid.gap.effects.sketch import Seen, Sketch, after_a_step, bent, clipped, same, step
@@ -408,7 +408,8 @@ class RateLimit(InputEffect):
 
     With "switched" the actuator's initial position differs from the first command. "timed" preserves the first moment
     of the signal within each sample in addition to its mean, by moving half of the moment to each of the neighbouring
-    samples. That is inaccurate for dynamics that follow their input within a sample.
+    samples. That is inaccurate for dynamics that follow their input within a sample. "uneven" has another rate towards
+    smaller values, as valves with a spring and motors that coast.
     """
 
     name = "input-rate-limit"
@@ -416,6 +417,7 @@ class RateLimit(InputEffect):
         path="input",
         noun="a rate limit of the actuator",
         clauses=(
+            "The actuator moves up no faster than {rate}, and down no faster than {rate_down}",
             "The actuator moves no faster than {rate}",
             "The actuator moves more slowly than the command",
         ),
@@ -424,7 +426,7 @@ class RateLimit(InputEffect):
             "in the drive's software."
         ),
         excited_by="Steps of different sizes: the larger ones are slower.",
-        parameters={"rate": Reported("largest rate", "u/s")},
+        parameters={"rate": Reported("largest rate", "u/s"), "rate_down": Reported("largest rate downwards", "u/s")},
         confused_with=("extra-lag", "input-saturation"),
         sketch=Sketch(
             "Time after a step over the range of the command (s)",
@@ -440,15 +442,29 @@ class RateLimit(InputEffect):
     position = 2
     variant_positions: ClassVar[dict[str, int]] = {"behind": 6}
     further: ClassVar[dict[str, tuple[str, ...]]] = {"": ("switched", "timed")}
+    richer: ClassVar[dict[str, tuple[str, ...]]] = {"": ("uneven", "uneven-timed")}
     places = ("", "behind")
     planted_variants = ("",)
     whole = "time"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Logarithm of the rate in scaled input per sample, and for "switched" the initial offset."""
+        """Logarithm of the rate in scaled input per sample, or of both; for "switched" the initial offset."""
         own = (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
+        own += (Parameter("log_rate_down", -9.0, 3.0, leap=0.1),) if self.uneven else ()
         return (*own, INITIAL_OFFSET) if self.variant == "switched" else own
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the rate downwards is another one."""
+        return self.variant in ("uneven", "uneven-timed")
+
+    def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
+        """Begin with equal rates."""
+        known = any(parameter.name == "log_rate_down" for parameter in fit.hypothesis.parameters)
+        if self.uneven and not known:
+            first = hypothesis.slices[self.key].start
+            theta[first + 1] = theta[first]
 
     def starts(self, context: Context) -> list[FloatArray]:
         """Rates as shares of the largest input step."""
@@ -457,16 +473,25 @@ class RateLimit(InputEffect):
 
     def apply(self, w: FloatArray, own: FloatArray, span: int) -> FloatArray:
         """Limit the slew rate."""
-        mean, moment = _kernels.rate_limit(w, float(np.exp(own[0])), float(w[0] + own[1:].sum()))
-        if self.variant == "timed":
+        up, down = self._rates(own)
+        start = float(w[0] + own[1]) if self.variant == "switched" else float(w[0])
+        mean, moment = _kernels.rate_limit(w, up, down, start)
+        if self.variant in ("timed", "uneven-timed"):
             mean[1:] += 0.5 * moment[:-1]
             mean[:-1] -= 0.5 * moment[1:]
         return np.asarray(mean)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`rate` in units of the input per second."""
-        rate = float(np.exp(fit.theta_of(self)[0])) * fit.data.u_scale.unit / fit.data.Ts
-        return {"rate": Value(rate, "u/s")}
+        """`rate` in units of the input per second, upwards if `rate_down` is another one."""
+        unit = fit.data.u_scale.unit / fit.data.Ts
+        names = ("rate", "rate_down") if self.uneven else ("rate",)
+        return {
+            name: Value(rate * unit, "u/s") for name, rate in zip(names, self._rates(fit.theta_of(self)), strict=False)
+        }
+
+    def _rates(self, own: FloatArray) -> tuple[float, float]:
+        """Largest rates upwards and downwards, in scaled input per sample."""
+        return float(np.exp(own[0])), float(np.exp(own[1 if self.uneven else 0]))
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A rate at which the largest step of the input takes up to the slowest time constant."""

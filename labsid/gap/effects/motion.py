@@ -19,7 +19,10 @@ AT_STOP = 1e-9  # scaled distance; numerics
 
 
 class EndStop(PlantEffect):
-    """A mechanical stop; `variant` low, high or both, and "-unsprung" for a mass without a spring."""
+    """A mechanical stop; `variant` low, high or both, "-rebound" if the mass keeps a share of its speed there.
+
+    "-unsprung" is for a mass without a spring.
+    """
 
     name = "end-stop"
     description = Description(
@@ -32,13 +35,15 @@ class EndStop(PlantEffect):
             "The motion runs against a stop",
         ),
         meaning=(
-            "A moving part hits a mechanical stop, loses its speed there, and moves back as soon as the force turns. "
+            "A moving part hits a mechanical stop, loses all or most of its speed there, and moves back as soon as the "
+            "force turns. "
             "Look for the ends of slides, cylinders and valve stems, and for cables that are too short."
         ),
         excited_by="Motion against the stop, with time for the force to turn and lead away from it.",
         parameters={
             "low": Reported("lower stop", "y", position=True),
             "high": Reported("upper stop", "y", position=True),
+            "rebound": Reported("speed after a hit over that before", "1"),
         },
         confused_with=("output-saturation", "overflow", "cubic-stiffness"),
         stops=True,
@@ -60,7 +65,9 @@ class EndStop(PlantEffect):
     absent: ClassVar[Mapping[str, float]] = {"stop_low": -50.0, "stop_high": 50.0}
     variants = tuple(side + spring for side in ("high", "low", "both") for spring in ("", "-unsprung"))
     richer: ClassVar[dict[str, tuple[str, ...]]] = {
-        side + spring: ("both" + spring,) for side in ("low", "high") for spring in ("", "-unsprung")
+        side + spring: (*(() if side == "both" else ("both" + spring,)), side + "-rebound" + spring)
+        for side in ("low", "high", "both")
+        for spring in ("", "-unsprung")
     }
 
     @property
@@ -68,6 +75,11 @@ class EndStop(PlantEffect):
         """The sides with a stop."""
         side = self.variant.partition("-")[0]
         return ("low", "high") if side == "both" else (side,)
+
+    @property
+    def _outwards(self) -> tuple[tuple[str, float], ...]:
+        """The sides, each with the sign of a speed towards its stop."""
+        return tuple((side, 1.0 if side == "high" else -1.0) for side in self.sides)
 
     @property
     def unsprung(self) -> bool:
@@ -80,7 +92,10 @@ class EndStop(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """A mass with stops."""
-        return plant.modified(kind="mechanics", stops=self.sides, unsprung=plant.unsprung or self.unsprung)
+        rebound = "-rebound" in self.variant
+        return plant.modified(
+            kind="mechanics", stops=self.sides, rebound=rebound, unsprung=plant.unsprung or self.unsprung
+        )
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Stops at the ends of the output, and 8 and 25 % of its range within them."""
@@ -108,21 +123,26 @@ class EndStop(PlantEffect):
             theta[at] = np.quantile(position, 1.0 - RARE if missing == "high" else RARE)
 
     def active_samples(self, fit: Fitted) -> np.ndarray:
-        """The samples at which the mass is at a stop."""
-        position = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator)[:, 0]
-        return np.any([np.abs(position - fit.value(f"stop_{side}")) < AT_STOP for side in self.sides], axis=0)
+        """The samples at which the mass is at a stop, or with a rebound reaches it within the sample."""
+        position, speed = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator).T
+        ways = [outwards * (fit.value(f"stop_{side}") - position) for side, outwards in self._outwards]
+        if not fit.hypothesis.plant.rebound:
+            return np.any([np.abs(way) < AT_STOP for way in ways], axis=0)
+        steps = [outwards * speed + AT_STOP for _, outwards in self._outwards]
+        return np.any([way < step for way, step in zip(ways, steps, strict=True)], axis=0)
 
     def is_plausible(self, fit: Fitted) -> bool:
         """Require that the mass reaches a stop."""
         return bool(self.active_samples(fit).sum() >= MIN_STOPPED)
 
     def values(self, fit: Fitted) -> dict[str, Value]:
-        """`low` and `high` as outputs."""
+        """`low` and `high` as outputs, and `rebound` where a share of the speed is kept."""
         gain, offset = (float(x) for x in fit.gains[:2])
         ends = [fit.y(gain * fit.value(f"stop_{side}") + offset) for side in self.sides]
         turned = gain < 0.0
         names = [{"low": "high", "high": "low"}[side] if turned else side for side in self.sides]
-        return {name: Value(end, "y") for name, end in sorted(zip(names, ends, strict=True), reverse=True)}
+        found = {name: Value(end, "y") for name, end in sorted(zip(names, ends, strict=True), reverse=True)}
+        return found | ({"rebound": Value(fit.value("rebound"), "1")} if fit.hypothesis.plant.rebound else {})
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A stop within the range of the motion by a share of it."""
@@ -130,7 +150,7 @@ class EndStop(PlantEffect):
         low, high = float(position.min()), float(position.max())
         ends = {"low": low + share * (high - low), "high": high - share * (high - low)}
         (side,) = self.sides
-        (name,) = self.values(fit)
+        name = next(iter(self.values(fit)))
         return [Planted(name, {f"stop_{side}": ends[side]})]
 
 

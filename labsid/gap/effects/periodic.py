@@ -18,6 +18,7 @@ SINUSOID_STEP = 0.1  # amplitude for the numerical derivative by a sinusoid with
 PLANTED_CORNERS = 1.0, 0.3, 0.1, 3.0, 10.0
 """Frequencies whose visibility is asked for, over that of the slowest pole; set by hand."""
 SLOWEST_PLANTED = 3.0  # cycles in the record of such a sinusoid; set by hand
+LEAST_LINE = 0.1  # share of the power of the change of the output at the frequency of the sinusoid; set by hand
 MAX_SINUSOID = 3.0  # largest start value of its amplitude; numerics
 
 
@@ -118,6 +119,11 @@ class InnerPeriodic(_Sinusoid, PlantEffect):
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """The highest narrow peaks in the spectrum of the residual."""
         return [{"cycles": at} for at in residual_cycles(context)]
+
+    def is_plausible(self, fit: Fitted) -> bool:
+        """Require that the output oscillates: a fast and strong shaking may act as another law of the dynamics."""
+        change = fit.change_by("shake_cos", "shake_sin")
+        return bool(0.5 * self._amplitude(fit) ** 2 >= LEAST_LINE * np.var(change))
 
     def _amplitude(self, fit: Fitted) -> float:
         """Of its component in the change of the output."""

@@ -57,7 +57,9 @@ def test_rate_limit_by_hand() -> None:
     w = np.array([0.0, 1.0, 1.0, 1.0, 1.0, -1.0])
     # 0.8 to 1 within the first half of sample 3, then at rest: its mean is 0.95, its first moment 1/60.
     means, late = np.array([0.0, 0.2, 0.6, 0.95, 1.0, 0.8]), np.array([0.0, 1 / 30, 1 / 30, 1 / 60, 0.0, -1 / 30])
-    np.testing.assert_allclose(_kernels.rate_limit(w, 0.4, 0.0), (means, late), atol=1e-15)
+    np.testing.assert_allclose(_kernels.rate_limit(w, 0.4, 0.4, 0.0), (means, late), atol=1e-15)
+    uneven = _kernels.rate_limit(w, 0.4, 1.0, 0.0)
+    np.testing.assert_allclose(uneven, ([*means[:5], 0.5], [*late[:5], -1 / 12]), atol=1e-15)
 
 
 @pytest.mark.parametrize("rate", [0.05, 0.13, 0.6])
@@ -70,7 +72,7 @@ def test_timed_values_act_on_dynamics_as_the_slewing_actuator_does(w: FloatArray
             now += float(np.clip(value - now, -rate / fine, rate / fine))
     samples = np.reshape(path, (-1, fine))
     means, moments = samples.mean(axis=1), samples @ (np.arange(0.5, fine) / fine - 0.5) / fine
-    found = _kernels.rate_limit(w, rate, float(w[0]))
+    found = _kernels.rate_limit(w, rate, rate, float(w[0]))
     np.testing.assert_allclose(found, (means, moments), atol=2e-3 * rate)
     A, B = np.array([[0.0, 1.0], [-0.3, -0.25]]), np.array([[0.0], [0.3]])
     _, exact, _ = lsim((A, B, np.eye(2)[:1], [[0.0]]), path, np.arange(len(path)) / fine, X0=[w[0], 0.0], interp=False)

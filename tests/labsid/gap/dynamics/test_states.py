@@ -216,6 +216,38 @@ def test_mechanics_with_friction_slips_turns_and_sticks(w: FloatArray) -> None:
     assert np.all(np.diff(fine)[stuck][1:] < 1e-3 * scale)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.7])
+def test_a_mass_rebounds_from_a_stop_and_comes_to_rest_there(w: FloatArray, share: float) -> None:
+    c, k, stop = 0.3, 0.2, 0.8
+    x, expected, hits = np.array([0.4, 0.2]), [], 0
+
+    def hit(t: float, x: FloatArray, value: float) -> float:
+        return float(x[0] - stop)
+
+    hit.terminal, hit.direction = True, 1.0
+    for value in w:
+        expected.append(x[0])
+        t = 0.0
+        while t < 1.0:
+            if x[0] >= stop and abs(x[1]) < 1e-3 and value > k * stop:
+                x = np.array([stop, 0.0])  # it is pressed against the stop
+                break
+            flow = lambda t, x, value: [x[1], value - c * x[1] - k * x[0]]  # noqa: E731
+            solved = solve_ivp(flow, (t, 1.0), x, args=(value,), events=hit, rtol=1e-9, atol=1e-12)
+            x, t = solved.y[:, -1].copy(), float(solved.t[-1])
+            if solved.status == 1:
+                x, hits = np.array([stop, -share * x[1]]), hits + 1
+    coarse, fine = (
+        _states.simulate_mass(
+            w, c, k, 0.0, 0.0, 0.4, 0.2, n, 0.0, None, None, None, _states.SHARP, 0.0, (-np.inf, stop, share)
+        )
+        for n in (6, 96)
+    )
+    assert hits >= 3
+    assert np.abs(coarse[:, 0] - expected).max() < 0.1 * np.std(expected)
+    assert np.abs(fine[:, 0] - expected).max() < 0.01 * np.std(expected)
+
+
 def test_a_mass_that_sticks_does_not_creep() -> None:
     motion = _states.simulate_mass(np.full(50, 0.2), 0.3, 0.2, 0.25, 0.0, 0.0, 0.0, 4)
     np.testing.assert_array_equal(motion, 0.0)

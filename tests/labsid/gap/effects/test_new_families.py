@@ -53,8 +53,8 @@ def pushed(t: float, x: FloatArray, value: float) -> list[float]:
     return [x[1], STIFFNESS * (value - x[0]) - DAMPING * x[1]]
 
 
-def stopped(u: FloatArray, low: float, high: float, fine: int = 400) -> FloatArray:
-    """The mass between two stops, by Euler's method with 400 steps a sample."""
+def stopped(u: FloatArray, low: float, high: float, share: float = 0.0, fine: int = 400) -> FloatArray:
+    """The mass between two stops, where it keeps a share of its speed, by Euler's method with 400 steps a sample."""
     x, v, found = 0.0, 0.0, []
     for value in u.tolist():
         found.append(x)
@@ -62,7 +62,7 @@ def stopped(u: FloatArray, low: float, high: float, fine: int = 400) -> FloatArr
             v += (STIFFNESS * (value - x) - DAMPING * v) * TS / fine
             x += v * TS / fine
             if not low <= x <= high:
-                x, v = min(max(x, low), high), 0.0
+                x, v = min(max(x, low), high), -share * v
     return np.array(found)
 
 
@@ -82,6 +82,7 @@ def signals(u: FloatArray) -> dict[str, FloatArray]:
 
     return {
         "end-stop": stopped(u, -0.5, 0.45),
+        "end-stop with a rebound": stopped(u, -2.0, 0.45, 0.4),
         "quadratic-drag": states(u, [0.0, 0.0], dragged)[:, 0],
         "slow-mode": mass + 0.4 * lfilter(b.ravel(), a, u),
         "output-backlash": np.array(held),
@@ -92,6 +93,7 @@ def signals(u: FloatArray) -> dict[str, FloatArray]:
     ("name", "parameters"),
     [
         ("end-stop", {"low": -0.5, "high": 0.45}),
+        ("end-stop with a rebound", {"high": 0.45, "rebound": 0.4}),
         ("quadratic-drag", {"drag": 1.5 / STIFFNESS}),
         ("slow-mode", {"tau": 6.0, "share": 0.4 / 1.4}),
         ("output-backlash", {"width": 0.3}),
@@ -104,7 +106,8 @@ def test_each_is_named_with_its_parameters_and_its_export_plays(
     record = Record(TS * np.arange(u.size), u, y + 0.004 * np.random.default_rng(1).standard_normal(u.size), TS)
     found = diagnose(record)
     (effect,) = found.report["effects"]
-    assert (found.report["verdict"], effect["name"]) == ("effect", name)
+    assert (found.report["verdict"], effect["name"]) == ("effect", name.partition(" ")[0])
+    assert effect["parameters"].keys() == parameters.keys()
     for parameter, expected in parameters.items():
         assert effect["parameters"][parameter]["value"] == pytest.approx(expected, rel=0.1)
     assert found.report["gap"]["closed"] > 0.9
@@ -115,7 +118,7 @@ def test_each_is_named_with_its_parameters_and_its_export_plays(
 def test_a_mass_between_stops(u: FloatArray) -> None:
     scale = TS * TS
     found = _states.simulate_mass(
-        STIFFNESS * scale * u, DAMPING * TS, STIFFNESS * scale, 0.0, 0.0, 0.0, 0.0, 12, stops=(-0.5, 0.45)
+        STIFFNESS * scale * u, DAMPING * TS, STIFFNESS * scale, 0.0, 0.0, 0.0, 0.0, 12, stops=(-0.5, 0.45, 0.0)
     )
     expected = stopped(u, -0.5, 0.45)
     np.testing.assert_allclose(found[:, 0], expected, atol=0.01)

@@ -71,7 +71,7 @@ def test_actuator_effects_are_tried_in_either_order_beside_another_one() -> None
 GENERAL: dict[Effect, tuple[Effect, ...]] = {
     input.Delay(): (input.Delay("switched"), input.Delay("no-zero switched")),
     input.Delay("no-zero"): (input.Delay("no-zero switched"),),
-    input.RateLimit(): (input.RateLimit("switched"), input.RateLimit("timed")),
+    input.RateLimit(): tuple(map(input.RateLimit, ("switched", "timed", "uneven", "uneven-timed"))),
     input.Nonlinearity(): (input.Nonlinearity("rich"),),
     output.Nonlinearity(): (output.Nonlinearity("rich"),),
 }
@@ -611,6 +611,38 @@ def test_an_overflow_over_a_weir_is_no_friction() -> None:
     frictions = tuple(dynamics.CoulombFriction(place) for place in ("speed", "speed-lag"))
     friction = best_fit(data, trial_fits(data, base, frictions, base))
     assert friction is None or min(one.bic for one in plausible_forms(data, friction)) > fit.bic + 30.0
+
+
+@pytest.mark.parametrize("down", [1.5, 0.9])
+def test_an_actuator_may_be_faster_in_one_direction(down: float) -> None:
+    """A valve with a spring closes faster than it opens; with equal rates the plain form is kept."""
+    u = np.repeat(np.random.default_rng(7).uniform(0.0, 40.0, 24), 25)
+    fine, now, y, level = 20, u[0], np.empty(u.size), 0.0
+    for k in range(u.size):
+        y[k] = level
+        for _ in range(fine):
+            now += float(np.clip(u[k] - now, -down / fine, 0.9 / fine))
+            level += 0.1 * (now - level) / fine
+    data, fit = best_with(u, y, (input.RateLimit(),))
+    found = values_of(data, fit)
+    assert found["rate"] == pytest.approx(9.0, rel=0.03)
+    assert (found["rate_down"] == pytest.approx(15.0, rel=0.03)) if down == 1.5 else ("rate_down" not in found)
+
+
+def test_a_shaking_that_acts_as_another_law_is_no_oscillation(levels: FloatArray) -> None:
+    """Near half the sampling rate, strong, and hardly seen in the output, whose mean it changes."""
+    u = 1.5 * levels
+    data = scaled(u, u, np.ones(u.size, bool), 0.1)
+    friction = Hypothesis((dynamics.CoulombFriction("position"),))
+    for cycles, strength, seen in ((0.48 * u.size, 9.0, False), (6.0, 0.5, True)):
+        shaken = friction.plus(INNER_PERIODIC)
+        theta = np.array([parameter.start for parameter in shaken.parameters])
+        own = {"log_c": -0.5, "log_k": -2.5, "friction": 0.5, "cycles": cycles, "shake_cos": strength}
+        at = shaken.slices["plant"].start
+        for name, value in own.items():
+            theta[at + shaken.plant.index(name)] = value
+        fitted = Fitted(shaken, theta, np.array([1.0, 0.0]), data)
+        assert shaken.effects[-1].is_plausible(fitted) == seen
 
 
 def test_smooth_friction_reaches_its_level_in_either_direction(levels: FloatArray) -> None:
