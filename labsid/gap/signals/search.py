@@ -202,7 +202,8 @@ def explain_outputs(signals: Signals, order: int = 2, progress: Progress | None 
         _likeliest(signals, j, own, order, search) for j, (own, search) in enumerate(zip(parts, plain, strict=True))
     ]
     if not may_be_coupled(signals, parts) or all(residual_is_white(*search.fitted) for search in apart):
-        return [_deepened(output) for output in _explained(signals, parts, order, progress, apart)]
+        found = [_deepened(output) for output in _explained(signals, parts, order, progress, apart)]
+        return _own_poles(signals, found) if any(own.moves.sum() > 1 for own in parts) else found
     starts = coupled_starts(signals, parts, order, [search.fitted[1] for search in plain])
     coupled = [_linear(signals, j, parts[j], order, "coupled", start) for j, start in enumerate(starts)]
     better = bool(coupled) and _total(coupled) < _total(apart) - BIC_MARGIN
@@ -431,8 +432,10 @@ def _extended(search: OutputSearch, chain: tuple[Through, ...]) -> tuple[Through
     while not chain[-1].white and len(chain) < len(search.seen) and chain[-1].found is not None:
         others = (*chain[-1].others, chain[-1].found)
         taken = [one.role.main for one in others]
-        following = [search.through(i, others, 1) for i in search.seen if i not in taken]
-        best = min(following, key=_score)
+        following = [
+            search.through(i, others, 1) for i in search.seen if i not in taken and _depends(search, chain[-1], i)
+        ]
+        best = min(following, key=_score, default=chain[-1])
         if best.score > chain[-1].score - BIC_MARGIN or best.found is None:
             break
         chain = _in_turn(search, (*chain, best))
@@ -444,10 +447,13 @@ def _score(through: Through) -> float:
 
 
 def _screened(search: OutputSearch) -> list[Through]:
-    """The output through each input that may have an effect, with at most one of them; the strongest input first."""
+    """The output through each input that may have an effect, with at most one of them; the strongest input first.
+
+    An effect at a further input leaves a residual that depends on it.
+    """
     found: list[Through] = []
     for main in search.seen:
-        if found and found[0].white and not _depends(search, found[0], main):
+        if found and not _depends(search, min(found, key=_score), main):
             continue
         found.append(search.through(main, (), 1))
         if found[-1].white and len(found[-1].explanation.path) > 1:
