@@ -97,6 +97,7 @@ def build_report(
             "ci95": None if score.ci95 is None else list(score.ci95),
             "holdout": _stretches(holdout or record, up_to_next(score.scored)),
         },
+        "product": decision.product,
         "noise": {
             "sd": float(np.sqrt(np.mean((explanation.data.y - explanation.best.output)[explanation.data.rows] ** 2)))
             * unit,

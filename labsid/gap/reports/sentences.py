@@ -36,6 +36,14 @@ NOVELTIES = {
     "direct": "its response within the sample",
     "unstable": "its unstable dynamics",
 }  # by the names of `novelty.RANGES`
+PRODUCT = (
+    "A gain that changes with the output, a product of input and output, explains the record as well or better with "
+    "fewer numbers: no effect of the list is that."
+)
+LOOK_FOR_PRODUCT = (
+    "Apply equal small steps about several levels of the output: do the gain and the time constant change with the "
+    "level? Look for an input that multiplies a state, as a flow does a temperature, or a field current a speed."
+)
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 DEPENDENT = 1e-3  # p-value below which a record without a named cause is said to have a gap
@@ -200,6 +208,8 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
 
     if report["verdict"] not in ("partial", "unknown"):
         return None
+    if report.get("product"):
+        return PRODUCT
     kind, partial = main_kind(report), report["verdict"] == "partial"
     closed = report["unexplained"]["share"] < SHOWN_SHARE
     closed = closed and report["gap"]["noise_floor"] < CLEARLY_MORE * 0.5 * noise_band(report)[0]
@@ -443,6 +453,8 @@ def look_sentence(report: dict[str, Any]) -> str | None:
             "Find out in what the rig, its load or its wiring differed between the record and the holdout. Diagnose "
             "the holdout by itself, and both as runs of one rig."
         )
+    if report.get("product"):
+        return LOOK_FOR_PRODUCT
     kind = main_kind(report)
     return None if kind is None or report["verdict"] in ("none", "effect") else REMAINING_ERRORS[kind].look
 

@@ -29,6 +29,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.search.forms import transfer_theta
 from labsid.gap.verdict.held_out_errors import Reduction
 from labsid.gap.verdict.held_out_search import HeldOutSearch, Step
+from labsid.gap.verdict.products import is_rather_a_product
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact; set by hand
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous; set by hand
@@ -132,6 +133,8 @@ class Decision:
         Probability of every combination tried with as many effects; the remainder is for other causes.
     closed : float
         Share of the gap closed on the fitted samples.
+    product : bool
+        Whether a product of input and output explains as much with fewer numbers.
     """
 
     verdict: str
@@ -140,6 +143,7 @@ class Decision:
     ambiguous: tuple[str, ...]
     weights: dict[tuple[str, ...], float]
     closed: float
+    product: bool = False
 
 
 def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, confidence: float) -> Decision:
@@ -232,6 +236,11 @@ def limit_claims(
         (
             "It adds hardly anything to the other effects, whose laws are approximations.",
             lambda one: without_small_additions(one, explanation),
+        ),
+        (
+            "A product of input and output explains as much with fewer numbers, or more: the gain of the rig, or its "
+            "speed, may change with its output.",
+            lambda one: without_imitated_product(one, explanation),
         ),
         (
             "On held-out samples it may explain nothing.",
@@ -357,6 +366,13 @@ def without_small_additions(decision: Decision, explanation: Explanation) -> Dec
         added = min((mean_square(data, fit) for fit in without), default=np.inf) - left
         small |= {name} if added < MIN_PART**2 * gap else set()
     return _less_likely_than_not(decision, small) if small else decision
+
+
+def without_imitated_product(decision: Decision, explanation: Explanation) -> Decision:
+    """The decision with no smooth law more likely than not, where these imitate a product of input and output."""
+    if decision.verdict != "effect" or not is_rather_a_product(explanation):
+        return decision
+    return replace(_less_likely_than_not(decision, set(decision.names)), verdict="partial", product=True)
 
 
 def without_doubtful_parts(decision: Decision, closed: tuple[float, float] | None) -> Decision:
