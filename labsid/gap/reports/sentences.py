@@ -36,14 +36,20 @@ NOVELTIES = {
     "direct": "its response within the sample",
     "unstable": "its unstable dynamics",
 }  # by the names of `novelty.RANGES`
-PRODUCT = (
-    "A gain that changes with the output, a product of input and output, explains the record as well or better with "
-    "fewer numbers: no effect of the list is that."
-)
-LOOK_FOR_PRODUCT = (
-    "Apply equal small steps about several levels of the output: do the gain and the time constant change with the "
-    "level? Look for an input that multiplies a state, as a flow does a temperature, or a field current a speed."
-)
+PRODUCTS = {
+    "output": (
+        "A gain that changes with the output, a product of input and output, explains the record as well or better "
+        "with fewer numbers: no effect of the list is that.",
+        "Apply equal small steps about several levels of the output: do the gain and the time constant change with the "
+        "level? Look for an input that multiplies a state, as a flow does a temperature, or a field current a speed.",
+    ),
+    "wave": (
+        "A gain that oscillates explains the record as well or better with fewer numbers: no effect of the list is "
+        "that.",
+        "Apply constant commands of several sizes: does the oscillation grow with the command? Look for what turns or "
+        "ripples and scales the command: a supply voltage, an eccentric wheel, a shaft that is not straight.",
+    ),
+}  # what explains a record in place of effects, and how to find it on the rig
 SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 DEPENDENT = 1e-3  # p-value below which a record without a named cause is said to have a gap
@@ -209,7 +215,7 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
     if report["verdict"] not in ("partial", "unknown"):
         return None
     if report.get("product"):
-        return PRODUCT
+        return PRODUCTS[report["product"]][0]
     kind, partial = main_kind(report), report["verdict"] == "partial"
     closed = report["unexplained"]["share"] < SHOWN_SHARE
     closed = closed and report["gap"]["noise_floor"] < CLEARLY_MORE * 0.5 * noise_band(report)[0]
@@ -454,7 +460,7 @@ def look_sentence(report: dict[str, Any]) -> str | None:
             "the holdout by itself, and both as runs of one rig."
         )
     if report.get("product"):
-        return LOOK_FOR_PRODUCT
+        return PRODUCTS[report["product"]][1]
     kind = main_kind(report)
     return None if kind is None or report["verdict"] in ("none", "effect") else REMAINING_ERRORS[kind].look
 

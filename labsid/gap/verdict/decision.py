@@ -29,7 +29,7 @@ from labsid.gap.search.explanation import Explanation
 from labsid.gap.search.forms import transfer_theta
 from labsid.gap.verdict.held_out_errors import Reduction
 from labsid.gap.verdict.held_out_search import HeldOutSearch, Step
-from labsid.gap.verdict.products import is_rather_a_product
+from labsid.gap.verdict.products import product_instead
 
 TEMPERATURE = 4.0  # divides BIC differences: models are never exact; set by hand
 MIN_RIVAL_PROBABILITY = 0.03  # of an alternative to be reported as ambiguous; set by hand
@@ -133,8 +133,8 @@ class Decision:
         Probability of every combination tried with as many effects; the remainder is for other causes.
     closed : float
         Share of the gap closed on the fitted samples.
-    product : bool
-        Whether a product of input and output explains as much with fewer numbers.
+    product : str
+        By what the input is rather multiplied, "output" or "wave", which explains as much with fewer numbers.
     """
 
     verdict: str
@@ -143,7 +143,7 @@ class Decision:
     ambiguous: tuple[str, ...]
     weights: dict[tuple[str, ...], float]
     closed: float
-    product: bool = False
+    product: str = ""
 
 
 def decide(explanation: Explanation, left: ResidualMeasures, given: Fit | None, confidence: float) -> Decision:
@@ -238,8 +238,7 @@ def limit_claims(
             lambda one: without_small_additions(one, explanation),
         ),
         (
-            "A product of input and output explains as much with fewer numbers, or more: the gain of the rig, or its "
-            "speed, may change with its output.",
+            "A gain that changes with the output or oscillates explains as much with fewer numbers, or more.",
             lambda one: without_imitated_product(one, explanation),
         ),
         (
@@ -369,10 +368,11 @@ def without_small_additions(decision: Decision, explanation: Explanation) -> Dec
 
 
 def without_imitated_product(decision: Decision, explanation: Explanation) -> Decision:
-    """The decision with no smooth law more likely than not, where these imitate a product of input and output."""
-    if decision.verdict != "effect" or not is_rather_a_product(explanation):
+    """The decision with no effect more likely than not, where these imitate a product with the input."""
+    product = product_instead(explanation) if decision.names else ""
+    if not product:
         return decision
-    return replace(_less_likely_than_not(decision, set(decision.names)), verdict="partial", product=True)
+    return replace(_less_likely_than_not(decision, set(decision.names)), verdict="partial", product=product)
 
 
 def without_doubtful_parts(decision: Decision, closed: tuple[float, float] | None) -> Decision:
