@@ -24,9 +24,9 @@ def print_table(table: Table, width: int | None = None, broken: bool = False) ->
     console = Console(highlight=False, markup=False)
     needed = console.measure(table, options=console.options.update(width=WIDEST))
     if console.is_terminal and (needed.minimum if broken else needed.maximum) > console.width:
-        titles, rows = [str(column.header) for column in table.columns], zip(*(one.cells for one in table.columns))
+        cells = [[str(cell) for cell in column.cells] for column in table.columns]
         _print_text(table.title, console.width)
-        print(paragraphs(titles, [[str(cell) for cell in row] for row in rows], console.width))
+        print(paragraphs([str(one.header) for one in table.columns], list(zip(*cells, strict=True)), console.width))
         _print_text(table.caption, console.width)
         return
     shown = console if console.is_terminal else Console(highlight=False, markup=False, width=width or needed.maximum)

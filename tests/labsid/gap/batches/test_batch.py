@@ -94,6 +94,7 @@ def test_every_record_gets_a_report(finished):
     assert not answers["b"]["simulation"]["given"]
     assert len(answers["a"]["gap"]["holdout"]) <= 1  # a record of its own, not blocks of this one
     assert len(answers["b"]["gap"]["holdout"]) > 1
+    assert answers["a"]["command"].startswith("labsid gap diagnose a.csv --sim a.sim.json --holdout a.holdout")
     assert answers["empty"]["verdict"] == answers["words"]["verdict"] == "error"
     assert "is empty" in answers["empty"]["message"]
     assert "\n" not in answers["words"]["message"]
