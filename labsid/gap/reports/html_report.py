@@ -78,7 +78,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
 
     names = {signal: name_of(report, signal) for signal in ("u", "y")}
     first = first_screen(report, report, sentences.headline(report), sentences.remaining_sentence(report))
-    return overview(report) | {
+    return overview(report, report) | {
         "first": first,
         "names": names if "names" in report else None,
         "noise": noise_band(report)[1],

@@ -8,7 +8,7 @@ from labsid._texts import joined
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.limits.smallest_sizes import Limits
 from labsid.gap.reports.effect_texts import noun
-from labsid.gap.reports.quantities import in_units, number
+from labsid.gap.reports.quantities import number, unit_in_words
 from labsid.gap.reports.sentences import capitalised, noun_without_article, uncapitalised
 
 SIGNALS = {"input": "u", "output": "y"}
@@ -141,7 +141,8 @@ def short_noun(name: str) -> str:
 
 def _sized(report: dict[str, Any], row: dict[str, Any]) -> str:
     """The smallest visible size with its unit, and as a share."""
-    unit = in_units(row["unit"], **report["units"]) if "units" in report else row["unit"]
+    is_known = "units" in report or "names" in report
+    unit = unit_in_words(row["unit"], report) if is_known else row["unit"]
     return _share(row, "detect") if unit == "1" else f"{number(row['detect'])} {unit} ({_share(row, 'detect')})"
 
 

@@ -4,8 +4,8 @@ import shlex
 
 import pytest
 
-from labsid.gap.batches.batch_files import command_of, find_records, find_runs, make_job, nouns
 from labsid.cli.commands import main
+from labsid.gap.batches.batch_files import command_of, find_records, find_runs, make_job, nouns
 from labsid.records.reading import Reading
 
 
