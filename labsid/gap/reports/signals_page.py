@@ -18,6 +18,7 @@ from labsid.gap.reports.page_parts import (
     simulation_sentence,
 )
 from labsid.gap.reports.quantities import counted
+from labsid.gap.reports.signals_details import detail_figures, output_details
 from labsid.gap.reports.signals_text import (
     ambiguity_sentence,
     coupling_sentence,
@@ -77,6 +78,9 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "look": sentences.look_sentence(report),
         "experiment": _experiment(report),
         "findings": finding_sentences(report),
+        "outputs": output_details(report),
+        "all_outputs": len(report["outputs"]),
+        "stabilised": report["gap"]["mode"] == "stabilised",
         "holdout": has_holdout(report),
     }
 
@@ -148,4 +152,4 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_planned_inputs
     drawn = in_both_widths(figures, with_titles(report)) | in_both_widths(of_worst, of_worst_output(report))
-    return in_base64(drawn | effect_pictures(report))
+    return in_base64(drawn | effect_pictures(report) | detail_figures(report))

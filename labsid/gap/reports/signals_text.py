@@ -83,13 +83,19 @@ def _gain(gap: dict[str, Any]) -> str:
 
 
 def of_worst_output(report: dict[str, Any]) -> dict[str, Any]:
-    """What is known of the output with the largest gap, as a report of one input and one output.
+    """What is known of the output with the largest gap; see `of_output`."""
+    return of_output(report, report["where"]["output"])
+
+
+def of_output(report: dict[str, Any], name: str) -> dict[str, Any]:
+    """What is known of an output, as a report of one input and one output.
 
     Its verdict and effects are those of all outputs.
     """
-    name = report["where"]["output"]
     own = report["outputs"][name]
     common = {"verdict": report["verdict"], "effects": [effect | {"closed": None} for effect in report["effects"]]}
+    limits = [row for row in report["limits"] if row.get("output") == name]
+    common |= {"record": report["record"], "limits": limits}
     return {"holdout_traces": None} | own | common | pair_of(report, own["main"], name)
 
 

@@ -110,4 +110,7 @@ def test_a_size_that_its_error_swallows_is_not_said():
 def test_a_name_outside_the_table_is_said_as_it_is():
     assert noun("gremlins") == "gremlins"
     assert clause(effect("gremlins")) == "The record shows gremlins"
-    assert parameter_value("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}, {}) == ("2.000", "furlong")
+    assert parameter_value("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}, {}) == (
+        "2.000",
+        "furlong",
+    )
