@@ -52,9 +52,12 @@ def detail_figures(report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
         view = of_output(report, name)
         residual, poles = find_residual_curves(view), drawn_dynamics(view)
         limits = titled_limits(view) if report["verdict"] in ("none", "unknown") else []
-        drawn = {f"residual {i}": (figure_residual, residual), f"poles {i}": (figure_poles, poles)}
-        drawn |= {f"limits {i}": (figure_limits, limits)} if limits else {}
-        figures = {key: figure for key, (figure, content) in drawn.items() if content is not None}
+        drawn = (
+            ("residual", figure_residual, residual),
+            ("poles", figure_poles, poles),
+            ("limits", figure_limits, limits),
+        )
+        figures = {f"{key} {i}": figure for key, figure, content in drawn if content}
         found |= in_both_widths(figures, view | {"residual": residual, "poles": poles, "limits": limits})
     pairs = paired_responses(report)
     for key, figure in (("step", figure_steps), ("frequency", figure_gains)):

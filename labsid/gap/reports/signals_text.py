@@ -68,9 +68,10 @@ def headline(report: dict[str, Any]) -> str:
     if not probable:
         added = "what was added to the simulation"
         return f"The cause of the gap is not known: {added} {explain}, but may only imitate it."
-    said = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
+    clauses = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
+    said = f"{sentences.acting(probable)}." if len(probable) > sentences.MOST_CLAUSES else " ".join(clauses)
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
-    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}."
+    return f"{said} {sentences.capitalised(subject)} {explain}."
 
 
 def _gain(gap: dict[str, Any]) -> str:
