@@ -143,8 +143,8 @@ def limits_sentence(report: dict[str, Any]) -> str | None:
     return (
         "The smallest size of each effect, alone in the fitted simulation, that is visible in nine of ten such "
         f"records, and the smallest that is told from every other effect. {last} Shares are of the range of the "
-        "input for effects at it, of the range of the output for those there, of the slowest time constant for times, and of the "
-        "gain."
+        "input for effects at it, of the range of the output for those there, of the slowest time constant for times, "
+        "and of the gain."
     )
 
 
