@@ -212,6 +212,11 @@ function withoutDrag(models) {
   }
 }
 
+// Nothing is folded on paper, also in browsers without `::details-content`.
+addEventListener("beforeprint", () => {
+  for (const part of document.querySelectorAll("details")) part.open = true;
+});
+
 // What a key does to the ends of the times that the panels show, in shares of their length.
 const MOVES = { ArrowLeft: [-0.1, -0.1], ArrowRight: [0.1, 0.1], "+": [0.1, -0.1], "=": [0.1, -0.1], "-": [-0.125, 0.125] };
 function pressed(event, times, own) {
