@@ -65,6 +65,12 @@ def check_writable(path: Path) -> None:
         raise PermissionError(errno.EACCES, "nothing can be written into this folder", str(folder))
 
 
+def as_argument(path: Path) -> str:
+    """A relative path as an argument of a command, which would take a name that begins with a dash for an option."""
+    text = path.as_posix()
+    return f"./{text}" if text.startswith("-") else text
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file with `write_file`, creating its folder if necessary.
 

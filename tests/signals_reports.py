@@ -4,9 +4,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from gap_reports import effect, report, with_holdout
+import numpy as np
+from gap_reports import effect, report, with_holdout, with_limits
+from scipy.signal import lfilter
 
 from labsid.gap.reports.quantities import with_units
+from labsid.gap.reports.traces import packed
 
 Named = tuple[str, str]  # a signal and its unit
 INPUTS: tuple[Named, ...] = (("valve", "V"), ("heater", "%"))
@@ -87,6 +90,38 @@ def _effect(
     found = effect(name, probability) | {"signal": signal, "outputs": [worst]}
     u, y = units.get(signal or main, ""), units.get(signal or worst, "")
     return with_units({"effects": [found]}, u, y)["effects"][0] if u and y else found
+
+
+def true_step(u: int, y: int, lag: np.ndarray) -> np.ndarray:
+    """Height of output `y` after so many samples with one unit more of input `u`, of `with_details`."""
+    gain, tau = (1.0 + u + 2.0 * y), 4.0 + 3.0 * u
+    return gain * (1.0 - np.exp(-lag / tau))
+
+
+def with_details(base: dict[str, Any], samples: int = 3000) -> dict[str, Any]:
+    """The same report with limits of each output, and all samples and poles of first-order lags from every input.
+
+    The inputs are alike in part. The simulation after leaves white noise, the one before has four fifths of the gains.
+    """
+    rng, outputs = np.random.default_rng(5), {}
+    common, *own = np.repeat(rng.standard_normal((3, samples // 10)), 10, axis=1)
+    inputs = {one["name"]: 40.0 + common + own[i % 2] for i, one in enumerate(base["signals"]["inputs"])}
+    for j, (name, one) in enumerate(base["outputs"].items()):
+        y = np.zeros(samples)
+        for i, u in enumerate(inputs.values()):
+            pole = np.exp(-1.0 / (4.0 + 3.0 * i))
+            y += lfilter([0.0, (1.0 + i + 2.0 * j) * (1.0 - pole)], [1.0, -pole], u - 40.0)
+        signals = {"y": y + 0.01 * rng.standard_normal(samples), "before": 0.8 * y, "after": y}
+        part = {"start": 0.0, "Ts": 0.5, "fitted": [[0, samples]], "scored": []}
+        part |= {"u": packed(inputs[one["main"]] - 40.0, "<f8")} | {key: packed(x) for key, x in signals.items()}
+        scale = {"centre": 0.0, "unit": 1.0}
+        root = {"value": [0.8, 0.0], "covariance": [[1e-4, 0.0], [0.0, 0.0]]}
+        dynamics = {key: {"poles": [root], "zeros": [], "linearised": False} for key in ("before", "after")}
+        replay = {"u_scale": scale | {"centre": 40.0}, "y_scale": scale, "record": part, "holdout": None}
+        outputs[name] = one | {"replay": replay, "dynamics": dynamics}
+    rows = [row | {"output": name} for name in outputs for row in with_limits({})["limits"]]
+    packed_inputs = {name: packed(u, "<f8") for name, u in inputs.items()}
+    return base | {"outputs": outputs, "limits": rows, "input_samples": packed_inputs}
 
 
 def with_planned_inputs(base: dict[str, Any]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +22,10 @@ from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 MAX_AXES = 6
 MAX_CURVES = 24
 MAX_POINTS = 1200
-_WIDTH, _HEIGHT = 640, 250
-_LEFT, _RIGHT, _TOP, _BOTTOM = 74, 12, 26, 42
-_ROW, _CHARACTER, _SWATCH = 18, 7, 30
+_WIDTH, _HEIGHT, _FONT = 440, 270, 14
+"""Pixels. A telephone shows the image on about 330 of them, with text of 8 pt."""
+_LEFT, _RIGHT, _TOP, _BOTTOM = 84, 12, 30, 50
+_ROW, _CHARACTER, _SWATCH = 20, 8, 30
 """Pixels: height of a line of the legend, width of a character, and what stands before a name."""
 _DASHES = {"--": "7 4", "-.": "8 3 2 3", ":": "2 4"}
 
@@ -49,7 +51,7 @@ def figure_svg(figure: FigureValue) -> str:
     views = [view_of(panel) for panel in axes]
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {sum(heights)}" width="{_WIDTH}" '
-        f'height="{sum(heights)}" font-family="system-ui, sans-serif" font-size="12" fill="#1d2733">',
+        f'height="{sum(heights)}" font-family="system-ui, sans-serif" font-size="{_FONT}" fill="#1d2733">',
         f"<desc>{html.escape(_seen(figure_words(axes, views)))}</desc>",
         f'<rect width="{_WIDTH}" height="{sum(heights)}" fill="#fff"/>',
     ]
@@ -114,7 +116,7 @@ def _panel(axes: AxesValue, view: View, index: int) -> Iterator[str]:
     for value in x.ticks():
         at = float(x.position(np.array([value]))[0])
         yield f'<path d="M{at:.1f} {_TOP}v{high}" stroke="{line}"/>'
-        yield _text(f"{value:.6g}", at, _HEIGHT - _BOTTOM + 15, "middle")
+        yield _text(f"{value:.6g}", at, _HEIGHT - _BOTTOM + 17, "middle")
     for value in y.ticks():
         at = float(y.position(np.array([value]))[0])
         yield f'<path d="M{_LEFT} {at:.1f}h{wide}" stroke="{line}"/>'
@@ -125,11 +127,14 @@ def _panel(axes: AxesValue, view: View, index: int) -> Iterator[str]:
         shown = view.shown(curve)
         yield f'<path stroke="{_colour(curve.color)}"{_look(curve)} d="{_path(shown, x, y)}"/>'
     yield "</g>"
-    yield _text(axes.title, _WIDTH / 2, 17, "middle", 70)
-    yield _text(axes.xlabel, _LEFT + wide / 2, _HEIGHT - 8, "middle", 70)
-    yield _text(axes.ylabel, 14, _TOP + high / 2, "middle", 34, turned=True)
-    for row, left in enumerate(view.left):
-        yield _text(left.text(axes), _LEFT + 8, _TOP + 16 + _ROW * row, "start", 80)
+    yield _text(axes.title, _WIDTH / 2, 20, "middle", _WIDTH // _CHARACTER)
+    yield _text(axes.xlabel, _LEFT + wide / 2, _HEIGHT - 10, "middle", wide // _CHARACTER)
+    yield _text(axes.ylabel, 16, _TOP + high / 2, "middle", _HEIGHT // _CHARACTER - 2, turned=True)
+    lines = [line for left in view.left for line in wrap(left.text(axes), wide // _CHARACTER - 2)]
+    yield '<g stroke="#fff" stroke-width="4" paint-order="stroke">'  # white around the letters, which cross curves
+    for row, line in enumerate(lines):
+        yield _text(line, _LEFT + 8, _TOP + 18 + _ROW * row, "start", wide // _CHARACTER)
+    yield "</g>"
 
 
 def _are_points(curve: CurveValue) -> bool:

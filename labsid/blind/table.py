@@ -93,15 +93,21 @@ def kind_cells(counts: KindCounts) -> tuple[str, ...]:
     return counts.kind, str(counts.count), *shown
 
 
-def kind_lines(kinds: Sequence[KindCounts]) -> list[str]:
-    """Lines of the outcomes of the row `honest` by kind, in columns.
+def print_kinds(kinds: Sequence[KindCounts]) -> None:
+    """Print the outcomes of the row `honest` by kind.
 
     Parameters
     ----------
     kinds : sequence of KindCounts
     """
-    rows, widths = [_KIND_COLUMNS, *map(kind_cells, kinds)], (27, 9, 16, 16, 16, 16)
-    return ["".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    from rich.table import Table
+
+    from labsid._tables import print_table
+
+    table = Table(*_KIND_COLUMNS, title="ordinary records, with 95 % intervals", box=None)
+    for kind in kinds:
+        table.add_row(*kind_cells(kind))
+    print_table(table)
 
 
 def print_scores(scores: Scores, title: str) -> None:
@@ -112,10 +118,10 @@ def print_scores(scores: Scores, title: str) -> None:
     scores : Scores
     title : str
     """
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console()
+    from labsid._tables import print_table
+
     table = Table("row", "true effect", "correct", "of", "other answers", title="answers")
     for row, labels in scores.confusion.items():
         for label, counts in sorted(labels.items()):
@@ -123,18 +129,18 @@ def print_scores(scores: Scores, title: str) -> None:
             right = counts.get(label, 0)
             table.add_row(row, label, str(right), str(sum(counts.values())), _answers("", others))
         table.add_section()
-    console.print(table)
+    print_table(table)
     table = Table("stated probability", "correct", "answers", title="calibration")
     for p, share, n in scores.calibration:
         table.add_row(f"{p:.2f}", f"{share:.2f}", str(n))
-    console.print(table)
+    print_table(table)
     if scores.kinds:
-        print("ordinary records, with 95 % intervals", *kind_lines(scores.kinds), sep="\n")
+        print_kinds(scores.kinds)
     table = Table("metric", "measured", "95 %", "records", "required", "target", "status", title=title)
     colours = {"target": "green", "required": "green", "missed": "red"}
     for metric in filter(lambda metric: metric.count, scores.metrics):
         table.add_row(*metric_cells(metric), style=colours.get(metric_status(metric)))
-    console.print(table)
+    print_table(table)
 
 
 def _answers(label: str, counts: dict[str, int]) -> str:

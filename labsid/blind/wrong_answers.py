@@ -21,7 +21,7 @@ from labsid.blind.right_answers import is_right
 from labsid.blind.rows import ROWS
 from labsid.blind.runner import diagnose_words, run_batch
 from labsid.blind.suite import diagnosis_hash, label_dict, make_cases, write_case
-from labsid.blind.table import kind_lines, metric_cells
+from labsid.blind.table import metric_cells, print_kinds
 from labsid.rig.ordinary.kinds import KINDS
 
 
@@ -116,7 +116,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             name, value, between, count, *_ = metric_cells(metric)
             print(f"{name.strip()}: {value} [{between}] of {count}")
     if honest:
-        print("\n".join(kind_lines(count_kinds(honest))))
+        print_kinds(count_kinds(honest))
 
 
 if __name__ == "__main__":

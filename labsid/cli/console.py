@@ -3,7 +3,6 @@
 import os
 import shlex
 import sys
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,16 +11,12 @@ import numpy as np
 from labsid._texts import wrapped
 
 if TYPE_CHECKING:  # slow imports, and a command needs only one of them
-    from rich.console import Console
-    from rich.table import Table
-
     from labsid._arrays import FloatArray
     from labsid.lab.findings import Finding
     from labsid.lab.identification import Identification
     from labsid.lab.record_check import RecordCheck
     from labsid.records.contents import ColumnSummary
 
-WIDEST = 1300  # characters of a table before it is compared with the terminal
 _BOLD, _NORMAL = "\033[1m", "\033[0m"
 _COLOURS = {"ok": "green", "note": "cyan", "warning": "yellow", "refused": "red"}
 
@@ -58,9 +53,9 @@ def print_findings(verdict: str, findings: "Sequence[Finding]") -> None:
 
 def print_contents(name: str, summaries: "Sequence[ColumnSummary]", command: str = "check") -> None:
     """Print a row for each column of a log, and the line to type with a command that reads one input and one output."""
-    from rich.console import Console
     from rich.table import Table
 
+    from labsid._tables import print_table
     from labsid.records.contents import options_of_several, suggested_options
 
     titles = ("column", "unit", "samples", "every", "from", "to", "missing", "looks like", "why")
@@ -81,39 +76,10 @@ def print_contents(name: str, summaries: "Sequence[ColumnSummary]", command: str
     table = Table(*titles, box=None)
     for row in rows:
         table.add_row(*row)
-    console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 160)
-    if is_too_wide(table, console):
-        print(paragraphs(titles, rows, console.width))
-    else:
-        with console.capture() as capture:
-            console.print(table)
-        print("\n".join(line.rstrip() for line in capture.get().splitlines()))
+    print_table(table)
     print(f"\nType: labsid {command} {shlex.join([name, *suggested_options(summaries)])}")
     several = options_of_several(summaries) if command == "check" else []
     print(f"or, with all signals: labsid check {shlex.join([name, *several])}\n" if several else "")
-
-
-def is_too_wide(table: "Table", console: "Console", broken: bool = False) -> bool:
-    """Whether a terminal is too narrow for a table of which no word is cut, and no cell `broken` into lines."""
-    needed = console.measure(table, options=console.options.update(width=WIDEST))
-    return console.is_terminal and (needed.minimum if broken else needed.maximum) > console.width
-
-
-def paragraphs(titles: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> str:
-    """A paragraph of at most `width` characters a line for each row, with the titles of its cells but the first."""
-    texts = []
-    for name, *cells in rows:
-        said = [f"{title} {cell}" for title, cell in zip(titles[1:], cells, strict=True) if cell not in ("", "–")]
-        texts.append(
-            textwrap.fill(
-                "; ".join(said).replace("\n", ", "),
-                width,
-                initial_indent=f"{name}: ",
-                subsequent_indent="  ",
-                break_on_hyphens=False,
-            )
-        )
-    return "\n".join(texts)
 
 
 def identification_text(identification: "Identification") -> str:

@@ -503,6 +503,8 @@ def _write_simulation(path: Path, diagnosed: "Diagnosis | SignalsDiagnosis") -> 
 
 def _command_line(context: typer.Context) -> str:
     """The command line that repeats this diagnosis: file names without folders, and --html as the only output."""
+    from labsid._files import as_argument
+
     words = ["labsid", "gap", "diagnose"]
     for parameter in context.command.params:
         name, value = str(parameter.name), context.params[str(parameter.name)]
@@ -511,7 +513,7 @@ def _command_line(context: typer.Context) -> str:
             continue
         for one in value if isinstance(value, list | tuple) else [value]:
             words += [] if parameter.param_type_name == "argument" else [parameter.opts[0]]
-            words.append(one.name if isinstance(one, Path) else str(one))
+            words.append(as_argument(Path(one.name)) if isinstance(one, Path) else str(one))
     return shlex.join([*words, "--html", "report.html"])
 
 

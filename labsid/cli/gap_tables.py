@@ -1,12 +1,11 @@
 """Tables of the command group ``labsid gap``."""
 
 from collections.abc import Sequence
-from textwrap import fill
+from typing import Literal
 
-from rich.console import Console
 from rich.table import Table
 
-from labsid.cli.console import WIDEST, is_too_wide, paragraphs
+from labsid._tables import print_table
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.quantities import number
 from labsid.gap.reports.sentences import noun_without_article
@@ -26,11 +25,7 @@ def print_effects() -> None:
     table = Table(*titles)
     for row in rows:
         table.add_row(*row)
-    console = Console()
-    if is_too_wide(table, console, broken=True):
-        print(paragraphs(titles, rows, console.width))
-        return
-    (console if console.is_terminal else Console(width=WIDTH)).print(table)
+    print_table(table, WIDTH, broken=True)
 
 
 def print_rigs(results: Sequence[RigResult]) -> None:
@@ -38,26 +33,19 @@ def print_rigs(results: Sequence[RigResult]) -> None:
 
     A terminal too narrow for the table gets a paragraph for each rig instead, so that no name is cut.
     """
-    table = Table(title="Errors (rms, free run) on the second record, in units of y", caption_justify="left")
-    titles = ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s")
-    for title in titles:
-        numeric = title in ("linear", "simple", "exported", "ratio", "s")
-        table.add_column(title, justify="right" if numeric else "left", no_wrap=True)
-    rows = [_cells(rig) for rig in results]
-    for row in rows:
-        table.add_row(*row[:6], "\n".join(fill(line, MESSAGE) for line in row[6].split("\n")), *row[7:])
     caption = (
         "linear: the model that the diagnosis starts from; simple: the better of least squares and first-order output "
         "error; exported: the simulation with the effects; left: path of the remaining error. ! misses its limit."
     )
-    console = Console()
-    if is_too_wide(table, console):
-        print(paragraphs(titles, rows, console.width))
-        print(fill(caption, console.width))
-        return
-    needed = console.measure(table, options=console.options.update(width=WIDEST)).maximum
-    table.caption = caption
-    (console if console.is_terminal else Console(width=max(WIDTH, needed))).print(table)
+    title = "Errors (rms, free run) on the second record, in units of y"
+    table = Table(title=title, caption=caption, caption_justify="left")
+    for name in ("rig", "linear", "simple", "exported", "ratio", "verdict", "effects (probability)", "left", "s"):
+        numeric, long = name in ("linear", "simple", "exported", "ratio", "s"), name.startswith("effects")
+        justify: Literal["left", "right"] = "right" if numeric else "left"
+        table.add_column(name, justify=justify, no_wrap=not long, max_width=MESSAGE if long else None)
+    for rig in results:
+        table.add_row(*_cells(rig))
+    print_table(table)
 
 
 def _cells(rig: RigResult) -> list[str]:

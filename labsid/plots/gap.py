@@ -19,7 +19,7 @@ from labsid.plots.gap_curves import (
 from labsid.plots.gap_details import figure_poles, figure_residual, figure_responses
 from labsid.plots.gap_records import figure_records
 from labsid.plots.page_figures import DPI_ON_PAPER, in_both_widths, page_figure, page_style, palette_png
-from labsid.plots.signal_names import as_text_lines, axis_label, name_beside, one_line, unit_of
+from labsid.plots.signal_names import as_text_lines, axis_label, name_beside, name_of, one_line, unit_of
 from labsid.plots.style import (
     BLACK,
     BLUE,
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from labsid.plots.page_figures import PageFigure
 
-WHOLES = {"u": "range of u", "y": "range of y", "time": "time constant", "gain": "gain"}
+WHOLES = {"u": "range of {u}", "y": "range of {y}", "time": "time constant", "gain": "gain"}
 LIMIT_MARKS = (
     ("detect", "Visible from here on", ORANGE, "o"),
     ("named", "Told from all others", BLUE, "s"),
@@ -297,7 +297,8 @@ def figure_limits(report: dict[str, Any], narrow: bool = False) -> Figure:
             marks.set(markerfacecolor=face, markeredgewidth=1.8)
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
-    labels = [f"{row.get('title', row['name'])} ({WHOLES[row['of']]})" for row in rows]
+    names = {signal: one_line(name_of(report, signal)) for signal in ("u", "y")}
+    labels = [f"{row.get('title', row['name'])} ({WHOLES[row['of']].format(**names)})" for row in rows]
     ax.set_yticks(at, [fill(text, 24) for text in labels] if narrow else labels)
     ax.invert_yaxis()
     finish(ax, "Smallest sizes that show", "Size (% of what is in brackets)", "", legend_columns=0)

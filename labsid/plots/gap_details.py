@@ -10,7 +10,7 @@ import numpy as np
 from labsid.plots.gap_curves import noise_band, simulation_curves
 from labsid.plots.page_figures import NARROW, page_figure
 from labsid.plots.root_plane import DrawnRoots, draw_roots, draw_zoom, has_zoom
-from labsid.plots.signal_names import as_text_lines, unit_of
+from labsid.plots.signal_names import as_text_lines, fitted, name_of, one_line, unit_of
 from labsid.plots.style import BLACK, BLUE, GREEN, GREY, SMALL_TEXT_SIZE, VERMILION, axis_of_gain, finish, new_figure
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ VISITS = 0.16  # of the height, for the histogram of the visits
 CELLS = 60  # of this histogram
 FEW_TICKS = 6  # most intervals between ticks: numbers of six digits do not touch
 LONGEST_LABEL = 36  # characters of a line of a label
+LONGEST_OF_PAIR = 14  # characters of a name above a panel of a pair
 
 
 def figure_effect(shown: dict[str, Any], narrow: bool = False) -> Figure:
@@ -93,7 +94,7 @@ def figure_residual(report: dict[str, Any], narrow: bool = False) -> Figure:
     panels = figure.subplots(3, 1) if narrow else figure.subplots(1, 3)
     for ax, correlation, title in (
         (panels[0], residual.autocorrelation, "Autocorrelation"),
-        (panels[1], residual.with_input, "Correlation with the input"),
+        (panels[1], residual.with_input, _with_name(report, "Correlation with the input")),
     ):
         ax.axhspan(-correlation.band, correlation.band, color=GREEN, alpha=0.2, linewidth=0)
         ax.vlines(correlation.lags, 0.0, correlation.values, color=BLUE, linewidth=2.0)
@@ -134,20 +135,85 @@ def figure_responses(report: dict[str, Any], narrow: bool = False) -> Figure:
     panels = list(np.ravel(figure.subplots(rows, 1) if narrow else figure.subplots(1, rows)))
     unit = as_text_lines([f"{unit_of(report)} / {unit_of(report, 'u')}"])
     if frequency is not None:
-        _draw_response(panels[0], report, frequency, np.abs, frequency.error * np.abs(frequency.measured))
-        axis_of_gain(panels[0])
+        _draw_gain(panels[0], report)
         finish(panels[0], "Gain", "Frequency (Hz)", unit, legend_columns=0)
         _draw_response(panels[1], report, frequency, _degrees, np.rad2deg(np.minimum(frequency.error, np.pi)))
         panels[1].set(xscale="log")
-        for ax in panels[:2]:
-            ax.xaxis.set_major_formatter("{x:g}")
-            ax.xaxis.set_minor_formatter("")
+        _plain_ticks(panels[1])
         finish(panels[1], "Phase", "Frequency (Hz)", "Degrees", legend_columns=0)
     if step is not None:
-        _draw_response(panels[-1], report, step, np.real, step.error)
+        _draw_step(panels[-1], report)
         finish(panels[-1], "Step response", "Time after the step (s)", unit, legend_columns=0)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=SMALL_TEXT_SIZE)
     return figure
+
+
+def figure_steps(shown: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the step response of each pair of an input and an output, with the 95 % error of the measured one.
+
+    Parameters
+    ----------
+    shown : dict
+        `pairs` are reports of one input and one output, each with `responses`.
+    narrow : bool
+        Whether to fit the width of a telephone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    return _figure_pairs(shown["pairs"], narrow, _draw_step, "Time after the step (s)")
+
+
+def figure_gains(shown: dict[str, Any], narrow: bool = False) -> Figure:
+    """Draw the gain over frequency of each pair; see `figure_steps`."""
+    return _figure_pairs(shown["pairs"], narrow, _draw_gain, "Frequency (Hz)")
+
+
+def _figure_pairs(
+    pairs: list[dict[str, Any]], narrow: bool, draw: Callable[[Axes, dict[str, Any]], None], across: str
+) -> Figure:
+    """A panel for each pair, those of one output in a row if they fit."""
+    inputs = len({pair["names"]["u"] for pair in pairs})
+    columns = min(inputs, 2 if narrow else 3)
+    rows = -(-len(pairs) // columns)
+    figure = page_figure(narrow, 0.7 + 2.1 * rows, 0.9 + 1.9 * rows)
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=True).ravel()
+    for ax, pair in zip(panels, pairs, strict=False):
+        draw(ax, pair)
+        title = " → ".join(fitted(name_of(pair, signal), LONGEST_OF_PAIR, 1)[0] for signal in ("u", "y"))
+        finish(ax, as_text_lines([title]), "", "", legend_columns=0)
+        ax.title.set_fontsize(SMALL_TEXT_SIZE)
+        ax.locator_params(axis="x", nbins=FEW_TICKS) if ax.get_xscale() == "linear" else None
+    for ax in panels[len(pairs) :]:
+        ax.set_visible(False)
+    figure.supxlabel(across, fontsize=SMALL_TEXT_SIZE)
+    handles = panels[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside upper center", ncols=2 if narrow else 4, fontsize=SMALL_TEXT_SIZE)
+    return figure
+
+
+def _with_name(report: dict[str, Any], text: str) -> str:
+    """The text with the name of the input, where it has one."""
+    return text.replace("the input", one_line(name_of(report, "u"))) if "names" in report else text
+
+
+def _draw_gain(ax: Axes, report: dict[str, Any]) -> None:
+    response = report["responses"].frequency
+    _draw_response(ax, report, response, np.abs, response.error * np.abs(response.measured))
+    axis_of_gain(ax)
+    _plain_ticks(ax)
+
+
+def _draw_step(ax: Axes, report: dict[str, Any]) -> None:
+    response = report["responses"].step
+    _draw_response(ax, report, response, np.real, response.error)
+
+
+def _plain_ticks(ax: Axes) -> None:
+    """Frequencies without exponents, and none within a decade, which matplotlib would label, too."""
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter("")
 
 
 def _degrees(response: np.ndarray) -> np.ndarray:

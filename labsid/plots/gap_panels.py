@@ -19,8 +19,6 @@ COLUMNS = ("t", "u", "y", "before", "after", "e_before", "e_after")
 HEIGHTS = {"output": 270, "error": 220, "input": 170, "strip": 90}  # pixels
 LEFT, RIGHT = 74, 12  # pixels: the panels share one axis of time
 FONT = "system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif"
-FOCUS = '[class*="Button"]:focus-visible { outline: 3px solid #0072b2; }'
-"""Style of the buttons above the panels: a ring that one sees, as on the page."""
 _TEXT_COLOURS = {"axis_label_text_color": "--ink", "major_label_text_color": "--ink", "axis_line_color": "--soft"}
 _TICK_COLOURS = {"major_tick_line_color": "--soft", "minor_tick_line_color": "--soft"}
 
@@ -74,7 +72,7 @@ def panels(report: dict[str, Any], name: str, strip: bool = False) -> dict[str, 
     _hover(command, {"Input": "@u"})
     command.xaxis.axis_label = TIME
     grid = gridplot([[output], [error], [command]], sizing_mode="stretch_width", toolbar_location="above")
-    grid.toolbar.update(logo=None, stylesheets=[FOCUS])
+    grid.toolbar.logo = None
     return dict(json_item(column([_strip(source, times, t), grid], sizing_mode="stretch_width") if strip else grid))
 
 

@@ -14,6 +14,21 @@ def units_of(report: dict[str, Any]) -> dict[str, str]:
     return {one["name"]: one["unit"] or "" for kind in ("inputs", "outputs") for one in report["signals"][kind]}
 
 
+def pair_of(report: dict[str, Any], u: str, y: str) -> dict[str, dict[str, str]]:
+    """Names and stated units of an input and an output among several signals, as of a record of these two."""
+    names, stated = {"u": u, "y": y}, units_of(report)
+    return {"names": names, "units": {symbol: stated[name] for symbol, name in names.items() if stated.get(name)}}
+
+
+def pair_of_effect(report: dict[str, Any], effect: dict[str, Any]) -> dict[str, Any]:
+    """Names and stated units of the signals of an effect: of one input and one output, those of the record."""
+    if "signals" not in report:
+        return {key: report[key] for key in ("names", "units") if key in report}
+    first = effect["outputs"][0]
+    inputs = [one["name"] for one in report["signals"]["inputs"]]
+    return pair_of(report, effect["signal"] if effect["signal"] in inputs else report["outputs"][first]["main"], first)
+
+
 def name_of(report: dict[str, Any], signal: str) -> str:
     """Name of the column of "u" or "y" in the record of one input and one output; else ``u`` or ``y``."""
     return str(report.get("names", {}).get(signal, signal))

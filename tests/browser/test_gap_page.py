@@ -107,6 +107,25 @@ def test_a_drag_zooms_all_panels_in_time_and_a_double_click_resets(page: "Page")
     assert page.evaluate(RANGES) == pytest.approx({name: pytest.approx(ends) for name, ends in whole.items()})
 
 
+def test_keys_move_and_zoom_the_panel_that_has_the_focus(page: "Page") -> None:
+    whole = page.evaluate(RANGES)["output"][:2]
+    page.keyboard.press("ArrowRight")  # nothing has the focus
+    page.locator(".bk-events").nth(1).focus()
+    page.keyboard.press("+")
+    near = page.evaluate(RANGES)["output"][:2]
+    assert near[1] - near[0] == pytest.approx(0.8 * (whole[1] - whole[0]))
+    page.keyboard.press("ArrowRight")
+    moved = page.evaluate(RANGES)
+    assert moved["input"][:2] == pytest.approx(
+        [near[0] + 0.1 * (near[1] - near[0]), near[1] + 0.1 * (near[1] - near[0])]
+    )
+    for _ in range(9):
+        page.keyboard.press("ArrowRight")
+    assert page.evaluate(RANGES)["error"][1] == pytest.approx(whole[1])
+    page.keyboard.press("0")
+    assert page.evaluate(RANGES)["output"][:2] == pytest.approx(whole)
+
+
 def test_the_worst_stretch_is_shown_with_the_heights_of_its_samples(page: "Page", found: Diagnosis) -> None:
     whole, signals = page.evaluate(RANGES), page.evaluate(SIGNALS)
     page.get_by_role("button", name="Worst stretch").click()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labsid._files import write_json, write_text
-from labsid.gap.batches.batch_files import SUMMARY, Job, find_records, make_job, nouns
+from labsid.gap.batches.batch_files import SUMMARY, Job, command_of, find_records, make_job, nouns
 from labsid.gap.batches.batch_page import write_batch_page, write_record_pages
 from labsid.gap.batches.batch_summary import csv_summary, text_summary
 from labsid.gap.batches.scheduler import run_on_scheduler
@@ -94,7 +94,7 @@ def diagnose_folder(
     with closing(running) as results:
         for number, result in results:
             job = todo[number]
-            reports[job.stem] = _report(job, result)
+            reports[job.stem] = _report(job, result, command_of(job, folder, seed, how))
             write_json(job.report, reports[job.stem])
             if progress is not None:
                 progress(f"{len(reports)} of {len(records)} {plural}", len(reports) / len(records))
@@ -141,11 +141,12 @@ def _error(message: str, keep: bool = True) -> dict[str, Any]:
     return {"report": report, "keep": keep}
 
 
-def _report(job: Job, result: dict[str, Any] | None) -> dict[str, Any]:
+def _report(job: Job, result: dict[str, Any] | None, command: str) -> dict[str, Any]:
     """The report to write, with the key that lets a later run keep it unless the error may be temporary."""
     if result is None:
         result = _error(f"the process was killed {ATTEMPTS} times, possibly for lack of memory.", keep=False)
     report: dict[str, Any] = result["report"]
+    report = report if report["verdict"] == "error" else report | {"command": command}
     return report | {KEY: job.key} if result["keep"] else report
 
 

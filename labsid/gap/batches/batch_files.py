@@ -1,16 +1,20 @@
 """The files of a batch: records, folders of runs of one rig, simulations, holdouts and reports."""
 
 import hashlib
+import shlex
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
+from labsid._files import as_argument
 from labsid.gap.batches.batch_summary import COLUMNS
+from labsid.records.reading import Reading
 
 RECORDS = (".csv", ".mat", ".xlsx", ".parquet", ".npz", ".h5", ".mf4", ".tdms", ".mcap", ".bag")
 SIMULATIONS = (".sim.json", ".sim.csv")  # after the stem of the record
 HOLDOUTS = (".holdout.csv", ".holdout.mat")
 SUMMARY = "summary.csv"
+OPTIONS = {"output": "LogData", "since": "from", "until": "to", "time_unit": "time-unit"}  # of attributes of `Reading`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,6 +133,31 @@ def make_job(path: Path, out: Path, version: str) -> Job:
     for file in (sim, holdout, *records):
         digest.update(b"\0" if file is None else f"{file.name!r} {_hash(file)}\0".encode(errors="backslashreplace"))
     return Job(stem, records, sim, holdout, out / f"{stem}.json", digest.hexdigest())
+
+
+def command_of(job: Job, folder: Path, seed: int, how: Reading) -> str:
+    """The command that repeats the diagnosis of a job, to be run in the folder of records.
+
+    Parameters
+    ----------
+    job : Job
+    folder : Path
+    seed : int
+    how : Reading
+
+    Returns
+    -------
+    str
+        For a POSIX shell.
+    """
+    words = ["labsid", "gap", "diagnose", *(as_argument(path.relative_to(folder)) for path in job.records)]
+    for option, path in (("--sim", job.sim), ("--holdout", job.holdout)):
+        words += [] if path is None else [option, as_argument(path.relative_to(folder))]
+    words += ["--seed", str(seed)] if seed else []
+    for one in fields(Reading):
+        value = getattr(how, one.name)
+        words += [] if value == one.default else [f"--{OPTIONS.get(one.name, one.name)}", str(value)]
+    return shlex.join([*words, "--html", "report.html"])
 
 
 def nouns(paths: list[Path]) -> tuple[str, str]:

@@ -244,7 +244,7 @@ def _comments(report: dict[str, Any], source: str) -> str:
         said = inside_clause(effect) if effect.get("joint") else noun(effect["name"])
         lines.append(f"{said}. Probability {effect['probability']:.2f}.")
         for name, entry in effect["parameters"].items():
-            value, unit = parameter_value(effect["name"], name, entry)
+            value, unit = parameter_value(effect["name"], name, entry, {})
             lines.append(f"  {parameter_label(effect['name'], name, entry)}: {value} {unit}".rstrip())
     gap = report["gap"]
     lines.append(f"Free-run rms error on held-out samples: {gap['before']:.4g} before, {gap['after']:.4g} after.")

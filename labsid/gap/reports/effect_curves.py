@@ -7,7 +7,7 @@ import numpy as np
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.effects.sketch import Seen
 from labsid.gap.reports.sentences import capitalised, noun_without_article
-from labsid.plots.signal_names import LONGEST, fitted, unit_of, units_of
+from labsid.plots.signal_names import LONGEST, fitted, pair_of_effect, unit_of
 
 DEVIATIONS = 1.96  # of a parameter, for 95 %
 
@@ -83,14 +83,11 @@ def _seen(report: dict[str, Any], effect: dict[str, Any], of: dict[str, str]) ->
         traces = report["traces"]
         units = {signal: unit_of(report, signal) for signal in ("u", "y")}
     else:
-        own = report["outputs"][effect["outputs"][0]]
-        traces, names = own["traces"], {"u": own["main"], "y": effect["outputs"][0]}
+        traces, pair = report["outputs"][effect["outputs"][0]]["traces"], pair_of_effect(report, effect)
         if effect["signal"] in report.get("inputs", {}):
             traces = traces | {"u": report["inputs"][effect["signal"]]["u"]}
-            names["u"] = effect["signal"]
-        stated = units_of(report)
-        short = {key: fitted(name, LONGEST, 1)[0] for key, name in names.items()}
-        units = {key: ", ".join([short[key], *filter(None, [stated.get(name)])]) for key, name in names.items()}
+        short = {key: fitted(name, LONGEST, 1)[0] for key, name in pair["names"].items()}
+        units = {key: ", ".join([name, *filter(None, [pair["units"].get(key)])]) for key, name in short.items()}
     t, u, y = (np.array(traces[name], float) for name in ("t", "u", "y"))
     return Seen(t, u, y, of), units
 

@@ -8,7 +8,7 @@ from typing import Any
 from labsid.gap.effects.description import Reported
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.inside_texts import INSIDE_LABELS, inside_clause
-from labsid.gap.reports.quantities import UNITS, Quantity, number, percent, with_error
+from labsid.gap.reports.quantities import Quantity, number, percent, unit_in_words, with_error
 
 
 def noun(name: str) -> str:
@@ -55,9 +55,16 @@ def _reported(effect: str, parameter: str) -> Reported | None:
 
 
 def parameter_value(
-    effect: str, parameter: str, entry: dict[str, Any], write: Callable[[float, float | None], str] = with_error
+    effect: str,
+    parameter: str,
+    entry: dict[str, Any],
+    pair: dict[str, Any],
+    write: Callable[[float, float | None], str] = with_error,
 ) -> tuple[str, str]:
-    """A parameter's value as `write` gives it, by default with its standard error, and its unit in words."""
+    """A parameter's value as `write` gives it, by default with its standard error, and its unit in words.
+
+    `pair` has the names and stated units of input and output, as far as they are known.
+    """
     value, stderr, unit = entry["value"], entry["stderr"], entry["unit"]
     reported = _reported(effect, parameter)
     if unit == "1" and reported is not None and reported.share:
@@ -68,7 +75,7 @@ def parameter_value(
         return write(value, stderr), "not determined by itself"
     if entry.get("at_limit"):
         return write(value, stderr), "at its limit"
-    return write(value, stderr), UNITS.get(unit, unit)
+    return write(value, stderr), unit_in_words(unit, pair)
 
 
 def place_at(effect: dict[str, Any]) -> str:
@@ -79,14 +86,17 @@ def place_at(effect: dict[str, Any]) -> str:
     return f"at {where}" if where else ""
 
 
-def parameter_rows(effect: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Label, value and unit of each parameter of an effect, with a mark on those that may be zero."""
+def parameter_rows(effect: dict[str, Any], pair: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Label, value and unit of each parameter of an effect, with a mark on those that may be zero.
+
+    `pair` is as in `parameter_value`.
+    """
     sizes = [name for name in effect["parameters"] if not _is_place(effect["name"], name)]
     may_be_zero = [name for name in sizes if _may_be_zero(effect["parameters"][name])]
     mark = "determined together only" if may_be_zero == sizes and len(sizes) > 1 else "not told from zero"
     rows = []
     for name, entry in effect["parameters"].items():
-        value, unit = parameter_value(effect["name"], name, entry)
+        value, unit = parameter_value(effect["name"], name, entry, pair)
         if name in may_be_zero:
             unit = ", ".join(text for text in (unit, mark) if text)
         rows.append((parameter_label(effect["name"], name, entry), value, unit))

@@ -45,13 +45,11 @@ def shown_sentence(report: dict[str, Any]) -> str | None:
         return None
     seen = {row["name"] for row in report["limits"] if row["detect"] is not None}
     hidden = [sentences.noun_without_article(name) for name in names if name not in seen]
-    sizes = "at the sizes that --json writes as limits" if "signals" in report else "from the sizes below on"
     if not hidden:
-        return f"The record would have shown each of {len(names)} effects, {sizes}."
+        return f"The record would have shown each of {len(names)} effects, from the sizes below on."
     listed = joined(hidden, "or") if len(hidden) <= MOST_HIDDEN else f"the {len(hidden)} others"
-    return (
-        f"The record would have shown {len(seen)} of {len(names)} effects, {sizes}. It could not have shown {listed}."
-    )
+    could = f"The record would have shown {len(seen)} of {len(names)} effects, from the sizes below on."
+    return f"{could} It could not have shown {listed}."
 
 
 def next_step(report: dict[str, Any]) -> str:

@@ -11,14 +11,7 @@ from labsid.gap.effects.detected import UNSIMULATED
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import REMAINING_ERRORS
 from labsid.gap.reports.glance import on_track
-from labsid.gap.reports.limit_rows import (
-    COLUMNS,
-    hidden_sentences,
-    limit_cells,
-    limits_sentence,
-    short_noun,
-    titled_rows,
-)
+from labsid.gap.reports.limit_rows import limits_content, titled_limits
 from labsid.gap.reports.location import share_by_record
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import (
@@ -78,7 +71,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
 
     names = {signal: name_of(report, signal) for signal in ("u", "y")}
     first = first_screen(report, report, sentences.headline(report), sentences.remaining_sentence(report))
-    return overview(report) | {
+    return overview(report, report) | {
         "first": first,
         "names": names if "names" in report else None,
         "noise": noise_band(report)[1],
@@ -111,7 +104,7 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "experiment": _experiment(report),
         "look": sentences.look_sentence(report),
         "poles": poles_sentence(report),
-        "limits": _limits(report),
+        "limits": limits_content(report),
     }
 
 
@@ -160,25 +153,10 @@ def _experiment(report: dict[str, Any]) -> dict[str, Any] | None:
     return {"text": sentences.experiment_sentence(report), "csv": input_file(planned["t"], {"u": planned["u"]})}
 
 
-def _limits(report: dict[str, Any]) -> dict[str, Any] | None:
-    """The table of limits, open if the verdict names nothing, and what cannot be shown; None without limits."""
-    text = limits_sentence(report)
-    if text is None:
-        return None
-    return {
-        "text": text,
-        "columns": [sentences.capitalised(title) for title in COLUMNS],
-        "rows": limit_cells(report, short_noun),
-        "hidden": hidden_sentences(report),
-        "open": report["verdict"] in ("none", "unknown"),
-    }
-
-
 def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     """The figures as PNG in base64, each for a wide and for a narrow screen."""
     from labsid.plots.gap import figures_as_png
 
-    titled = [row | {"title": title} for title, row in titled_rows(report, short_noun)]
     if report.get("records"):
         name, _, worst = worst_of_records(report)
         report = report | {"stretch": worst, "stretch_of": name, "record_traces": record_traces(report)}
@@ -188,9 +166,9 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
         part = "record" if report["holdout_traces"] is None else "holdout"
         report = report | {"stretch": worst_stretch(report, part)}
     more: dict[str, Any] = {
-        "limits": titled,
+        "limits": titled_limits(report),
         "residual": find_residual_curves(report),
-        "responses": find_response_curves(report),
+        "responses": find_response_curves(report)[0],
     }
     more |= {"rivals": rival_responses(report), "poles": drawn_dynamics(report)}
     figures = figures_as_png(report | more)

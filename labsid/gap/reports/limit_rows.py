@@ -8,7 +8,7 @@ from labsid._texts import joined
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.limits.smallest_sizes import Limits
 from labsid.gap.reports.effect_texts import noun
-from labsid.gap.reports.quantities import in_units, number
+from labsid.gap.reports.quantities import number, unit_in_words
 from labsid.gap.reports.sentences import capitalised, noun_without_article, uncapitalised
 
 SIGNALS = {"input": "u", "output": "y"}
@@ -105,6 +105,31 @@ def _titled(
     ]
 
 
+def limits_content(report: dict[str, Any]) -> dict[str, Any] | None:
+    """The table of limits for a page, open if the verdict names nothing, and what cannot be shown; None without limits.
+
+    Parameters
+    ----------
+    report : dict
+        Of one input and one output.
+    """
+    text = limits_sentence(report)
+    if text is None:
+        return None
+    return {
+        "text": text,
+        "columns": [capitalised(title) for title in COLUMNS],
+        "rows": limit_cells(report, short_noun),
+        "hidden": hidden_sentences(report),
+        "open": report["verdict"] in ("none", "unknown"),
+    }
+
+
+def titled_limits(report: dict[str, Any]) -> list[dict[str, Any]]:
+    """The rows with a visible size, each with its `title`, for the figure of a page."""
+    return [row | {"title": title} for title, row in titled_rows(report, short_noun)]
+
+
 def limits_sentence(report: dict[str, Any]) -> str | None:
     """What the table of limits says; None without limits."""
     if not report["limits"]:
@@ -117,9 +142,9 @@ def limits_sentence(report: dict[str, Any]) -> str | None:
         last = "Nothing is excluded, because more than noise is left: the sizes hold beside what is left."
     return (
         "The smallest size of each effect, alone in the fitted simulation, that is visible in nine of ten such "
-        f"records, and the smallest that is told from every other effect. {last} Shares are of the range of u for "
-        "effects at the input, of the range of y at the output, of the slowest time constant for times, and of the "
-        "gain."
+        f"records, and the smallest that is told from every other effect. {last} Shares are of the range of the "
+        "input for effects at it, of the range of the output for those there, of the slowest time constant for times, "
+        "and of the gain."
     )
 
 
@@ -141,7 +166,8 @@ def short_noun(name: str) -> str:
 
 def _sized(report: dict[str, Any], row: dict[str, Any]) -> str:
     """The smallest visible size with its unit, and as a share."""
-    unit = in_units(row["unit"], **report["units"]) if "units" in report else row["unit"]
+    is_known = "units" in report or "names" in report
+    unit = unit_in_words(row["unit"], report) if is_known else row["unit"]
     return _share(row, "detect") if unit == "1" else f"{number(row['detect'])} {unit} ({_share(row, 'detect')})"
 
 

@@ -22,7 +22,7 @@ from labsid.gap.reports.effect_texts import parameter_rows
 from labsid.gap.reports.glance import chances_sentence, next_step, on_track, shown_sentence
 from labsid.gap.reports.loop import control_loop
 from labsid.gap.reports.quantities import closed_percent, number
-from labsid.plots.signal_names import name_of, unit_of
+from labsid.plots.signal_names import name_of, pair_of_effect, unit_of
 from labsid.plots.style import STYLE_SHEETS
 
 if TYPE_CHECKING:
@@ -45,8 +45,8 @@ def simulation_sentence(report: dict[str, Any]) -> str:
     return "The record is compared with the simulation that you gave, unchanged."
 
 
-def overview(report: dict[str, Any]) -> dict[str, Any]:
-    """What every page shows: the record, and how to make the report again."""
+def overview(report: dict[str, Any], drawn: dict[str, Any]) -> dict[str, Any]:
+    """What every page shows: the record, and how to make the report again; `drawn` is as in `first_screen`."""
     record = report["record"]
     return {
         "verdict": report["verdict"],
@@ -55,7 +55,7 @@ def overview(report: dict[str, Any]) -> dict[str, Any]:
         "Ts": f"{record['Ts']:.6g}",
         "duration": f"{record['samples'] * record['Ts']:.4g}",
         "next": next_step(report),
-        "at_most": "noise" if sentences.is_noise_alone(report) else "noise, with what no model predicts,",
+        "at_most": "noise" if sentences.is_noise_alone(drawn) else "noise, with what no model predicts,",
         "command": command(report),
         "exact": "command" in report,
     }
@@ -154,12 +154,12 @@ def effects_content(report: dict[str, Any]) -> list[dict[str, Any]]:
     effects = report["effects"]
     last = [one["closed"] != then["closed"] for one, then in pairwise(effects)] + [True]
     return [
-        effect_content(one | {"closed": one["closed"] if shown else None})
+        effect_content(report, one | {"closed": one["closed"] if shown else None})
         for one, shown in zip(effects, last, strict=False)
     ]
 
 
-def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
+def effect_content(report: dict[str, Any], effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its explanation and its parameters as text."""
     text = DESCRIPTIONS.get(effect["name"])
     closed = effect["closed"]
@@ -170,7 +170,7 @@ def effect_content(effect: dict[str, Any]) -> dict[str, Any]:
         "chance": sentences.chance_of(effect),
         "place": "",
         "closed": None if closed is None or effect["name"] in UNSIMULATED else closed_percent(closed),
-        "parameters": parameter_rows(effect),
+        "parameters": parameter_rows(effect, pair_of_effect(report, effect)),
     }
 
 

@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from labsid.plots.signal_names import unit_of
+
 UNITS = {
     "u": "units of u",
     "y": "units of y",
@@ -69,6 +71,22 @@ def in_units(unit: str, u: str, y: str) -> str:
     if unit not in UNITS:
         return unit
     return re.sub("[uy]", lambda signal: {"u": u, "y": y}[signal[0]], unit.replace("^2", "²").replace("^3", "³"))
+
+
+def unit_in_words(unit: str, pair: dict[str, Any]) -> str:
+    """A unit in terms of u and y, in the units and with the names of the columns, as far as `pair` states them."""
+    stated = pair.get("units", {})
+    if len(stated) == 2 and unit != "1":
+        return in_units(unit, **stated)
+    words = re.sub(
+        r"\bunit(s?) of ([uy])\b", lambda found: _signal_unit(pair, found[2], found[1]), UNITS.get(unit, unit)
+    )
+    return re.sub(r"\((\w+)\)", r"\1", words)
+
+
+def _signal_unit(pair: dict[str, Any], signal: str, plural: str) -> str:
+    text = unit_of(pair, signal)
+    return text if plural or signal in pair.get("units", {}) else text.replace("units of", "unit of", 1)
 
 
 def _with_units(parameters: dict[str, dict[str, Any]], u: str, y: str) -> dict[str, dict[str, Any]]:

@@ -63,7 +63,39 @@ def replay_content(
     answer: Answer,
     holdout: Record | None,
 ) -> dict[str, Any]:
-    """Assemble what a page replays.
+    """Assemble what a page replays: `shown_signals`, and the combinations of effects.
+
+    Parameters
+    ----------
+    record, inside, measured, answer, holdout
+        As of `shown_signals`.
+
+    Returns
+    -------
+    dict
+        JSON-ready.
+
+    Notes
+    -----
+    A saved report has it, too, as a page is made from one; a printed one has not.
+    """
+    combinations = _combinations(answer)
+    return shown_signals(record, inside, measured, answer, holdout) | {
+        "accepted": list(accepted_names(answer)),
+        "combinations": [
+            _combination(answer, fit, holdout) | {"names": list(names)} for names, fit in combinations.items()
+        ],
+    }
+
+
+def shown_signals(
+    record: Record,
+    inside: np.ndarray,
+    measured: tuple[np.ndarray, np.ndarray | None],
+    answer: Answer,
+    holdout: Record | None,
+) -> dict[str, Any]:
+    """All samples of the signals and of the simulations before and after, scaled.
 
     Parameters
     ----------
@@ -81,17 +113,12 @@ def replay_content(
     -------
     dict
         JSON-ready.
-
-    Notes
-    -----
-    A saved report has it, too, as a page is made from one; a printed one has not.
     """
     data, score = answer.explanation.data, answer.score
     before = np.where(inside, answer.before.output, np.nan)
     after = np.where(inside, score.after_fit.output, np.nan)
     y = data.y if data.at is None else along(score.after_fit.output, data.y, data.at)
     y = np.where(inside & measured[0], y, np.nan)
-    combinations = _combinations(answer)
     return {
         "u_scale": _scale(data.u_scale),
         "y_scale": _scale(data.y_scale),
@@ -101,10 +128,6 @@ def replay_content(
         if holdout is None
         else _signals(holdout, (data.u_scale.of(holdout.u), _with_gaps(holdout, answer, measured[1]), *score.outputs))
         | {"fitted": [], "scored": stretches_of(score.scored)},
-        "accepted": list(accepted_names(answer)),
-        "combinations": [
-            _combination(answer, fit, holdout) | {"names": list(names)} for names, fit in combinations.items()
-        ],
     }
 
 

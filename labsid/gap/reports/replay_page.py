@@ -229,15 +229,15 @@ def _fitted_apart(report: dict[str, Any]) -> list[str]:
 def _slider(report: dict[str, Any], slider: dict[str, Any], several: bool) -> dict[str, Any]:
     """A slider with a label, and the text of each position."""
     effect, parameter, unit = slider["effect"], slider["parameter"], slider["unit"]
-    stated = in_units(unit, **report["units"]) if "units" in report else unit
+    of_unit = {"unit": in_units(unit, **report["units"]) if "units" in report else unit, "of": unit}
     fitted = int(np.argmin(np.abs(slider["moves"])))
     least = NOTHING * abs(slider["values"][fitted])
     stderr = _entry(report, effect, parameter).get("stderr")
     texts = []
     for value in slider["values"]:
-        entry = {"value": value if abs(value) > least else 0.0, "stderr": stderr, "unit": stated}
-        texts.append(" ".join(parameter_value(effect, parameter, entry, rounded)).strip())
-    label = sentences.capitalised(parameter_label(effect, parameter, {"unit": stated, "of": unit}))
+        entry = {"value": value if abs(value) > least else 0.0, "stderr": stderr, **of_unit}
+        texts.append(" ".join(parameter_value(effect, parameter, entry, report, rounded)).strip())
+    label = sentences.capitalised(parameter_label(effect, parameter, of_unit))
     return {
         "label": f"{_title(effect)}: {label[0].lower()}{label[1:]}" if several else label,
         "texts": texts,

@@ -62,6 +62,7 @@ SHOWN_SHARE = 0.005  # of the gap, that is printed as more than 0 %
 OUTPUT_ERROR, FIRST_ORDER = "output error", "output error of first order"  # methods of `baseline_choice`
 NAMED = 0.1  # probability from which a headline names an effect
 MOST_NUMBERS = 2  # of a given simulation, that a headline states
+MOST_CLAUSES = 2  # of causes in a headline, which has two lines; more are named without their numbers
 TWO_ERRORS = 2.0  # standard errors, about a 95 % interval: a number further from its nominal value differs from it
 MIN_KIND = 0.05  # share of the remaining error from which a kind is mentioned
 MAX_UNACCOUNTED = 0.3  # of the variation between plateaus, that an explanation of it may leave
@@ -86,7 +87,7 @@ def _effect_sentence(report: dict[str, Any]) -> str:
     effects, gap = report["effects"], report["gap"]
     several = len(effects) > 1
     clauses = [_qualified(effect) + (f" ({noun(effect['name'])})" if several else "") for effect in effects]
-    causes = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    causes = acting(effects) or joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
     subject = "together they" if several else noun(effects[0]["name"])
     s = "" if several else "s"
     before, closed = number(gap["before"]), gap["closed"]
@@ -162,12 +163,24 @@ def _partial_sentence(report: dict[str, Any]) -> str:
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
     clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
-    said = joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
+    said = acting(causes) or joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
     if not others:
         return f"{said}. Together they {several}."
     listed = joined(_named_or_counted(others, after=True))
     subject = f"this {one}" if len(causes) == 1 else f"they {several}"
     return f"{said}. Together with {listed}, less certain, {subject}."
+
+
+def acting(causes: list[dict[str, Any]]) -> str:
+    """That these causes act, by their names alone, if clauses of them all fill more than two lines; else empty."""
+    if len(causes) <= MOST_CLAUSES:
+        return ""
+    chances = [one.get("chance", probability(one["probability"])) for one in causes]
+    named = [
+        placed_noun(one, article=True) + (f" ({chance})" if one["probability"] < SURE else "")
+        for one, chance in zip(causes, chances, strict=True)
+    ]
+    return f"{capitalised(joined(named))} act"
 
 
 def _named_or_counted(effects: list[dict[str, Any]], after: bool = False) -> list[str]:

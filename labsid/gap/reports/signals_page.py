@@ -18,6 +18,7 @@ from labsid.gap.reports.page_parts import (
     simulation_sentence,
 )
 from labsid.gap.reports.quantities import counted
+from labsid.gap.reports.signals_details import detail_figures, output_details
 from labsid.gap.reports.signals_text import (
     ambiguity_sentence,
     coupling_sentence,
@@ -56,16 +57,15 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
     """The content of the page as plain text, by the names that the template uses."""
     signals, probable = report["signals"], [one for one in report["effects"] if sentences.is_probable(one)]
     drawn = of_worst_output(report)
-    return overview(report) | {
+    return overview(report, drawn) | {
         "first": first_screen(report, drawn, headline(report), remaining_sentence(report)),
         "signals": f"{counted(len(signals['inputs']), 'input', 'inputs')} and "
         f"{counted(len(signals['outputs']), 'output', 'outputs')}",
         "sentence": verdict_sentence(report),
         "simulation": simulation_sentence(report),
         "gap": gap_sentence(report),
-        "effects": [_effect(effect) for effect in report["effects"]],
+        "effects": [_effect(report, effect) for effect in report["effects"]],
         "parameters": any(effect["parameters"] for effect in report["effects"]),
-        "plain_units": any(not _has_units(effect) for effect in report["effects"]),
         "alternatives": ambiguity_sentence(report),
         "places": joined(list(dict.fromkeys(_place(effect) for effect in probable))),
         "table": _table(report),
@@ -78,6 +78,9 @@ def page_content(report: dict[str, Any]) -> dict[str, Any]:
         "look": sentences.look_sentence(report),
         "experiment": _experiment(report),
         "findings": finding_sentences(report),
+        "outputs": output_details(report),
+        "all_outputs": len(report["outputs"]),
+        "stabilised": report["gap"]["mode"] == "stabilised",
         "holdout": has_holdout(report),
     }
 
@@ -90,9 +93,9 @@ def _table(report: dict[str, Any]) -> list[tuple[str, ...]]:
     return [("Output", "Simulation", "Noise"), *((name, before, noise) for name, before, _, noise, _ in rows[1:])]
 
 
-def _effect(effect: dict[str, Any]) -> dict[str, Any]:
+def _effect(report: dict[str, Any], effect: dict[str, Any]) -> dict[str, Any]:
     """An effect with its signal in the title, and the outputs in which it is seen."""
-    return effect_content(effect) | {
+    return effect_content(report, effect) | {
         "title": sentences.capitalised(sentences.placed_noun(effect)),
         "place": f"seen in {joined(effect['outputs'])}",
         "closed": None,  # of all effects together only
@@ -102,11 +105,6 @@ def _effect(effect: dict[str, Any]) -> dict[str, Any]:
 def _place(effect: dict[str, Any]) -> str:
     """Where to look for the cause of an effect."""
     return place_at(effect) or f"in the dynamics of {joined(effect['outputs'])}"
-
-
-def _has_units(effect: dict[str, Any]) -> bool:
-    """Whether the parameters are in units that the record states."""
-    return all("of" in entry or entry["unit"] in ("s", "Hz", "1", "") for entry in effect["parameters"].values())
 
 
 def _not_drawn(report: dict[str, Any]) -> str:
@@ -154,4 +152,4 @@ def encoded_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
     if report["next_experiment"] is not None:
         figures["experiment"] = figure_planned_inputs
     drawn = in_both_widths(figures, with_titles(report)) | in_both_widths(of_worst, of_worst_output(report))
-    return in_base64(drawn | effect_pictures(report))
+    return in_base64(drawn | effect_pictures(report) | detail_figures(report))

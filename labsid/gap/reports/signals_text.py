@@ -9,7 +9,7 @@ from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
 from labsid.gap.reports.text_report import bar_lines, effect_lines, printable, titled_lines, titled_table
 from labsid.gap.verdict.scores import NO_GAP_RMS
-from labsid.plots.signal_names import units_of
+from labsid.plots.signal_names import pair_of
 
 COLUMNS = ("rms error of", "before", "after", "noise", "closed")
 MIN_COUPLING = 0.005  # share of an output's response, from which an input is listed
@@ -31,7 +31,7 @@ def format_signals(report: dict[str, Any]) -> str:
     """
     lines = [*titled_lines("", verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
-        lines += effect_lines(effect, place_of(effect))
+        lines += effect_lines(report, effect, place_of(effect))
     lines += titled_lines("ambiguous", ambiguity_sentence(report))
     lines += titled_lines("gap", gap_sentence(report))
     lines += titled_table("outputs", [COLUMNS, *(tuple(map(printable, row)) for row in output_rows(report))])
@@ -68,9 +68,10 @@ def headline(report: dict[str, Any]) -> str:
     if not probable:
         added = "what was added to the simulation"
         return f"The cause of the gap is not known: {added} {explain}, but may only imitate it."
-    said = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
+    clauses = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
+    said = f"{sentences.acting(probable)}." if len(probable) > sentences.MOST_CLAUSES else " ".join(clauses)
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
-    return f"{' '.join(said)} {sentences.capitalised(subject)} {explain}."
+    return f"{said} {sentences.capitalised(subject)} {explain}."
 
 
 def _gain(gap: dict[str, Any]) -> str:
@@ -83,17 +84,20 @@ def _gain(gap: dict[str, Any]) -> str:
 
 
 def of_worst_output(report: dict[str, Any]) -> dict[str, Any]:
-    """What is known of the output with the largest gap, as a report of one input and one output.
+    """What is known of the output with the largest gap; see `of_output`."""
+    return of_output(report, report["where"]["output"])
+
+
+def of_output(report: dict[str, Any], name: str) -> dict[str, Any]:
+    """What is known of an output, as a report of one input and one output.
 
     Its verdict and effects are those of all outputs.
     """
-    name = report["where"]["output"]
     own = report["outputs"][name]
-    names = {"u": own["main"], "y": name}
-    stated = units_of(report)
-    units = {symbol: stated[signal] for symbol, signal in names.items() if stated.get(signal)}
     common = {"verdict": report["verdict"], "effects": [effect | {"closed": None} for effect in report["effects"]]}
-    return {"holdout_traces": None} | own | common | {"names": names, "units": units}
+    limits = [row for row in report["limits"] if row.get("output") == name]
+    common |= {"record": report["record"], "limits": limits}
+    return {"holdout_traces": None} | own | common | pair_of(report, own["main"], name)
 
 
 def ambiguity_sentence(report: dict[str, Any]) -> str:

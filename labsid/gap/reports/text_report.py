@@ -10,7 +10,7 @@ from labsid.gap.reports.effect_texts import noun, parameter_rows
 from labsid.gap.reports.limit_rows import COLUMNS, NOT_SHOWN, hidden_sentences, limit_cells, limits_sentence
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.page_parts import error_bars
-from labsid.plots.signal_names import fitted
+from labsid.plots.signal_names import fitted, pair_of_effect
 
 WIDTH = 96  # characters of a line, or those of the terminal if it is narrower
 LEAST_NAME = 12  # characters of a name in a table, however narrow the terminal
@@ -36,7 +36,7 @@ def format_report(report: dict[str, Any]) -> str:
     """
     lines = [*titled_lines("", sentences.verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
-        lines += effect_lines(effect)
+        lines += effect_lines(report, effect)
     for number, finding in enumerate(sentences.record_sentences(report)):
         lines += titled_lines("" if number else "record", printable(finding))
     rows = [
@@ -87,12 +87,12 @@ def limits_lines(report: dict[str, Any]) -> list[str]:
     return [*lines, *(line for text in hidden_sentences(report) for line in titled_lines("", printable(text)))]
 
 
-def effect_lines(effect: dict[str, Any], place: str = "") -> list[str]:
+def effect_lines(report: dict[str, Any], effect: dict[str, Any], place: str = "") -> list[str]:
     """One cause, with its `place` among several signals, and with its parameters in columns below."""
     title = "cause" if sentences.is_probable(effect) else "possible"
     said = f"{noun(effect['name'])} ({effect['name']}), {sentences.chance_of(effect)}"
     lines = titled_lines(title, f"{said}; {place}" if place else said)
-    return lines + _in_columns(parameter_rows(effect), INDENT + 2)
+    return lines + _in_columns(parameter_rows(effect, pair_of_effect(report, effect)), INDENT + 2)
 
 
 def _in_columns(rows: Sequence[Sequence[str]], indent: int = 0) -> list[str]:

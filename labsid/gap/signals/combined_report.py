@@ -9,7 +9,7 @@ import numpy as np
 
 from labsid.gap.effects.families import DESCRIPTIONS
 from labsid.gap.reports.layout import SCHEMA, listed_findings
-from labsid.gap.reports.traces import extreme_samples
+from labsid.gap.reports.traces import extreme_samples, packed
 from labsid.gap.signals.preparation import Prepared
 from labsid.gap.signals.roles import Signals
 from labsid.gap.signals.search import ExplainedOutput
@@ -29,6 +29,8 @@ KEPT = (  # of the report of an output
     "screen",
     "traces",
     "holdout_traces",
+    "dynamics",
+    "replay",
 )
 
 
@@ -113,7 +115,7 @@ def combine(prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Seq
         "reference": "outside" if any(part.report["reference"] == "outside" for part in last.values()) else "inside",
         "unexplained": _unexplained(last, gap),
         "limits": [
-            row | {"signal": {"u": part.main, "y": part.output}.get(row["signal"])}
+            row | {"signal": {"u": part.main, "y": part.output}.get(row["signal"]), "output": part.output}
             for part in last.values()
             for row in part.report["limits"]
         ],
@@ -134,6 +136,7 @@ def combine(prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Seq
         },
         "numbers": [],
         "inputs": {name: _input_trace(signals, i) for i, name in enumerate(signals.inputs)},
+        "input_samples": {name: packed(signals.u[:, i], "<f8") for i, name in enumerate(signals.inputs)},
         "outputs": {
             name: {
                 "main": part.main,

@@ -10,6 +10,7 @@ from labsid._arrays import FloatArray
 from labsid.gap.model_file import export_model
 from labsid.gap.record.clock import clock_findings
 from labsid.gap.reports.quantities import with_units
+from labsid.gap.reports.replay_data import shown_signals
 from labsid.gap.reports.report import build_report
 from labsid.gap.reports.traces import figure_traces
 from labsid.gap.search.beam_search import Progress
@@ -148,6 +149,7 @@ def _parts(
         report = with_units(report, *units) if all(units) else report
         before, after = answer.outputs
         rows = signals.rows[:, j]
+        report["replay"] = shown_signals(record, np.ones(len(record), bool), (rows, measured), answer, scored)
         report["traces"] = figure_traces(record.t, record.u, np.where(rows, record.y, before), before, after, rows)
         if scored is not None:
             back = answer.explanation.data.y_scale.back

@@ -14,7 +14,7 @@ from labsid.blind.right_answers import is_right
 from labsid.blind.runner import diagnose_words
 from labsid.blind.score import score_cases
 from labsid.blind.suite import label_dict, make_cases, write_suite
-from labsid.blind.table import kind_lines, markdown, print_scores
+from labsid.blind.table import markdown, print_scores
 from labsid.rig.ordinary.kinds import KINDS
 
 NONE: list[list[str]] = [[]]
@@ -173,10 +173,9 @@ def test_the_kinds_are_counted_and_shown(tmp_path: Path, capsys: pytest.CaptureF
     assert counts[1] == KindCounts("pair", 1, 0, 0, 0, 1)
     assert counts[-1] == KindCounts("all", 5, 3, 1, 1, 1)
     assert count_kinds([]) == ()
-    lines = kind_lines(counts)
-    assert lines[0].split()[:3] == ["kind", "records", "right"]
-    assert lines[-1].split()[:4] == ["all", "5", "3", "(23-88"]
     scores = score_cases(outcomes())
     assert "| plain | 2 | 1 (9-91 %) |" in markdown(scores)
     print_scores(scores, "title")
-    assert lines[-1] in capsys.readouterr().out.splitlines()
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["kind", "records", "right"] in [line[:3] for line in lines]
+    assert ["all", "5", "3", "(23-88"] in [line[:4] for line in lines]

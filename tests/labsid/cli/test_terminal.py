@@ -8,6 +8,8 @@ import pytest
 from gap_reports import report
 from signals_reports import signals_report
 
+from labsid.blind.metrics import KindCounts, Metric, Scores
+from labsid.blind.table import print_scores
 from labsid.cli.console import print_contents, print_report
 from labsid.cli.gap_tables import print_effects, print_rigs
 from labsid.cli.progress import shown_progress
@@ -30,6 +32,13 @@ RIGS = [
     ),
     RigResult("tank", "refused", (), 0.0, 0.0, 0.0, None, 0.1, "the record is too short for a holdout of its own"),
 ]
+
+SCORES = Scores(
+    (Metric("probability of the second and third names, ECE", 0.985, 220, 0.96, 0.995, 0.95, 0.98),),
+    {"several-signals-of-one-rig": {LONGEST: {LONGEST: 12, "input-nonlinearity": 3, "coulomb-friction": 1}}},
+    ((0.95, 0.97, 40),),
+    (KindCounts("tank with an overflow and a leak", 220, 200, 10, 5, 5),),
+)
 
 
 class Terminal(io.StringIO):
@@ -63,6 +72,27 @@ def test_the_table_of_effects_and_that_of_columns_never_cut_a_word(terminal, col
     for word in ("output-nonlinearity", "torque_of_the_motor", "10.0%", "missing"):
         assert word in shown
     assert "…" not in shown
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_the_tables_of_the_sealed_check_fit_a_terminal(terminal, columns):
+    out = terminal(columns)
+    print_scores(SCORES, "labsid gap blind --suite dev: 1 record")
+    lines = re.sub("\033\\[[0-9;]*m", "", out.getvalue()).splitlines()
+    assert max(map(len, lines)) <= columns
+    shown = " ".join(" ".join(line.strip("│┃ ").split()) for line in lines)
+    for text in ("stated probability", "--suite dev: 1 record", "200 (86-94 %)", LONGEST, "98.5 %", "target"):
+        assert text in shown
+    assert "…" not in shown
+
+
+def test_a_table_without_a_terminal_is_as_wide_as_it_needs(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    print_scores(SCORES, "title")
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) > 80
+    names = (LONGEST, "input-nonlinearity", "coulomb-friction")
+    assert any(all(name in line for name in names) for line in lines)
 
 
 @pytest.mark.parametrize("columns", [60, 80, 120])

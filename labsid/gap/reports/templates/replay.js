@@ -212,10 +212,37 @@ function withoutDrag(models) {
   }
 }
 
-// Nothing is folded on paper.
+// Nothing is folded on paper, also in browsers without `::details-content`.
 addEventListener("beforeprint", () => {
   for (const part of document.querySelectorAll("details")) part.open = true;
 });
+
+// What a key does to the ends of the times that the panels show, in shares of their length.
+const MOVES = { ArrowLeft: [-0.1, -0.1], ArrowRight: [0.1, 0.1], "+": [0.1, -0.1], "=": [0.1, -0.1], "-": [-0.125, 0.125] };
+function pressed(event, times, own) {
+  if (event.ctrlKey || event.metaKey || event.altKey || !(event.key in MOVES || event.key === "0")) return;
+  const [low, high] = [own[0], own[own.length - 1]], length = times.end - times.start;
+  let [start, end] = [low, high];
+  if (event.key !== "0") {
+    const [first, last] = MOVES[event.key];
+    start = Math.max(low, times.start + first * length);
+    end = Math.min(high, times.end + last * length);
+    if (first === last) [start, end] = first < 0 ? [start, start + length] : [end - length, end];
+  }
+  times.setv({ start, end });
+  event.preventDefault();
+}
+
+// A ring that one sees around whatever has the focus in the panels, which have styles of their own.
+const ring = new CSSStyleSheet();
+ring.replaceSync(":focus-visible { outline: 3px solid var(--after) !important; outline-offset: -2px; }");
+function withRing(node) {
+  for (const { shadowRoot } of node.querySelectorAll("*")) {
+    if (!shadowRoot) continue;
+    shadowRoot.adoptedStyleSheets = [...shadowRoot.adoptedStyleSheets, ring];
+    withRing(shadowRoot);
+  }
+}
 
 // Either the panels or the figure without a script.
 function reveal(live) {
@@ -256,8 +283,11 @@ async function begin() {
     if (piece) part.look_at_piece();
     if (data.long.includes(part.name)) part.look();
     paint(models);
+    const panels = element(`panels-${part.name}`);
+    panels.addEventListener("keydown", (event) => pressed(event, times, seen(part.t)));
+    withRing(panels);
     dark.addEventListener("change", () => paint(models));
-    element(`panels-${part.name}`).addEventListener("dblclick", () => {
+    panels.addEventListener("dblclick", () => {
       for (const model of models) if (model.type === "Figure") model.reset.emit();
     });
   }

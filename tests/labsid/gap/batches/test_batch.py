@@ -94,6 +94,7 @@ def test_every_record_gets_a_report(finished):
     assert not answers["b"]["simulation"]["given"]
     assert len(answers["a"]["gap"]["holdout"]) <= 1  # a record of its own, not blocks of this one
     assert len(answers["b"]["gap"]["holdout"]) > 1
+    assert answers["a"]["command"].startswith("labsid gap diagnose a.csv --sim a.sim.json --holdout a.holdout")
     assert answers["empty"]["verdict"] == answers["words"]["verdict"] == "error"
     assert "is empty" in answers["empty"]["message"]
     assert "\n" not in answers["words"]["message"]
@@ -137,7 +138,7 @@ def test_a_report_equals_that_of_diagnose(finished, folder, tmp_path):
     answer = json.loads((finished[0] / "b.json").read_text())
     del answer["made_from"]
     alone = json.loads((tmp_path / "b.json").read_text())
-    assert alone.pop("command") == "labsid gap diagnose b.csv --html report.html"
+    assert alone["command"] == "labsid gap diagnose b.csv --html report.html"
     assert answer == alone
 
 
@@ -279,6 +280,7 @@ def test_a_folder_of_runs_is_one_rig(fleet, fleet_out, tmp_path):
     together, alone = (json.loads(path.read_text()) for path in (out / "rig-01.json", tmp_path / "rig.json"))
     assert [row["name"] for row in together["records"]] == ["run-4", "run-5"]
     del together["made_from"], alone["command"]
+    assert together.pop("command") == "labsid gap diagnose rig-01/run-4.csv rig-01/run-5.csv --html report.html"
     assert together == alone
     assert "records" not in json.loads((out / "rig.2.json").read_text())
     assert json.loads((out / "rig-03.json").read_text())["message"].startswith("words.csv: ")

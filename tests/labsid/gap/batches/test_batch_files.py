@@ -1,8 +1,12 @@
 """Which files and folders of a batch are records, rigs, simulations and holdouts."""
 
+import shlex
+
 import pytest
 
-from labsid.gap.batches.batch_files import find_records, find_runs, make_job, nouns
+from labsid.cli.commands import main
+from labsid.gap.batches.batch_files import command_of, find_records, find_runs, make_job, nouns
+from labsid.records.reading import Reading
 
 
 def test_find_records(tmp_path):
@@ -89,3 +93,26 @@ def test_a_simulation_among_the_runs(fleet):
         ValueError, match=r"x\.sim\.csv is in a folder of runs, .*beside the folder, as rig-2\.sim\.csv"
     ):
         find_records(fleet, fleet / "out")
+
+
+# The command that repeats a job ---------------------------------------------------------------------------
+
+
+def test_the_command_of_a_job_names_its_files_and_what_is_not_the_default(fleet):
+    job = make_job(fleet / "rig.1", fleet / "out", "")
+    said = command_of(job, fleet, 3, Reading(since=2.5, output="measured", decimate=2))
+    files = "rig.1/a.holdout.csv rig.1/a.mat rig.1/b.csv --sim rig.1.sim.json --holdout rig.1.holdout.mat --seed 3"
+    assert said == f"labsid gap diagnose {files} --LogData measured --from 2.5 --decimate 2 --html report.html"
+    plain = make_job(fleet / "rig-2", fleet / "out", "")
+    assert command_of(plain, fleet, 0, Reading()) == "labsid gap diagnose rig-2/x.csv --html report.html"
+
+
+@pytest.mark.parametrize("name", ["-dash.csv", "it's <b>&$(x).csv", "100 %.csv"])
+def test_the_command_works_as_printed_with_any_name(tmp_path, monkeypatch, capsys, name):
+    (tmp_path / name).write_text("t,u,y\n0,1,2\n", encoding="utf-8")
+    job = make_job(tmp_path / name, tmp_path / "out", "")
+    monkeypatch.chdir(tmp_path)
+    words = shlex.split(command_of(job, tmp_path, 1, Reading(Ts=0.5, time_unit="ms")))
+    assert main(words[1:]) == 2
+    error = capsys.readouterr().err
+    assert "at least 2 samples" in error or "samples; got 1" in error, error

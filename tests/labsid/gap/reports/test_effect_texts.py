@@ -71,7 +71,7 @@ def test_every_parameter_has_a_label_and_a_unit_in_words(name):
             "frequency",
             "amplitude",
         )
-        value, unit = parameter_value(name, parameter, entry)
+        value, unit = parameter_value(name, parameter, entry, {})
         assert value
         assert unit in {"s", "Hz", "%", ""} or re.fullmatch(r"(units of|per unit of|per \(unit of) .*", unit)
 
@@ -89,7 +89,7 @@ def test_a_load_that_grows_with_the_output_is_a_leak():
         "An unmeasured load starts at 374.2 s and changes the rate of return to rest by 21 %, as a leak does"
     )
     assert parameter_label("load-step", "size", {"unit": "1"}) == "change of the rate of return to rest"
-    assert parameter_value("load-step", "size", leak["parameters"]["size"]) == ("21.0 ± 1.0", "%")
+    assert parameter_value("load-step", "size", leak["parameters"]["size"], {}) == ("21.0 ± 1.0", "%")
 
 
 def test_a_stiffening_spring_is_not_a_softening_one():
@@ -110,4 +110,7 @@ def test_a_size_that_its_error_swallows_is_not_said():
 def test_a_name_outside_the_table_is_said_as_it_is():
     assert noun("gremlins") == "gremlins"
     assert clause(effect("gremlins")) == "The record shows gremlins"
-    assert parameter_value("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}) == ("2.000", "furlong")
+    assert parameter_value("gremlins", "x", {"value": 2.0, "stderr": 0.0, "unit": "furlong"}, {}) == (
+        "2.000",
+        "furlong",
+    )

@@ -446,6 +446,9 @@ def test_names_of_the_columns_are_on_the_loop_and_in_the_texts(monkeypatch):
     assert content["first"]["unit"] == "units of position"
     assert "(units of position, " in content["gap"]
     words = Page(render_html(shown)).words
-    assert "u is the input goal and y the output position, in the units of the record." in words
+    assert "units of goal" in words
+    assert "units of u" not in words
+    assert "u is the input and y the output" not in words
+    assert "u is the input and y the output, in the units of the record." in Page(render_html(KINDS["effect"])).words
     assert page_content(KINDS["effect"])["first"]["loop"]["ends"] == ("u", "y")
     assert with_names(KINDS["effect"], "u", "y") == KINDS["effect"]

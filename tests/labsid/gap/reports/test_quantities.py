@@ -10,6 +10,7 @@ from labsid.gap.reports.quantities import (
     p_value,
     percent,
     probability,
+    unit_in_words,
     with_error,
 )
 
@@ -71,3 +72,20 @@ def test_a_sentence_keeps_seconds_and_hertz_and_leaves_out_the_record_s_own_unit
     assert f"{Quantity(0.43394, 0.00035, 's')}" == "0.4339 s"
     assert f"{Quantity(0.45802, 0.00125, 'u')}" == "0.458"
     assert f"{Quantity(-0.597, 0.001, '1'):%}" == "-60 %"
+
+
+@pytest.mark.parametrize(
+    ("unit", "pair", "words"),
+    [
+        ("y/u", {}, "units of y for a unit of u"),
+        ("y/u", {"names": {"u": "valve", "y": "level"}}, "units of level for a unit of valve"),
+        ("y/u", {"names": {"u": "valve", "y": "level"}, "units": {"y": "cm"}}, "cm for a unit of valve"),
+        ("1/u^2", {"names": {"u": "valve", "y": "level"}, "units": {"u": "V"}}, "per V²"),
+        ("y/u", {"names": {"u": "valve", "y": "level"}, "units": {"u": "V", "y": "cm"}}, "cm/V"),
+        ("s", {"names": {"u": "valve", "y": "level"}}, "s"),
+        ("units of force", {"names": {"u": "units of u", "y": "y"}}, "units of force"),
+        ("1", {"units": {"u": "V", "y": "cm"}}, ""),
+    ],
+)
+def test_a_unit_has_the_names_and_the_units_of_the_columns(unit, pair, words):
+    assert unit_in_words(unit, pair) == words
