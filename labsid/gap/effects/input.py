@@ -1,6 +1,7 @@
 """Effects of the actuator, between the command and the dynamics."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -450,9 +451,10 @@ class RateLimit(InputEffect):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Logarithm of the rate in scaled input per sample, or of both; for "switched" the initial offset."""
-        own = (Parameter("log_rate", -9.0, 3.0, leap=0.1),)
-        own += (Parameter("log_rate_down", -9.0, 3.0, leap=0.1),) if self.uneven else ()
-        return (*own, INITIAL_OFFSET) if self.variant == "switched" else own
+        own = Parameter("log_rate", -9.0, 3.0, leap=0.1)
+        if self.uneven:
+            return (own, replace(own, name="log_rate_down"))
+        return (own, INITIAL_OFFSET) if self.variant == "switched" else (own,)
 
     @property
     def uneven(self) -> bool:
