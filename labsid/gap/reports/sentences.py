@@ -242,8 +242,8 @@ def remaining_sentence(report: dict[str, Any]) -> str | None:
 
 
 def main_kind(report: dict[str, Any]) -> str | None:
-    """The kind of model that closes the largest share of the remaining error; None if noise alone remains."""
-    kinds = report["unexplained"]["kinds"]
+    """The kind of model that closes the largest share of the remaining error; None if noise or a product is left."""
+    kinds = {} if report.get("product") else report["unexplained"]["kinds"]
     return max(kinds, key=lambda kind: float(kinds[kind])) if kinds else None
 
 
