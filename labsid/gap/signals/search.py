@@ -432,10 +432,8 @@ def _extended(search: OutputSearch, chain: tuple[Through, ...]) -> tuple[Through
     while not chain[-1].white and len(chain) < len(search.seen) and chain[-1].found is not None:
         others = (*chain[-1].others, chain[-1].found)
         taken = [one.role.main for one in others]
-        following = [
-            search.through(i, others, 1) for i in search.seen if i not in taken and _depends(search, chain[-1], i)
-        ]
-        best = min(following, key=_score, default=chain[-1])
+        following = [search.through(i, others, 1) for i in search.seen if i not in taken]
+        best = min(following, key=_score)
         if best.score > chain[-1].score - BIC_MARGIN or best.found is None:
             break
         chain = _in_turn(search, (*chain, best))
@@ -447,13 +445,10 @@ def _score(through: Through) -> float:
 
 
 def _screened(search: OutputSearch) -> list[Through]:
-    """The output through each input that may have an effect, with at most one of them; the strongest input first.
-
-    An effect at a further input leaves a residual that depends on it.
-    """
+    """The output through each input that may have an effect, with at most one of them; the strongest input first."""
     found: list[Through] = []
     for main in search.seen:
-        if found and not _depends(search, min(found, key=_score), main):
+        if found and found[0].white and not _depends(search, found[0], main):
             continue
         found.append(search.through(main, (), 1))
         if found[-1].white and len(found[-1].explanation.path) > 1:
