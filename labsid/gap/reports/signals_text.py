@@ -43,6 +43,8 @@ def format_signals(report: dict[str, Any]) -> str:
     if report["next_experiment"] is not None:
         said = sentences.experiment_sentence(report)
         lines += titled_lines("next", f"Apply the inputs that --json writes as next_experiment. {said}")
+    elif report.get("product"):
+        lines += titled_lines("next", sentences.look_sentence(report))
     for count, finding in enumerate(finding_sentences(report)):
         lines += titled_lines("" if count else "record", printable(finding))
     return "\n".join(printable(line) for line in lines)
@@ -143,7 +145,10 @@ def _at(signal: str | None) -> str:
 
 
 def remaining_sentence(report: dict[str, Any]) -> str | None:
-    """The output in which most of what remains is; None if no cause is named, or if noise alone remains."""
+    """What remains, and in which output most of it is; None if no cause is named, or if noise alone remains."""
+    if report.get("product"):
+        outputs = [name for name, one in report["outputs"].items() if one.get("product")]
+        return f"In {joined(outputs)}: {sentences.uncapitalised(sentences.PRODUCTS[report['product']][0])}"
     if report["verdict"] != "partial" or not any(sentences.is_probable(effect) for effect in report["effects"]):
         return None
     return f"Something else remains, most of it in {report['unexplained']['output']}."

@@ -23,6 +23,7 @@ KEPT = (  # of the report of an output
     "noise",
     "where",
     "unexplained",
+    "product",
     "explanation",
     "novelty",
     "reference",
@@ -114,6 +115,7 @@ def combine(prepared: Prepared, explained: Sequence[ExplainedOutput], parts: Seq
         "noise": {name: part.report["noise"] for name, part in last.items()},
         "reference": "outside" if any(part.report["reference"] == "outside" for part in last.values()) else "inside",
         "unexplained": _unexplained(last, gap),
+        "product": next((product for part in last.values() if (product := part.report["product"])), ""),
         "limits": [
             row | {"signal": {"u": part.main, "y": part.output}.get(row["signal"]), "output": part.output}
             for part in last.values()

@@ -15,8 +15,9 @@ from signals_reports import signals_report, with_planned_inputs
 from labsid.gap.reports.html_report import write_html_report
 from labsid.gap.reports.page_parts import command
 from labsid.gap.reports.quantities import number
+from labsid.gap.reports.sentences import PRODUCTS
 from labsid.gap.reports.signals_page import encoded_figures, page_content, render_signals
-from labsid.gap.reports.signals_text import verdict_sentence
+from labsid.gap.reports.signals_text import format_signals, verdict_sentence
 from labsid.gap.signals.result import SignalsDiagnosis
 
 HOSTILE = "<script>alert('&\"')</script>"
@@ -224,3 +225,15 @@ def test_a_notebook_shows_the_page_and_the_figure(undrawn_signals):
     result = SignalsDiagnosis(KINDS["effect"], {})
     assert result._repr_html_().startswith('<iframe srcdoc="&lt;!doctype html&gt;')
     assert result.plot().axes[-2].get_title(loc="left") == "Cause: dead zone"
+
+
+@pytest.mark.parametrize("product", ["output", "wave"])
+def test_a_product_in_place_of_the_effects_is_said_with_its_output(product):
+    found = signals_report(("cubic-stiffness", None), verdict="partial", probability=0.4)
+    outputs = {name: one | {"product": product if name == "level" else ""} for name, one in found["outputs"].items()}
+    found |= {"product": product, "outputs": outputs, "next_experiment": None}
+    text = " ".join(format_signals(found).split())
+    said, look = PRODUCTS[product]
+    assert f"In level: a{said[1:]}" in text
+    assert look in text
+    assert said not in format_signals(found | {"product": ""})
