@@ -44,7 +44,7 @@ def format_signals(report: dict[str, Any]) -> str:
         said = sentences.experiment_sentence(report)
         lines += titled_lines("next", f"Apply the inputs that --json writes as next_experiment. {said}")
     elif report.get("product"):
-        lines += titled_lines("next", sentences.look_sentence(report))
+        lines += titled_lines("next", sentences.PRODUCTS[report["product"]][1])
     for count, finding in enumerate(finding_sentences(report)):
         lines += titled_lines("" if count else "record", printable(finding))
     return "\n".join(printable(line) for line in lines)
