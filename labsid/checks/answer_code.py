@@ -71,6 +71,31 @@ class AnswerCode:
             for node in in_order(self._tree)
         )
 
+    @property
+    def shrinks_its_loop(self) -> bool:
+        """Whether a `for` goes over a list from which its lines remove."""
+        loops = (node for node in in_order(self._tree) if isinstance(node, ast.For) and isinstance(node.iter, ast.Name))
+        return any(loop.iter.id in _shrunk(loop) for loop in loops if isinstance(loop.iter, ast.Name))
+
+    @property
+    def returns_in_loop(self) -> bool:
+        """Whether a `return` stands in a `for` or a `while`."""
+        loops = (node for node in in_order(self._tree) if isinstance(node, _LOOPS))
+        return any(isinstance(inner, ast.Return) for loop in loops for inner in in_order(loop, _FUNCTIONS))
+
+    @property
+    def index_of_the_one_before(self) -> str:
+        """The first entry that is read with an index such as `n - 1`, as it is written; empty without one."""
+        for node in in_order(self._tree):
+            index = node.slice if isinstance(node, ast.Subscript) else None
+            if not isinstance(index, ast.BinOp) or not isinstance(index.op, ast.Sub):
+                continue
+            owner, one = node.value, index.right  # type: ignore[attr-defined]
+            is_one = isinstance(one, ast.Constant) and one.value == 1
+            if is_one and isinstance(owner, ast.Name) and isinstance(index.left, ast.Name):
+                return f"{owner.id}[{index.left.id} - 1]"
+        return ""
+
     def has(self, *numbers: float, within: float = 1e-9) -> bool:
         """Whether one of these numbers is written, up to a relative distance."""
         written = self.numbers
@@ -112,6 +137,23 @@ class AnswerCode:
         lines = self._text.splitlines()
         line = lines[node.lineno - 1].partition("#")[0].strip() if node.lineno <= len(lines) else ""
         return line if len(line) <= _LONGEST else f"{line[:_LONGEST]}..."
+
+
+def _shrunk(loop: ast.For) -> frozenset[str]:
+    """The lists from which a loop removes, with `remove`, `pop` or `del`."""
+    methods = (
+        node.func.value
+        for node in in_order(loop)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in ("remove", "pop")
+    )
+    deleted = (
+        target.value
+        for node in in_order(loop)
+        if isinstance(node, ast.Delete)
+        for target in node.targets
+        if isinstance(target, ast.Subscript)
+    )
+    return frozenset(owner.id for owner in (*methods, *deleted) if isinstance(owner, ast.Name))
 
 
 def code_of(ask: object, name: str = "") -> AnswerCode | None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.verdict import Answer, Slip, Verdict
+from labsid.checks.verdict import Answer, Slip, Verdict, are_named
 
 TWO = "two mistakes at once"
 """The slip of an answer in which two parts of a formula are changed."""
@@ -51,6 +51,8 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
     make : callable
         ``make(**parts)`` is the formula with these parts changed.
     """
+    if not are_named():
+        return
     made: list[tuple[Edit, Edit, Any]] = []
     for one, other in combinations(list(edits), 2):
         if one.part != other.part:

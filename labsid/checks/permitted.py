@@ -21,7 +21,7 @@ ALLOWED_MODULES = (
     "checks.key_causes", "checks.library_errors", "checks.line_values", "checks.loops", "checks.matlab_syntax",
     "checks.matrix_causes", "checks.mended_functions", "checks.module_names", "checks.notebook",
     "checks.notebook_ask", "checks.notebook_file",
-    "checks.notebook_tries", "checks.operands", "checks.origin_of_values", "checks.permitted", "checks.points",
+    "checks.notebook_tries", "checks.one_place", "checks.operands", "checks.origin_of_values", "checks.permitted", "checks.points",
     "checks.python_errors", "checks.question", "checks.relations", "checks.repairs", "checks.singular_matrices",
     "checks.stops", "checks.summary", "checks.syntax_trees", "checks.tables", "checks.time_limit",
     "checks.tuple_causes", "checks.values", "checks.verdict", "checks.written_calls", "checks.written_values",

@@ -23,6 +23,7 @@ from labsid.checks.assignments.lab_identification.simulated_output import (
     read_output,
 )
 from labsid.checks.compare import as_number
+from labsid.checks.double_mistakes import Edit
 from labsid.checks.figures import find_curve
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
@@ -121,12 +122,32 @@ def check_errors(ask: Ask) -> Verdict:
             for signal, values in raw.items()
         ]
 
+    def others(samples: int, simulated: FloatArray) -> list[Edit]:
+        return [
+            Edit("e", values[-samples:] - simulated, f"`{signal}`, with the offset, is taken for `y`")
+            for signal, values in raw.items()
+        ]
+
+    parts = [
+        Edit("e", y[:half] - y_sim_half, "the first half of `y` is compared with the simulation of the second"),
+        Edit("e", y_half - y_sim[-half:], "`y_sim` is taken for `y_sim_half`"),
+        Edit("e", y[:half] - y_sim[:half], "the first half of `y` is compared with that of `y_sim`"),
+        Edit("e", y - y_sim, "all samples of `y` are compared with `y_sim`"),
+    ]
     verdict = judge_mse(
-        "mse_half", got["mse_half"], y_half, y_sim_half, [*slips, whole, *unlike("mse_half", half, y_sim_half)]
+        "mse_half",
+        got["mse_half"],
+        y_half,
+        y_sim_half,
+        [*slips, whole, *unlike("mse_half", half, y_sim_half)],
+        [*parts, *others(half, y_sim_half)],
     )
     if not verdict.passed:
         return verdict
-    return judge_mse("mse_all", got["mse_all"], y, y_sim, unlike("mse_all", y.size, y_sim))
+    halves = [Edit("e", y_half - y_sim_half, "the second half of `y` is compared with `y_sim_half`")]
+    return judge_mse(
+        "mse_all", got["mse_all"], y, y_sim, unlike("mse_all", y.size, y_sim), [*halves, *others(y.size, y_sim)]
+    )
 
 
 def right_errors(ask: Ask) -> dict[str, Value]:
