@@ -72,6 +72,11 @@ class AnswerCode:
         )
 
     @property
+    def divides(self) -> bool:
+        """Whether one thing is divided by another."""
+        return any(isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) for node in in_order(self._tree))
+
+    @property
     def shrinks_its_loop(self) -> bool:
         """Whether a `for` goes over a list from which its lines remove."""
         loops = (node for node in in_order(self._tree) if isinstance(node, ast.For) and isinstance(node.iter, ast.Name))

@@ -87,8 +87,8 @@ def as_matrix(
     if array.ndim != 2 or not _fits(array.shape, shape):
         if _is_joined(array, shape):
             raise NoAnswer(
-                f"`{name}` should have shape ({wanted}); its shape {array.shape} is that of {shape[1]} columns one below "
-                "the other, as `np.concatenate` and `np.vstack` join them. Side by side they are joined by "
+                f"`{name}` should have shape ({wanted}); its shape {array.shape} is that of {shape[1]} columns one "
+                "below the other, as `np.concatenate` and `np.vstack` join them. Side by side they are joined by "
                 "`np.column_stack([...])` or `np.hstack([...])`.",
                 "columns joined end to end",
             )

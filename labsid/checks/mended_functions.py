@@ -2,7 +2,7 @@
 
 import ast
 import linecache
-from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from inspect import getblock
 from textwrap import dedent
@@ -71,9 +71,7 @@ def mended(name: str, mend: Mend, variables: Mapping[str, Any]) -> Callable[...,
     return None if functions is None else functions.get(name)
 
 
-def rebound(
-    changed: str, tree: ast.Module, variables: Mapping[str, Any]
-) -> Mapping[str, Callable[..., Any]] | None:
+def rebound(changed: str, tree: ast.Module, variables: Mapping[str, Any]) -> Mapping[str, Callable[..., Any]] | None:
     """The functions of a notebook, made anew with variables of their own, one of them from another definition.
 
     Parameters
@@ -95,7 +93,7 @@ def rebound(
         for key, thing in variables.items()
         if isinstance(thing, FunctionType) and thing.__globals__ is variables
     }
-    names: MutableMapping[str, Any] = dict(variables)
+    names: dict[str, Any] = dict(variables)
     try:
         exec(compile(tree, "<mended>", "exec"), names)
     except Exception:  # the student's defaults are computed anew, and may fail

@@ -76,7 +76,7 @@ class _Change:
         else:
             items = getattr(self.parent, self.field)
             old, items[self.index] = items[self.index], expression
-        return old  # type: ignore[no-any-return]
+        return old
 
 
 def one_place(names: list[str], variables: Mapping[str, Any], is_right: Callable[[Functions], bool]) -> Place | None:
@@ -150,9 +150,7 @@ def _definition(text: str) -> ast.FunctionDef | None:
 
 def _changes(function: ast.FunctionDef) -> Iterator[_Change]:
     arguments = [one.arg for one in function.args.args]
-    stored = [
-        node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-    ]
+    stored = [node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
     names = list(dict.fromkeys([*arguments, *stored]))
     waiting: list[tuple[ast.AST, tuple[ast.AST, ...]]] = [(one, ()) for one in function.body]
     while waiting:
@@ -167,8 +165,8 @@ def _changes(function: ast.FunctionDef) -> Iterator[_Change]:
                 if isinstance(node, ast.expr) and isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
                     for rank, new, is_whole in _others(node, parent, names):
                         shown = node if is_whole else _enclosing(node, (*above, parent))
-                        is_itself = shown is node
-                        yield _Change(rank, parent, field, index, new, _Slot(parent, field, index) if is_itself else shown)
+                        shown = _Slot(parent, field, index) if shown is node else shown
+                        yield _Change(rank, parent, field, index, new, shown)
 
 
 class _Slot(ast.AST):
@@ -181,7 +179,7 @@ class _Slot(ast.AST):
     def node(self) -> ast.AST:
         """What stands there now."""
         value = getattr(self.parent, self.field)
-        return value if self.index is None else value[self.index]  # type: ignore[no-any-return]
+        return value if self.index is None else value[self.index]
 
 
 def _shown(node: ast.AST) -> str:

@@ -206,8 +206,8 @@ def check_first_period(ask: Ask) -> Verdict:
     slips = [
         slip(
             "index wraps around",
-            f"It returns 0 where the last sample of the input differs from the first: at the first sample, `{at_first}` "
-            "is `u[-1]`, the *last* one. Begin with the second sample, or compare with `u[0]`.",
+            "It returns 0 where the last sample of the input differs from the first: at the first sample, "
+            f"`{at_first}` is `u[-1]`, the *last* one. Begin with the second sample, or compare with `u[0]`.",
             [n if u[-1] == u[0] else 0.0 for u, n in zip(trials, right, strict=True)] if at_first else [],
         ),
         slip(

@@ -369,9 +369,9 @@ def _judge_samples(got: FloatArray, u: FloatArray, y: FloatArray, model: ArxMode
         if SAME(got, simulate(model, u, estimate_initial_state(model, u, y, samples))):
             return Verdict(
                 False,
-                f"It takes the state from the first {samples} samples alone, with their noise: by this noise its output "
-                f"is {times:.2g} times as far off, on average, as from the state that fits all of `y` best. Fit the "
-                "state by least squares to all samples, or to about the first fifty.",
+                f"It takes the state from the first {samples} samples alone, with their noise, by which its output is "
+                f"{times:.2g} times as far off, on average, as from the state that fits all of `y` best. Fit the state "
+                "by least squares to all samples, or to about the first fifty.",
                 "state from a few samples",
             )
     return Verdict(True, "")
@@ -379,7 +379,7 @@ def _judge_samples(got: FloatArray, u: FloatArray, y: FloatArray, model: ArxMode
 
 def _noise_gain(columns: FloatArray, used: FloatArray) -> float:
     """Root-mean-square error of the response from a state that is fitted to white noise of variance 1."""
-    factor = np.linalg.qr(used, mode="r")
+    factor = np.linalg.qr(used)[1]
     return float(np.linalg.norm(np.linalg.solve(factor.T, columns.T))) if np.all(np.diag(factor)) else float("inf")
 
 

@@ -74,8 +74,8 @@ def check_excitation(ask: Ask) -> Verdict:
         )
     return Verdict(
         False,
-        f"`excitation(u, {_LARGEST})` returns {answers[wrong]:g} for {trials[wrong][0]}, another order than its own. Print "
-        f"each n that is tried, the shape and the rank of its matrix, and its first rows.",
+        f"`excitation(u, {_LARGEST})` returns {answers[wrong]:g} for {trials[wrong][0]}, another order than its own. "
+        "Print each n that is tried, the shape and the rank of its matrix, and its first rows.",
     )
 
 
@@ -409,8 +409,8 @@ def _real(value: Value) -> FloatArray:
     if array is not None and array.dtype.kind == "c":
         if np.any(np.abs(array.imag) > 1e-6):
             raise NoAnswer(
-                "`cancel` returns coefficients with large imaginary parts: of two complex roots that belong together, one "
-                "is left.",
+                "`cancel` returns coefficients with large imaginary parts: of two complex roots that belong together, "
+                "one is left.",
                 "one root of a pair left",
             )
         array = array.real

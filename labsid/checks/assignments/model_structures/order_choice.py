@@ -168,8 +168,8 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
             ),
             Slip(
                 "rows cut at the wrong end",
-                f"`losses` leaves out rows at the *end*: the model of order n begins at sample n, and explains other "
-                f"outputs. Leave out the first max(orders) - n rows of each.",
+                "`losses` leaves out rows at the *end*: the model of order n begins at sample n, and explains other "
+                "outputs. Leave out the first max(orders) - n rows of each.",
                 lambda: np.array([_loss(_wrapped(u, y, n)[n : n + rows], y[n : n + rows]) for n in orders]),
             ),
             *(

@@ -72,8 +72,8 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         right,
         SAME,
         "",
-        "`example_3_1` does not return the least-squares [a, b]. The row beside y(t) is [-y(t-1), u(t-1)], from t = 1 on: "
-        "print the shape and the first two rows of your Phi, beside those of Y.",
+        "`example_3_1` does not return the least-squares [a, b]. The row beside y(t) is [-y(t-1), u(t-1)], from t = 1 "
+        "on: print the shape and the first two rows of your Phi, beside those of Y.",
         [
             Slip(
                 "sign of a",

@@ -342,11 +342,12 @@ def check_layout(ask: Ask) -> Verdict:
             "plane. The tolerance is for rounding alone, such as 1e-9, and not for a distance in the room.",
             "tolerance too wide",
         )
-    first = missed[0]
+    first, code = missed[0], code_of(ask, "layout")
+    because = first.because if code is not None and code.divides else ""
     return Verdict(
         False,
         f"`layout` is wrong for {len(first.beacons)} beacons that {_SAID[first.kind]}{first.says}: it says "
-        f"{told[min(told)]!r}.{first.because}",
+        f"{told[min(told)]!r}.{because}",
         first.slip or None,
     )
 

@@ -190,21 +190,25 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
 def _pairs(u: FloatArray, y: FloatArray, n: int, k: int) -> Iterator[Slip[FloatArray]]:
     """Two mistakes in a fit whose rows start at k: in its columns, and in the order and signs of what is returned."""
     past_y, past_u = np.hsplit(build_phi(u, y, n, k).Phi, 2)
+    eye, ones = np.eye(2 * n), np.ones(2 * n)
 
     def made(
         past_y: FloatArray = past_y,
         past_u: FloatArray = past_u,
-        out: FloatArray = np.eye(2 * n),
-        sign: FloatArray = np.ones(2 * n),
+        out: FloatArray = eye,
+        sign: FloatArray = ones,
     ) -> FloatArray:
         return np.asarray(out @ (sign * solve_least_squares(np.hstack([past_y, past_u]), y[k:]).theta), float)
 
-    eye = np.eye(2 * n)
     edits = [
-        Edit("past_u", np.column_stack([u[k:], past_u[:, :-1]]), "the row for y(k) begins its inputs with u(k), not u(k-1)"),
+        Edit(
+            "past_u",
+            np.column_stack([u[k:], past_u[:, :-1]]),
+            "the row for y(k) begins its inputs with u(k), not u(k-1)",
+        ),
         Edit("past_y", np.column_stack([y[k:], past_y[:, :-1]]), "the row for y(k) holds y(k) itself"),
         Edit("sign", np.repeat([-1.0, 1.0], n), "[a, b] is returned in place of theta, [-a, b]"),
-        Edit("sign", -np.ones(2 * n), "the signs of all parameters are turned"),
+        Edit("sign", -ones, "the signs of all parameters are turned"),
         Edit("out", np.roll(eye, n, axis=0), "b is returned before a"),
         Edit("out", eye[::-1], "theta is returned in reverse order"),
     ]

@@ -17,8 +17,8 @@ from labsid.checks.assignments.step_response.slips import (
     two_slips,
 )
 from labsid.checks.compare import as_array, as_number, as_theta, as_vector, close, kind_of
-from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.double_mistakes import FACTORS, with_factors
+from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import BEYOND_RESULTS, Answer, NoAnswer, Slip, Verdict, first_failure, judge
