@@ -69,6 +69,18 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
             yield Slip(TWO, f"{name} has two mistakes: {one.says}; {other.says}.", partial(_itself, value))
 
 
+def with_pairs(
+    verdict: Verdict, got: Answer, same: Callable[[Answer, Answer], bool], pairs: Iterable[Slip[Answer]]
+) -> Verdict:
+    """A verdict that names no mistake, with the two mistakes that give the answer, if any of the pairs do."""
+    if verdict.passed or verdict.slip is not None:
+        return verdict
+    for pair in pairs:
+        if same(got, pair.wrong()):
+            return replace(verdict, reason=pair.hint, slip=pair.name)
+    return verdict
+
+
 def told_factors(name: str, got: FloatArray, terms: Mapping[str, FloatArray], asked: Mapping[str, float]) -> str:
     """Of which multiples of known terms a result is the sum, where these are not the ones that are asked for.
 

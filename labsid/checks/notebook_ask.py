@@ -25,6 +25,8 @@ from labsid.checks.written_calls import numbers_handed
 from labsid.records.record import Record
 
 PUBLIC_SEED = 2018
+_CHANGED_SECONDS = 1.0
+"""Longest call of a function in which one expression is changed; `one_place` limits them all together."""
 _SMALL = 9
 """Largest number of entries that a message writes out."""
 
@@ -147,9 +149,9 @@ class NotebookAsk:
             self.names[:], self.tried, self.beside = kept
 
     def call_function(self, function: Callable[..., Any], *arguments: Value) -> Value:
-        """The result of a function, as plain data, within the time of a mended one; raises `NoAnswer` without one."""
+        """The result of a changed function, as plain data; raises `NoAnswer` if it has none."""
         try:
-            with limit_time(MEND_SECONDS):
+            with limit_time(_CHANGED_SECONDS):
                 return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
         except (Exception, OutOfTime) as error:
             raise NoAnswer("the function stops.") from error

@@ -16,10 +16,12 @@ from labsid.checks.function_reads import function_text
 from labsid.checks.mended_functions import MOST_LEVELS, rebound
 from labsid.checks.syntax_trees import is_deep
 
-MOST_CHANGES, CPU_SECONDS = 200, 0.3
+MOST_CHANGES, CPU_SECONDS = 200, 0.4
 """Changes that are tried at one answer, and the processor time that they may take together."""
 _LONGEST = 100  # characters of a line or an expression in a message
 _SMALL = 3  # integers up to it are indices, lags and bounds, which are often off by one
+_REDUCE = ("sum", "mean", "norm")
+"""Functions that make one number of many where each is asked for."""
 _KEPT_CALLS = ("range", "len", "enumerate", "zip", "list", "int", "float", "array", "asarray", "copy", "zeros", "ones")
 """Functions without which an expression is another kind of thing, or the same."""
 
@@ -269,7 +271,7 @@ def _other_calls(node: ast.Call) -> Iterator[tuple[int, ast.expr, bool]]:
             yield 1, deepcopy(counted[0].args[0]), True  # type: ignore[attr-defined]
         return
     if len(arguments) == 1 and not node.keywords and name not in _KEPT_CALLS:
-        yield 1, arguments[0], True
+        yield -1 if name in _REDUCE else 1, arguments[0], True
         inner = arguments[0]
         if isinstance(inner, ast.Call) and len(inner.args) == 1 and not inner.keywords:
             yield 2, inner.args[0], True

@@ -5,6 +5,23 @@ from tries import ACCEPTED, Try
 TRIES = {
     "armax-and-instruments": (
         Try(
+            "ai-8-recursive",
+            "phi in both places",
+            "def recursive_iv(u, y, warm_up):\n"
+            "    theta, P, stable = np.zeros(2), 1e6 * np.eye(2), np.zeros(2)\n"
+            "    phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((len(y), 2))\n"
+            "    for n in range(len(y)):\n"
+            "        z = phi if n < warm_up else z_model\n"
+            "        P = P - np.outer(P @ phi, phi @ P) / (1 + phi @ P @ phi)\n"
+            "        theta = theta + P @ z * (y[n] - phi @ theta)\n"
+            "        history[n] = theta\n"
+            "        if abs(theta[0]) < 1:\n"
+            "            stable = theta.copy()\n"
+            "        phi, z_model = np.array([-y[n], u[n]]), np.array([-z_model @ stable, u[n]])\n"
+            "    return history\n",
+            "as least squares does",
+        ),
+        Try(
             "ai-3-limit",
             "b biased as well",
             "def limit_of_least_squares(a, b, c, var_u, var_e):\n"
@@ -110,24 +127,12 @@ TRIES = {
             "z' P phi in its denominator",
         ),
         Try(
-            "ai-7-iterated",
-            "Z is Phi",
-            "def iterated_iv(u, y, rounds):\n"
-            "    Phi = np.column_stack([-y[:-1], u[:-1]])\n"
-            "    Z = Phi\n"
-            "    for _ in range(rounds):\n"
-            "        theta = np.linalg.solve(Z.T @ Phi, Z.T @ y[1:])\n"
-            "    return np.linalg.lstsq(Phi, y[1:])[0] if rounds == 0 else theta\n",
-            "With Z = Phi it is least squares",
-            never="round.* in place of",
-        ),
-        Try(
             "ai-3-limit",
             "b and the variance off",
             "def limit_of_least_squares(a, b, c, var_u, var_e):\n"
             "    var_y = b**2 * var_u + var_e\n"
             "    return np.array([a - c * var_e / var_y, b + var_e / var_u])\n",
-            "another limit of a|variance of y",
+            "another limit of a",
             never="right in a",
         ),
         Try(
@@ -137,11 +142,17 @@ TRIES = {
             "    N = len(Y)\n"
             "    e = Y - Phi @ theta\n"
             "    return -N / 2 * np.log(2 * np.pi * var_e) - N / 2\n",
-            "log_likelihood",
+            "density of one sample by hand",
             never="does not use var_e",
         ),
     ),
     "lab-identification": (
+        Try(
+            "lab-2b-theta",
+            "residual of lstsq",
+            "theta_hat = np.linalg.lstsq(Phi, Y)[1]\n",
+            r"`lstsq` returns as `\[1\]`",
+        ),
         Try(
             "lab-1c-figure-6",
             "minutes",
@@ -188,7 +199,7 @@ TRIES = {
             "x in ([1, 0], [0, 1])])\n"
             "    x0 = np.linalg.solve(F[:2], (y - rest)[:2])\n"
             "    return ct.forced_response(G_ss, time, u, initial_state=x0).outputs\n",
-            "first 2 samples alone",
+            "first 2 samples only",
         ),
         Try(
             "lab-3b-initial-state",
@@ -200,7 +211,7 @@ TRIES = {
             "x in ([1, 0], [0, 1])])\n"
             "    x0 = np.linalg.lstsq(F[:8], (y - rest)[:8])[0]\n"
             "    return ct.forced_response(G_ss, time, u, initial_state=x0).outputs\n",
-            "first 8 samples alone",
+            "first 8 samples only",
             never="first 2",
         ),
         Try(
@@ -235,7 +246,7 @@ TRIES = {
             "n = len(y) // 3\n"
             "mse_half = np.sqrt(np.mean((y[:n] - y_sim[:n]) ** 2))\n"
             "mse_all = np.mean((y - y_sim) ** 2)\n",
-            "`mse_half`",
+            "mean of the squared differences between measured",
             never="two mistakes",
         ),
     ),
@@ -262,7 +273,7 @@ TRIES = {
             "ls-5-projector",
             "columns scaled only",
             "def projector(Phi):\n    Q = Phi / np.linalg.norm(Phi, axis=0)\n    return Q @ Q.T\n",
-            "takes the columns for orthogonal",
+            "takes them for orthogonal",
         ),
         Try(
             "ls-8-weighted",
@@ -404,7 +415,7 @@ TRIES = {
             "                break\n"
             "    a, b = np.atleast_1d(np.poly(p)).real[::-1], np.atleast_1d(np.poly(q)).real[::-1]\n"
             "    return a / a[0], b / b[0]\n",
-            "the distance of 1/z",
+            "list turned round",
         ),
         Try(
             "ms-3-state-space",
@@ -453,36 +464,6 @@ TRIES = {
             "`return` stands in a loop",
         ),
         Try(
-            "ms-9-cancel",
-            "removed from its own list",
-            "def cancel(P, Q, within):\n"
-            "    p, q = list(np.roots(P)), list(np.roots(Q))\n"
-            "    for s in p:\n"
-            "        for r in q:\n"
-            "            if abs(s - r) < within:\n"
-            "                p.remove(s)\n"
-            "                q.remove(r)\n"
-            "                break\n"
-            "    return np.atleast_1d(np.real(np.poly(p))), np.atleast_1d(np.real(np.poly(q)))\n",
-            "loop over a copy",
-            never="`return` stands",
-        ),
-        Try(
-            "ms-9-cancel",
-            "compared to the last digit",
-            "def cancel(P, Q, within):\n"
-            "    p, q = list(np.roots(P)), list(np.roots(Q))\n"
-            "    for s in list(p):\n"
-            "        if s in q:\n"
-            "            p.remove(s)\n"
-            "            q.remove(s)\n"
-            "    if len(p) == len(P) - 1:\n"
-            "        return P, Q\n"
-            "    return np.atleast_1d(np.real(np.poly(p))), np.atleast_1d(np.real(np.poly(q)))\n",
-            "Equal to the last digit",
-            never="1/z",
-        ),
-        Try(
             "ms-7-excitation",
             "rows of one sample less",
             "def excitation(u, largest):\n"
@@ -491,7 +472,7 @@ TRIES = {
             "        if np.linalg.matrix_rank(M) < n:\n"
             "            return n - 1\n"
             "    return largest\n",
-            "excitation",
+            "another order than its own",
             never="never tries",
         ),
         Try(
@@ -508,7 +489,7 @@ TRIES = {
             "        theta = np.linalg.lstsq(Phi, y[start:])[0]\n"
             "        V.append(np.mean((y[start:] - Phi @ theta) ** 2))\n"
             "    return np.array(V)\n",
-            "`losses`",
+            "Try one order",
             never=r"rows at the \*end\*",
         ),
         Try(
@@ -521,6 +502,17 @@ TRIES = {
         ),
     ),
     "nonlinear-least-squares": (
+        Try(
+            "nl-9-output-error",
+            "first 50 samples",
+            "def fit_output_error(u, y):\n"
+            "    u, y = u[:50], y[:50]\n"
+            "    start = np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])[0]\n"
+            "    def errors(q):\n"
+            "        return scipy.signal.lfilter([0, q[1]], [1, q[0]], u) - y\n"
+            "    return scipy.optimize.least_squares(errors, start).x\n",
+            "first 50 of 150 samples: all of them count. *$",
+        ),
         Try(
             "nl-1-logarithm",
             "power law",
@@ -630,7 +622,7 @@ TRIES = {
             "def layout(beacons):\n"
             "    d = beacons[:3] - beacons[0]\n"
             "    return ['undetermined', 'mirror', 'unique'][np.linalg.matrix_rank(d, tol=1e-9)]\n",
-            "two of them in one place|span the plane",
+            "wrong for 4 beacons that span the plane",
             never="singular value",
         ),
         Try(
@@ -665,7 +657,7 @@ TRIES = {
             "postlab-1-transfer-function",
             "entries swapped",
             "a1, b1 = -theta_1[1], theta_1[0]\nG_1 = ct.tf([b1], [1, a1], Ts)\n",
-            "a1 and b1 are swapped.*minus sign belongs",
+            "a and b are swapped.*minus sign belongs",
         ),
         Try(
             "postlab-2-fit-order",
@@ -714,7 +706,7 @@ TRIES = {
             'ax.text(0.02, 0.97, "order 1: MSE " + f"{mse_1:.0e}" + "\\norder 2: MSE " + '
             'f"{mse_2:.0e}", transform=ax.transAxes, va="top")\n'
             "ax.legend()\n",
-            "three significant digits|no digits",
+            "not exact enough",
             never="is not the first-order",
         ),
         Try(
@@ -730,13 +722,13 @@ TRIES = {
             "prelab-4-matrix",
             "concatenate on top",
             "data_new = np.concatenate([t_new, y2_new, y1_new])\n",
-            "3 columns one below the other",
+            "one below the other",
         ),
         Try(
             "prelab-4-matrix",
             "two on top",
             "data_new = np.concatenate([t_new, y1_new])\n",
-            "should have shape",
+            r"array of shape \(1602, 1\)",
             never="one below the other",
         ),
     ),
@@ -795,7 +787,7 @@ TRIES = {
             "        \n"
             "        history[k], traces[k] = theta, np.trace(P)\n"
             "    return history, traces\n",
-            "`rls_bounded`",
+            "does not follow the rule",
             never="first sample with lambda",
         ),
     ),

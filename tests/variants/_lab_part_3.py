@@ -339,7 +339,7 @@ VARIANTS: list[Right | Wrong] = [
         "two samples, solved",
         function(PIECES + "return from_rest + O @ np.linalg.solve(O[:2], (y - from_rest)[:2])"),
         "state from a few samples",
-        "first 2 samples alone",
+        "first 2 samples only",
     ),
     right(
         STATE,
@@ -365,7 +365,7 @@ VARIANTS: list[Right | Wrong] = [
             "    s[k] = -a1 * s[k-1] - a2 * s[k-2] + b1 * u[k-1] + b2 * u[k-2]\nreturn s"
         ),
         "state from a few samples",
-        "first 2 samples alone",
+        "first 2 samples only",
     ),
     right(
         STATE,

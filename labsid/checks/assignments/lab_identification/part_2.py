@@ -193,7 +193,7 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
         *(
             slip(
                 "a and b swapped",
-                f"a{index} and b{index} are swapped: theta begins with -a, and b comes after it."
+                "a and b are swapped: theta begins with -a, and b comes after it."
                 f"{' The minus sign belongs to the entries that hold -a.' if sign < 0 else ''}",
                 turn * a[1:],
                 np.concatenate([[1.0], sign * b]),

@@ -369,7 +369,7 @@ def _judge_samples(got: FloatArray, u: FloatArray, y: FloatArray, model: ArxMode
         if SAME(got, simulate(model, u, estimate_initial_state(model, u, y, samples))):
             return Verdict(
                 False,
-                f"It takes the state from the first {samples} samples alone, with their noise, by which its output is "
+                f"It takes the state from the first {samples} samples only, with their noise, by which its output is "
                 f"{times:.2g} times as far off, on average, as from the state that fits all of `y` best. Fit the state "
                 "by least squares to all samples, or to about the first fifty.",
                 "state from a few samples",

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_vector, close, kind_of
-from labsid.checks.double_mistakes import Edit, pairs_of
+from labsid.checks.double_mistakes import Edit, pairs_of, with_pairs
 from labsid.checks.question import Ask
 from labsid.checks.recursions import Factor, with_recursion
 from labsid.checks.regressions import WRAPS, wrapped_filter
@@ -98,12 +98,12 @@ def judge_entire_run(
         ),
         _predictions_elsewhere(name, data, model, "whole record, from `u` alone"),
         _slips(name, data, model, 0, _is_column(value)),
-        _pairs(name, data, model, 0),
         _step_response(name, got, model, "`u`"),
         more,
     )
     verdict = judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
-    return _with_terms(verdict, name, got, data.u, data.y, model)
+    verdict = _with_terms(verdict, name, got, data.u, data.y, model)
+    return with_pairs(verdict, got, SAME, _pairs(name, data, model, 0))
 
 
 def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
@@ -150,12 +150,12 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         Slip(*measured, lambda: simulate(model, u, estimate_initial_state(model, u, y))),
         *_predictions_elsewhere(name, data, model, "second half, from `u[half:]` alone"),
         *_slips(name, data, model, half, _is_column(value)),
-        *_pairs(name, data, model, half),
         *_step_response(name, got, model, "`u[half:]`"),
     ]
     right = simulate(model, u)
     verdict = judge(got, right, SAME, "", _otherwise(name, got, right), slips)
-    return _with_terms(verdict, name, got, u, y, model)
+    verdict = _with_terms(verdict, name, got, u, y, model)
+    return with_pairs(verdict, got, SAME, _pairs(name, data, model, half))
 
 
 def _with_terms(verdict: Verdict, name: str, got: FloatArray, u: FloatArray, y: FloatArray, model: ArxModel) -> Verdict:

@@ -54,7 +54,7 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
             ),
             Slip(
                 "columns taken for orthogonal",
-                "`projector` divides each column by its length, and takes the columns for orthogonal: what two columns "
+                "`projector` scales each regressor to length one, and takes them for orthogonal: what two of them "
                 "share is then counted twice.",
                 lambda: (Phi / np.sum(Phi**2, axis=0)) @ Phi.T,
                 mend="(Phi'Phi)^-1, the inverse of the whole matrix, belongs in the middle.",

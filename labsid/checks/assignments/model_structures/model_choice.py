@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from labsid._arrays import FloatArray
 from labsid.checks.answer_code import code_of
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
+from labsid.checks.double_mistakes import TWO
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS, wrapped
 from labsid.checks.values import Value
@@ -45,7 +46,7 @@ def check_excitation(ask: Ask) -> Verdict:
                 False,
                 "`excitation` stops one order too early: it never tries n = largest. (`range(1, largest)` leaves out "
                 f"its end.){also}",
-                "largest left out",
+                TWO if also else "largest left out",
             )
     for slip, hint, rule in _WRONG_ORDERS:
         if answers == [rule(u) for _, u in trials]:

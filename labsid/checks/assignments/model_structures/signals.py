@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_vector, close
-from labsid.checks.double_mistakes import Edit, pairs_of
+from labsid.checks.double_mistakes import Edit, pairs_of, with_pairs
 from labsid.checks.question import Ask, returned, with_lists
 from labsid.checks.recursions import Factor, with_recursion
 from labsid.checks.regressions import wrapped_filter
@@ -277,7 +277,6 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                     PolynomialModel(A, np.ones(1), np.ones(1), 0), wrapped_filter(B, u) + wrapped_filter(C, e)
                 ),
             ),
-            *pairs_of("`simulate`", _edits_of_simulation(A, B, C), partial(_simulated, A, B, C, u, e)),
         ],
     )
     asked = {
@@ -285,7 +284,9 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
         **{("u", i): Factor(f"B[{i}]", b) for i, b in enumerate(B) if b},
         **{("e", i): Factor(f"C[{i}]", c) for i, c in enumerate(C)},
     }
-    return with_recursion(verdict, ("y", got), {"u": u, "e": e}, asked)
+    verdict = with_recursion(verdict, ("y", got), {"u": u, "e": e}, asked)
+    pairs = pairs_of("`simulate`", _edits_of_simulation(A, B, C), partial(_simulated, A, B, C, u, e))
+    return with_pairs(verdict, got, EXACT, pairs)
 
 
 def _edits_of_simulation(A: FloatArray, B: FloatArray, C: FloatArray) -> tuple[Edit, ...]:

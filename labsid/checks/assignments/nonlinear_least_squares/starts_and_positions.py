@@ -327,7 +327,7 @@ def check_layout(ask: Ask) -> Verdict:
     told = {int(i): answer for i, answer in zip(order, answers, strict=True) if answer != made[i].kind}
     if set(told) <= set(SLANTING) and EXACT_SLANTING in told and _has_tolerance(ask):
         return Verdict(False, f"`layout` {_ALONG_AXES}", "along the axes only")
-    if set(told) <= set(SLANTING):
+    if set(told) <= set(SLANTING) - {REPEATED_SLANTING}:
         return Verdict(
             False,
             "`layout` misses beacons on a slanting line: through rounding, what should be zero is about 1e-16. Compare "
@@ -357,8 +357,10 @@ _ALONG_AXES = (
     "what should be zero is about 1e-16 on a slanting line. Compare with a small tolerance.)"
 )
 _SAID = {"unique": "span the plane", "mirror": "lie on one line", "undetermined": "are in one place"}
-SLANTING = (2, 4, 6, 7)
-"""Those of the trial layouts that lie on a line along neither axis; the last two have rounded coordinates."""
+SLANTING = (2, 4, 6, 7, 13)
+"""Those of the trial layouts that lie on a line along neither axis; the third and fourth have rounded coordinates."""
+REPEATED_SLANTING = 13
+"""The one of them with two beacons in one place, and exact coordinates."""
 EXACT_SLANTING = 4
 """One of them with several beacons, whose coordinates and differences are exact."""
 

@@ -120,14 +120,9 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
             f"{where}tau and td are made of the *outputs* at 28.3 % and 63.2 %: take the times there, `t[...]`.",
             "outputs for times",
         )
-    if tau > 0 and td != 0 and _is_right(np.array([K, tau, fit.t_632 - tau]), step, fit):
-        side = "late" if td + tau > fit.t_632 else "early"
-        return Verdict(
-            False,
-            f"{where}K and tau are right, td is not: with {td:.3g} s the model reaches 63.2 % of its change at "
-            f"{td + tau:.3g} s, too {side}. It does so at td + tau.",
-        )
-    return Verdict(False, where + _deviation(values, fit, right_gain))
+    is_td = tau > 0 and _is_right(np.array([K, tau, fit.t_632 - tau]), step, fit)
+    alone = " Of the three, td alone is wrong: it is t_63 - tau." if is_td else ""
+    return Verdict(False, where + _deviation(values, fit, right_gain) + alone)
 
 
 def _matches(
@@ -326,7 +321,7 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
         yield _Suspect("28.3 % taken for the delay", "td", fit.t_283, grid, third)
     between = fit.t_632 - fit.t_283
     if abs(between - right.td) > grid + 2 * SAME_VALUE * right.td:
-        taken = "td is t_63 - t_28, which is two thirds of tau: td is t_63 - tau."
+        taken = "td is t_63 - t_28, a time within tau: td is t_63 - tau."
         yield _Suspect("difference taken for the delay", "td", between, grid, taken)
     late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
