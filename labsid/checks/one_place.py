@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from time import process_time
-from types import FunctionType
+from types import CodeType, FunctionType
 from typing import Any
 
 from labsid.checks.cell_names import parse_python
@@ -132,10 +132,18 @@ def _with_called(names: list[str], variables: Mapping[str, Any]) -> Iterator[str
         seen.append(name)
         yield name
         file = function.__code__.co_filename
-        for other in function.__code__.co_names:
+        for other in _names_of(function.__code__):
             called = variables.get(other)
             if isinstance(called, FunctionType) and called.__code__.co_filename == file:
                 waiting.append(other)
+
+
+def _names_of(code: CodeType) -> Iterator[str]:
+    """The global names in a function, and in the functions and comprehensions within it."""
+    yield from code.co_names
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            yield from _names_of(inner)
 
 
 def _definition(text: str) -> ast.FunctionDef | None:

@@ -85,7 +85,8 @@ def test_the_functions_of_the_notebook_stay_as_they_are() -> None:
 
 
 def test_a_function_of_the_same_cell_that_is_called_is_looked_at() -> None:
-    source = "def step(k):\n    return np.sqrt(2.0 * k)\n\n\ndef f(n):\n    return np.array([step(k) for k in range(1, n + 1)])\n"
+    step = "def step(k):\n    return np.sqrt(2.0 * k)\n\n\n"
+    source = f"{step}def f(n):\n    return np.array([step(k) for k in range(1, n + 1)])\n"
     place = one_place(["f"], defined(source), doubles)
     assert place is not None
     assert place.line == "return np.sqrt(2.0 * k)"
