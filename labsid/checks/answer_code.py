@@ -19,6 +19,8 @@ _CONDITIONS = (ast.If, ast.For, ast.While, ast.Try, ast.Match)
 _OPERATIONS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
 _RETURN_NONE = ("append", "extend", "insert", "sort", "reverse", "print", "shuffle", "fill")
 """Functions and methods that change or show something, and return None."""
+_NOT_IN_PLACE = ("reshape", "ravel", "flatten", "transpose", "squeeze", "round", "astype", "cumsum", "clip")
+"""Functions and methods that return an array and leave the one that they are given as it is."""
 _LONGEST = 60  # characters of a line in a message
 
 
@@ -70,6 +72,19 @@ class AnswerCode:
             isinstance(node, ast.Name) and node.id == name and isinstance(node.ctx, ast.Load)
             for node in in_order(self._tree)
         )
+
+    @property
+    def kept_nowhere(self) -> str:
+        """The first line that computes or reshapes a variable and keeps nothing of it; empty without one.
+
+        The last line of a cell is shown, and does not count.
+        """
+        for node in self._tree.body[:-1]:
+            value = node.value if isinstance(node, ast.Expr) else None
+            is_reshaped = isinstance(value, ast.Call) and last_name(value.func) in _NOT_IN_PLACE
+            if (isinstance(value, ast.BinOp) or is_reshaped) and isinstance(node, ast.Expr):
+                return self._line(node)
+        return ""
 
     @property
     def divides(self) -> bool:

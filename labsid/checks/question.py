@@ -8,7 +8,7 @@ from typing import Any, Protocol, cast
 
 import numpy as np
 
-from labsid.checks.answer_code import nothing_returned
+from labsid.checks.answer_code import code_of, nothing_returned
 from labsid.checks.compare import kind_of
 from labsid.checks.mended_functions import Mend, assigned_by
 from labsid.checks.one_place import Place
@@ -206,11 +206,11 @@ class Question:
         Single precision is the reason only where it leaves too few digits for the tolerance of the question.
         """
         try:
-            return self._with_place(self.judge(ask), ask)
+            return self._with_place(_with_lost_line(self.judge(ask), ask), ask)
         except NoAnswer as nothing:
             refused = Verdict(False, self._said(nothing, ask), nothing.slip)
         if refused.slip != SINGLE_PRECISION:
-            return self._with_place(refused, ask)
+            return self._with_place(_with_lost_line(refused, ask), ask)
         try:
             verdict = self.judge(cast(Ask, _InDoublePrecision(ask)))
         except NoAnswer:
@@ -304,6 +304,17 @@ class Assignment:
                 return question
         ids = ", ".join(question.id for question in self.questions)
         raise ValueError(f"{self.name} has no question {question_id!r}; it has {ids}.")
+
+
+def _with_lost_line(verdict: Verdict, ask: Ask) -> Verdict:
+    """A verdict that does not pass, with the line of the answer that computes a value and keeps it nowhere, if any."""
+    code = None if verdict.passed else code_of(ask)
+    line = "" if code is None else code.kept_nowhere
+    if not line or line in verdict.reason:
+        return verdict
+    return replace(
+        verdict, reason=f"{verdict.reason} `{line}` computes a value and keeps it nowhere: `name = {line}` keeps it."
+    )
 
 
 def nothing_new(ask: Ask) -> None:

@@ -252,6 +252,13 @@ TRIES = {
     ),
     "least-squares": (
         Try(
+            "ls-11-cayley-hamilton",
+            "two by two only",
+            "def inverse_weights(A):\n    return np.array([np.trace(A), -1]) / np.linalg.det(A)\n",
+            "of a matrix of any size",
+            never="coefficient 1",
+        ),
+        Try(
             "ls-4-fits",
             "sum squared",
             "u_1 = np.array([1.0, 2, 4, 5, 7])\n"
@@ -719,6 +726,22 @@ TRIES = {
     ),
     "prelab-sinusoids": (
         Try(
+            "prelab-1-time",
+            "reshape not assigned",
+            "t = np.linspace(0, 100, 1001)\nt.reshape(-1, 1)\nprint(t.shape)\n",
+            r"`t.reshape\(-1, 1\)` computes a value and keeps it nowhere",
+        ),
+        Try(
+            "prelab-2-noise",
+            "sum not assigned",
+            "y1 = np.sin(2 * np.pi * t / 100)\n"
+            "y2 = np.cos(2 * np.pi * t / 100)\n"
+            "n1 = rng.random(t.shape) * 0.4 - 0.2\n"
+            "y1 + n1\n"
+            "y2 + n1\n",
+            r"`y1 \+ n1` computes a value and keeps it nowhere",
+        ),
+        Try(
             "prelab-4-matrix",
             "concatenate on top",
             "data_new = np.concatenate([t_new, y2_new, y1_new])\n",
@@ -733,6 +756,16 @@ TRIES = {
         ),
     ),
     "recursive-identification": (
+        Try(
+            "ri-2-information",
+            "estimate returned",
+            "def add_sample(M, v, phi, y):\n"
+            "    M = M + np.outer(phi, phi)\n"
+            "    v = v + phi * y\n"
+            "    return np.linalg.pinv(M) @ v, M\n",
+            "returns the estimate, M.-1 v, and then M",
+            never="v before M",
+        ),
         Try(
             "ri-9-windup",
             "trace not divided, last trace",
