@@ -84,7 +84,7 @@ def require_curve(
         counted = _agree(drawn.x, np.arange(drawn.x.size, dtype=float))
         raise NoAnswer(
             f"In {where}, {what} is drawn against {'the sample number' if counted else 'another vector'}, and not "
-            f"against time: give the time vector as the first argument.{_of_times(drawn.x, times)}",
+            f"against time: give the time vector as the first argument.{'' if counted else _of_times(drawn.x, times)}",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
     for name, other_curve in others.items():

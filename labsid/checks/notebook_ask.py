@@ -15,7 +15,7 @@ from labsid.checks.answer_code import ended_early
 from labsid.checks.compare import kind_of
 from labsid.checks.function_reads import function_text, length_beside, numbers_beside, reads_beside
 from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, mended, mended_value
-from labsid.checks.one_place import Functions, Place, one_place
+from labsid.checks.one_place import Functions, Place, find_place
 from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
 from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, can_limit_time, limit_time
@@ -26,7 +26,7 @@ from labsid.records.record import Record
 
 PUBLIC_SEED = 2018
 _CHANGED_SECONDS = 1.0
-"""Longest call of a function in which one expression is changed; `one_place` limits them all together."""
+"""Longest call of a function in which one expression is changed; `find_place` limits them all together."""
 _SMALL = 9
 """Largest number of entries that a message writes out."""
 
@@ -144,7 +144,7 @@ class NotebookAsk:
         kept = self.names[:], self.tried, self.beside
         try:
             with redirect_stdout(StringIO()), redirect_stderr(StringIO()), _quiet_libraries():
-                return one_place(kept[0], self._variables, passes)
+                return find_place(kept[0], self._variables, passes)
         finally:
             self.names[:], self.tried, self.beside = kept
 

@@ -81,7 +81,7 @@ class _Change:
         return old
 
 
-def one_place(names: list[str], variables: Mapping[str, Any], is_right: Callable[[Functions], bool]) -> Place | None:
+def find_place(names: list[str], variables: Mapping[str, Any], is_right: Callable[[Functions], bool]) -> Place | None:
     """The place of a function where another expression makes the answer right; None if none is found.
 
     Parameters

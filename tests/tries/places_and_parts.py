@@ -5,6 +5,32 @@ from tries import ACCEPTED, Try
 TRIES = {
     "armax-and-instruments": (
         Try(
+            "ai-7-iterated",
+            "one round too many",
+            "def iterated_iv(u, y, rounds):\n"
+            "    Phi = np.column_stack([-y[:-1], u[:-1]])\n"
+            "    theta = np.linalg.lstsq(Phi, y[1:])[0]\n"
+            "    for i in range(rounds + 1):\n"
+            "        ym = scipy.signal.lfilter([0, theta[1]], [1, theta[0]], u)\n"
+            "        Z = np.column_stack([-ym[:-1], u[:-1]])\n"
+            "        theta = np.linalg.solve(Z.T @ Phi, Z.T @ y[1:])\n"
+            "    return theta\n",
+            "goes 1 round in place of 0",
+        ),
+        Try(
+            "ai-7-iterated",
+            "the first model with the other sign in every round",
+            "def iterated_iv(u, y, rounds):\n"
+            "    Phi = np.column_stack([-y[:-1], u[:-1]])\n"
+            "    first = theta = np.linalg.lstsq(Phi, y[1:])[0]\n"
+            "    for i in range(rounds):\n"
+            "        ym = scipy.signal.lfilter([0, first[1]], [1, -first[0]], u)\n"
+            "        Z = np.column_stack([-ym[:-1], u[:-1]])\n"
+            "        theta = np.linalg.solve(Z.T @ Phi, Z.T @ y[1:])\n"
+            "    return theta\n",
+            "other sign of a; it simulates the first model",
+        ),
+        Try(
             "ai-8-recursive",
             "phi in both places",
             "def recursive_iv(u, y, warm_up):\n"

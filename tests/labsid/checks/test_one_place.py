@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labsid.checks import one_place as module
-from labsid.checks.one_place import Functions, Place, one_place
+from labsid.checks.one_place import Functions, Place, find_place
 
 DOUBLED = np.array([2.0, 4.0, 6.0])
 
@@ -55,7 +55,7 @@ def doubles(functions: Functions) -> bool:
     ],
 )
 def test_the_place_is_found_and_the_repair_is_right(source: str, line: str, part: str, repair: str) -> None:
-    place = one_place(["f"], defined(source), doubles)
+    place = find_place(["f"], defined(source), doubles)
     assert place == Place(line, part, repair)
     assert doubles({"f": repaired(source, place)})
     assert f"`{part}`, in `{line}`" in place.said
@@ -73,13 +73,13 @@ def repaired(source: str, place: Place) -> Callable[..., Any]:
 
 def test_of_two_mistakes_none_is_named() -> None:
     source = "def f(n):\n    return np.sqrt(3.0 * np.arange(1, n + 1))\n"
-    assert one_place(["f"], defined(source), doubles) is None
+    assert find_place(["f"], defined(source), doubles) is None
 
 
 def test_the_functions_of_the_notebook_stay_as_they_are() -> None:
     variables = defined("def f(n):\n    return np.sqrt(2.0 * np.arange(1, n + 1))\n")
     before = variables["f"](3)
-    assert one_place(["f"], variables, doubles) is not None
+    assert find_place(["f"], variables, doubles) is not None
     np.testing.assert_array_equal(variables["f"](3), before)
     assert set(variables) == {"np", "f", "__builtins__"}
 
@@ -87,7 +87,7 @@ def test_the_functions_of_the_notebook_stay_as_they_are() -> None:
 def test_a_function_of_the_same_cell_that_is_called_is_looked_at() -> None:
     step = "def step(k):\n    return np.sqrt(2.0 * k)\n\n\n"
     source = f"{step}def f(n):\n    return np.array([step(k) for k in range(1, n + 1)])\n"
-    place = one_place(["f"], defined(source), doubles)
+    place = find_place(["f"], defined(source), doubles)
     assert place is not None
     assert place.line == "return np.sqrt(2.0 * k)"
 
@@ -96,10 +96,10 @@ def test_no_more_changes_are_tried_than_there_is_time_for(monkeypatch: pytest.Mo
     calls: list[Functions] = []
     monkeypatch.setattr(module, "MOST_CHANGES", 3)
     source = "def f(n):\n    return np.sqrt(3.0 * np.arange(1, n + 1) + 1 + 2 + 3)\n"
-    assert one_place(["f"], defined(source), lambda functions: bool(calls.append(functions))) is None
+    assert find_place(["f"], defined(source), lambda functions: bool(calls.append(functions))) is None
     assert len(calls) == 3
 
 
 @pytest.mark.parametrize("source", ["f = len\n", "f = lambda n: n\n", "@staticmethod\ndef f(n):\n    return n\n"])
 def test_what_is_no_plain_function_is_left_alone(source: str) -> None:
-    assert one_place(["f"], defined(source), doubles) is None
+    assert find_place(["f"], defined(source), doubles) is None

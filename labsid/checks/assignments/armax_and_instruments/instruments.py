@@ -1,14 +1,14 @@
 """Checks of instrumental variables: iterated over a whole record, and recursively."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_history, as_theta, close
-from labsid.checks.double_mistakes import Edit, pairs_of
+from labsid.checks.double_mistakes import TWO, Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.regressions import WRAPS, slips_of_fit, wrapped
 from labsid.checks.trials import ARX, STARTS, first_order, trial_record
@@ -92,7 +92,7 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
         f"`{call}` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
         "begin with the row of y(1)."
     )
-    counts = [count for count in range(rounds + 3) if count != rounds and count + rounds > 1]
+    counts = [count for count in range(rounds + 3) if count not in (0, rounds)]
     return judge(
         got,
         right,
@@ -159,6 +159,19 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 "start from zero",
                 f"`{call}` begins with theta = 0: the first model is that of least squares.",
                 partial(_rounds, u, y, rounds, _Way(from_zero=True)),
+            ),
+            *(
+                Slip(
+                    TWO,
+                    f"`{call}` has two mistakes: {said}; it simulates the first model in every round.",
+                    partial(_rounds, u, y, rounds, replace(way, renewed=False)),
+                )
+                for said, way in (
+                    ("it simulates y_M with the other sign of a", _Way(other_sign=True)),
+                    ("it predicts y_M with the measured output", _Way(predicted=True)),
+                    ("it uses Z instead of Phi throughout", _Way(regressed_on_z=True)),
+                    ("it solves with Phi'Z, not with Z'Phi", _Way(transposed=True)),
+                )
             ),
             Slip("sign of a", f"`{call}` has the other sign of a.", lambda: right * [-1, 1]),
             Slip(WRAPS, goes_round, partial(_rounds_wrapped, u, y, rounds)),

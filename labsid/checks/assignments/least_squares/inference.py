@@ -215,8 +215,8 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
     if shape == (n - 1,) and _is_of_one_size(ask, n):
         return Verdict(
             False,
-            f"`inverse_weights` returns {n - 1} number{'s' * (n > 2)} of a matrix of any size, also of this one, {n} by "
-            f"{n}: there is one weight for each of the powers I to A^(n-1), from all n + 1 coefficients.",
+            f"`inverse_weights` returns {n - 1} number{'s' * (n > 2)} of a matrix of any size, and of this {n} by {n}: "
+            "there is one weight for each of the powers I to A^(n-1), from all n + 1 coefficients.",
             "one size only",
         )
     if shape == (n - 1,):

@@ -272,8 +272,8 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
             ),
             Slip(
                 "index wraps around",
-                "`simulate` takes u and e from the end of the record for those before its first sample: `u[k - i]` with "
-                "k < i.",
+                "`simulate` takes u and e from the end of the record for those before its first sample: `u[k - i]` "
+                "with k < i.",
                 lambda: free_run(
                     PolynomialModel(A, np.ones(1), np.ones(1), 0), wrapped_filter(B, u) + wrapped_filter(C, e)
                 ),

@@ -114,7 +114,7 @@ def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) 
         if SAME(first, theta):
             yield Verdict(
                 False,
-                "`add_sample` returns the estimate, M^-1 v, and then M: asked for are the two sums, M and v.",
+                "`add_sample` returns the estimate, M^-1 v, and then M: asked for is M, and then the sum v.",
                 "estimate in place of the sum",
             )
         yield Verdict(False, "`add_sample` returns v before M.", "M and v swapped")
