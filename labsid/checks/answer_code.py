@@ -19,6 +19,8 @@ _CONDITIONS = (ast.If, ast.For, ast.While, ast.Try, ast.Match)
 _OPERATIONS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
 _RETURN_NONE = ("append", "extend", "insert", "sort", "reverse", "print", "shuffle", "fill")
 """Functions and methods that change or show something, and return None."""
+_NOT_IN_PLACE = ("reshape", "ravel", "flatten", "transpose", "squeeze", "round", "astype", "cumsum", "clip")
+"""Functions and methods that return an array and leave the one that they are given as it is."""
 _LONGEST = 60  # characters of a line in a message
 
 
@@ -71,6 +73,49 @@ class AnswerCode:
             for node in in_order(self._tree)
         )
 
+    @property
+    def kept_nowhere(self) -> str:
+        """The first line that computes or reshapes a variable and keeps nothing of it; empty without one.
+
+        The last line of a cell is shown, and does not count.
+        """
+        for node in self._tree.body[:-1]:
+            value = node.value if isinstance(node, ast.Expr) else None
+            is_reshaped = isinstance(value, ast.Call) and last_name(value.func) in _NOT_IN_PLACE
+            if (isinstance(value, ast.BinOp) or is_reshaped) and isinstance(node, ast.Expr):
+                return self._line(node)
+        return ""
+
+    @property
+    def divides(self) -> bool:
+        """Whether one thing is divided by another."""
+        return any(isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) for node in in_order(self._tree))
+
+    @property
+    def shrinks_its_loop(self) -> bool:
+        """Whether a `for` goes over a list from which its lines remove."""
+        loops = (node for node in in_order(self._tree) if isinstance(node, ast.For) and isinstance(node.iter, ast.Name))
+        return any(loop.iter.id in _shrunk(loop) for loop in loops if isinstance(loop.iter, ast.Name))
+
+    @property
+    def returns_in_loop(self) -> bool:
+        """Whether a `return` stands in a `for` or a `while`."""
+        loops = (node for node in in_order(self._tree) if isinstance(node, _LOOPS))
+        return any(isinstance(inner, ast.Return) for loop in loops for inner in in_order(loop, _FUNCTIONS))
+
+    @property
+    def index_of_the_one_before(self) -> str:
+        """The first entry that is read with an index such as `n - 1`, as it is written; empty without one."""
+        for node in in_order(self._tree):
+            index = node.slice if isinstance(node, ast.Subscript) else None
+            if not isinstance(index, ast.BinOp) or not isinstance(index.op, ast.Sub):
+                continue
+            owner, one = node.value, index.right  # type: ignore[attr-defined]
+            is_one = isinstance(one, ast.Constant) and one.value == 1
+            if is_one and isinstance(owner, ast.Name) and isinstance(index.left, ast.Name):
+                return f"{owner.id}[{index.left.id} - 1]"
+        return ""
+
     def has(self, *numbers: float, within: float = 1e-9) -> bool:
         """Whether one of these numbers is written, up to a relative distance."""
         written = self.numbers
@@ -112,6 +157,23 @@ class AnswerCode:
         lines = self._text.splitlines()
         line = lines[node.lineno - 1].partition("#")[0].strip() if node.lineno <= len(lines) else ""
         return line if len(line) <= _LONGEST else f"{line[:_LONGEST]}..."
+
+
+def _shrunk(loop: ast.For) -> frozenset[str]:
+    """The lists from which a loop removes, with `remove`, `pop` or `del`."""
+    methods = (
+        node.func.value
+        for node in in_order(loop)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in ("remove", "pop")
+    )
+    deleted = (
+        target.value
+        for node in in_order(loop)
+        if isinstance(node, ast.Delete)
+        for target in node.targets
+        if isinstance(target, ast.Subscript)
+    )
+    return frozenset(owner.id for owner in (*methods, *deleted) if isinstance(owner, ast.Name))
 
 
 def code_of(ask: object, name: str = "") -> AnswerCode | None:

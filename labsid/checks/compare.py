@@ -85,12 +85,25 @@ def as_matrix(
             "columns joined end to end",
         )
     if array.ndim != 2 or not _fits(array.shape, shape):
+        if _is_joined(array, shape):
+            raise NoAnswer(
+                f"`{name}` should have shape ({wanted}); its shape {array.shape} is that of {shape[1]} columns one "
+                "below the other, as `np.concatenate` and `np.vstack` join them. Side by side they are joined by "
+                "`np.column_stack([...])` or `np.hstack([...])`.",
+                "columns joined end to end",
+            )
         beside = ""
         if array.ndim == 2 and shape[1] is not None and abs(array.shape[1] - shape[1]) == 1:
             much = "too many" if array.shape[1] > shape[1] else "too few"
             beside = _odd_column(array, right) or (f" One column {much}. (A `range` leaves out its end.)")
         raise NoAnswer(f"`{name}` should have shape ({wanted}); it is {kind_of(value)}.{beside}")
     return array
+
+
+def _is_joined(array: FloatArray, shape: tuple[int | None, int | None]) -> bool:
+    """Whether an array has one column, as long as all columns of the wanted shape together."""
+    rows, columns = shape
+    return rows is not None and columns is not None and columns > 1 and array.shape == (rows * columns, 1)
 
 
 def _odd_column(array: FloatArray, right: FloatArray | None) -> str:

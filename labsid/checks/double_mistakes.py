@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.verdict import Answer, Slip, Verdict
+from labsid.checks.verdict import Answer, Slip, Verdict, are_named
 
 TWO = "two mistakes at once"
 """The slip of an answer in which two parts of a formula are changed."""
@@ -51,6 +51,8 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
     make : callable
         ``make(**parts)`` is the formula with these parts changed.
     """
+    if not are_named():
+        return
     made: list[tuple[Edit, Edit, Any]] = []
     for one, other in combinations(list(edits), 2):
         if one.part != other.part:
@@ -65,6 +67,18 @@ def pairs_of(name: str, edits: Iterable[Edit], make: Callable[..., Answer]) -> I
     for (one, other, value), is_alone in zip(made, alone, strict=True):
         if is_alone:
             yield Slip(TWO, f"{name} has two mistakes: {one.says}; {other.says}.", partial(_itself, value))
+
+
+def with_pairs(
+    verdict: Verdict, got: Answer, same: Callable[[Answer, Answer], bool], pairs: Iterable[Slip[Answer]]
+) -> Verdict:
+    """A verdict that names no mistake, with the two mistakes that give the answer, if any of the pairs do."""
+    if verdict.passed or verdict.slip is not None:
+        return verdict
+    for pair in pairs:
+        if same(got, pair.wrong()):
+            return replace(verdict, reason=pair.hint, slip=pair.name)
+    return verdict
 
 
 def told_factors(name: str, got: FloatArray, terms: Mapping[str, FloatArray], asked: Mapping[str, float]) -> str:

@@ -74,16 +74,33 @@ def require_curve(
         return curve
     drawn = None if x is None else find_curve(axes, y)
     if drawn is not None:
+        times = np.asarray(x, float).reshape(-1)[: drawn.x.size]
+        for factor, unit in _UNITS_OF_TIME:
+            if _agree(drawn.x * factor, times):
+                raise NoAnswer(
+                    f"In {where}, {what} is drawn against the time in {unit}: give the time vector itself, in seconds.",
+                    "another unit of time",
+                )
         counted = _agree(drawn.x, np.arange(drawn.x.size, dtype=float))
         raise NoAnswer(
             f"In {where}, {what} is drawn against {'the sample number' if counted else 'another vector'}, and not "
-            "against time: give the time vector as the first argument.",
+            f"against time: give the time vector as the first argument.{'' if counted else _of_times(drawn.x, times)}",
             "drawn against the sample number" if counted else "drawn against another vector",
         )
     for name, other_curve in others.items():
         if len([curve for curve in axes.curves if find_curve(replace(axes, curves=(curve,)), other_curve)]) > 1:
             raise NoAnswer(f"In {where} no curve shows {what}, and two show `{name}`.", "one signal drawn twice")
     raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
+
+
+_UNITS_OF_TIME = ((60.0, "minutes"), (3600.0, "hours"), (1e-3, "milliseconds"))
+"""Seconds in each, and its name."""
+
+
+def _of_times(x: FloatArray, times: FloatArray) -> str:
+    """How a vector is related to the times, behind a sentence; empty where nothing simple relates them."""
+    said = relation(x, times, _agree, "the vector beside the times")
+    return f" {said}" if said else ""
 
 
 def no_curve(axes: AxesValue, where: str, what: str, wanted: FloatArray, advice: str) -> NoAnswer:

@@ -2,7 +2,7 @@
 
 import ast
 import linecache
-from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from inspect import getblock
 from textwrap import dedent
@@ -15,7 +15,8 @@ from labsid.checks.syntax_trees import flat_text, is_deep
 MEND_SECONDS = 0.25
 """Longest call of a mended function; that of a trial usually takes a few milliseconds."""
 _LONGEST_LINE = 300  # characters, as `stops` keeps of a line
-_MOST_LEVELS = 60  # of the syntax tree of a function; deeper ones are not mended
+MOST_LEVELS = 60
+"""Levels of the syntax tree of a function; deeper ones are not mended."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,18 +65,45 @@ def mended(name: str, mend: Mend, variables: Mapping[str, Any]) -> Callable[...,
         found = [(key, tree) for key, thing in own.items() for tree in _with(thing, mend)]
         if len(found) != 1:
             return None
-        changed, tree = found[0]
-        names: MutableMapping[str, Any] = dict(variables)
-        exec(compile(tree, "<mended>", "exec"), names)  # type: ignore[arg-type]
+    except Exception:
+        return None
+    functions = rebound(*found[0], variables)
+    return None if functions is None else functions.get(name)
+
+
+def rebound(changed: str, tree: ast.Module, variables: Mapping[str, Any]) -> Mapping[str, Callable[..., Any]] | None:
+    """The functions of a notebook, made anew with variables of their own, one of them from another definition.
+
+    Parameters
+    ----------
+    changed : str
+        The name of that one.
+    tree : ast.Module
+        Its definition.
+    variables : mapping
+        The notebook's variables.
+
+    Returns
+    -------
+    mapping or None
+        By name; None where the definition does not run.
+    """
+    own = {
+        key: thing
+        for key, thing in variables.items()
+        if isinstance(thing, FunctionType) and thing.__globals__ is variables
+    }
+    names: dict[str, Any] = dict(variables)
+    try:
+        exec(compile(tree, "<mended>", "exec"), names)
     except Exception:  # the student's defaults are computed anew, and may fail
         return None
     made = names.get(own[changed].__name__)
     for key, thing in own.items():
-        again = FunctionType(thing.__code__, names, thing.__name__, thing.__defaults__, thing.__closure__)  # type: ignore[arg-type]
+        again = FunctionType(thing.__code__, names, thing.__name__, thing.__defaults__, thing.__closure__)
         again.__kwdefaults__ = thing.__kwdefaults__
         names[key] = made if thing is own[changed] else again
-    function = names[name]
-    return function if callable(function) else None
+    return {key: names[key] for key in own if callable(names[key])}
 
 
 def assigned_by(mend: Mend) -> str:
@@ -106,7 +134,7 @@ def _assignment(mend: Mend) -> tuple[str, ast.expr] | None:
     except (SyntaxError, ValueError):
         return None
     only = body[0] if len(body) == 1 else None
-    if not isinstance(only, ast.Assign) or len(only.targets) != 1 or is_deep(only, _MOST_LEVELS):
+    if not isinstance(only, ast.Assign) or len(only.targets) != 1 or is_deep(only, MOST_LEVELS):
         return None
     target = only.targets[0]
     changes = any(isinstance(node, ast.NamedExpr) for node in ast.walk(only))
@@ -127,7 +155,7 @@ def _with(function: FunctionType, mend: Mend) -> Iterator[ast.Module]:
     if mend.line not in " ".join(one.strip() for one in written.splitlines()):
         return
     tree = parse_python(written)
-    if is_deep(tree, _MOST_LEVELS):
+    if is_deep(tree, MOST_LEVELS):
         return
     definition = tree.body[0]
     if not isinstance(definition, ast.FunctionDef) or definition.decorator_list or function.__closure__:

@@ -1,8 +1,9 @@
 """Access of a check to the variables of a notebook, in the notebook's own process."""
 
 import difflib
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import redirect_stderr, redirect_stdout
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
 from types import FunctionType
@@ -14,15 +15,18 @@ from labsid.checks.answer_code import ended_early
 from labsid.checks.compare import kind_of
 from labsid.checks.function_reads import function_text, length_beside, numbers_beside, reads_beside
 from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, mended, mended_value
+from labsid.checks.one_place import Functions, Place, find_place
 from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
-from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, limit_time
+from labsid.checks.time_limit import CALL_SECONDS, OutOfTime, can_limit_time, limit_time
 from labsid.checks.values import Value, plain, unchanged
 from labsid.checks.verdict import PYTHON_ERROR, NoAnswer
 from labsid.checks.written_calls import numbers_handed
 from labsid.records.record import Record
 
 PUBLIC_SEED = 2018
+_CHANGED_SECONDS = 1.0
+"""Longest call of a function in which one expression is changed; `find_place` limits them all together."""
 _SMALL = 9
 """Largest number of entries that a message writes out."""
 
@@ -129,6 +133,29 @@ class NotebookAsk:
         except (Exception, OutOfTime) as error:
             raise NoAnswer(f"`{name}` stops also when it is mended.") from error
 
+    def one_place(self, passes: Callable[[Functions], bool]) -> Place | None:
+        """The one place of the functions asked for where another expression makes the answer right.
+
+        ``passes(functions)`` says whether the answer passes with these functions. None where no such place is found,
+        or where a function that does not end could not be stopped.
+        """
+        if not can_limit_time():
+            return None
+        kept = self.names[:], self.tried, self.beside
+        try:
+            with redirect_stdout(StringIO()), redirect_stderr(StringIO()), _quiet_libraries():
+                return find_place(kept[0], self._variables, passes)
+        finally:
+            self.names[:], self.tried, self.beside = kept
+
+    def call_function(self, function: Callable[..., Any], *arguments: Value) -> Value:
+        """The result of a changed function, as plain data; raises `NoAnswer` if it has none."""
+        try:
+            with limit_time(_CHANGED_SECONDS):
+                return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
+        except (Exception, OutOfTime) as error:
+            raise NoAnswer("the function stops.") from error
+
     def numbers_handed(self, function: str, name: str) -> tuple[float | None, ...]:
         """The numbers that the notebook hands over to its function of that name, in the call that makes a variable."""
         return numbers_handed(self._variables.get(function), name, self._variables)
@@ -163,6 +190,23 @@ class NotebookAsk:
     def known(self, name: str) -> Value:
         """A value of an earlier step: the student's, or the reference's where that step was skipped."""
         return self._known[name]
+
+
+@contextmanager
+def _quiet_libraries() -> Iterator[None]:
+    """Without what compiled libraries write to standard error, such as LAPACK of a matrix that holds nan."""
+    try:
+        kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    except OSError:
+        yield
+        return
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _letters(name: str) -> str:

@@ -2,18 +2,19 @@
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, Protocol, cast
 
 import numpy as np
 
-from labsid.checks.answer_code import nothing_returned
+from labsid.checks.answer_code import code_of, nothing_returned
 from labsid.checks.compare import kind_of
 from labsid.checks.mended_functions import Mend, assigned_by
+from labsid.checks.one_place import Place
 from labsid.checks.stops import OTHERWISE, RIGHT, SHAPED
 from labsid.checks.values import Value, in_double_precision
-from labsid.checks.verdict import SINGLE_PRECISION, NoAnswer, Verdict
+from labsid.checks.verdict import SINGLE_PRECISION, NoAnswer, Verdict, unnamed
 from labsid.records.record import Record
 
 
@@ -109,6 +110,25 @@ class _Mended:
         return False
 
 
+class _WithFunctions:
+    """Asks the same, with other functions in the place of the student's."""
+
+    def __init__(self, ask: Ask, functions: Mapping[str, Callable[..., Any]]) -> None:
+        self._ask, self._functions = ask, functions
+        self.rng = deepcopy(ask.rng)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._ask, name)
+
+    def call(self, name: str, *arguments: Value) -> Value:
+        if name not in self._functions:
+            raise NoAnswer(f"there is no function `{name}`.")
+        return self._ask.call_function(self._functions[name], *arguments)  # type: ignore[attr-defined]
+
+    def changes(self, name: str, *arguments: Value) -> bool:
+        return False
+
+
 class _InDoublePrecision:
     """Asks the same, with every number of single precision in double precision."""
 
@@ -186,16 +206,34 @@ class Question:
         Single precision is the reason only where it leaves too few digits for the tolerance of the question.
         """
         try:
-            return self.judge(ask)
+            return self._with_place(_with_lost_line(self.judge(ask), ask), ask)
         except NoAnswer as nothing:
             refused = Verdict(False, self._said(nothing, ask), nothing.slip)
         if refused.slip != SINGLE_PRECISION:
-            return refused
+            return self._with_place(_with_lost_line(refused, ask), ask)
         try:
             verdict = self.judge(cast(Ask, _InDoublePrecision(ask)))
         except NoAnswer:
             return refused
         return verdict if verdict.passed else refused
+
+    def _with_place(self, verdict: Verdict, ask: Ask) -> Verdict:
+        """A verdict that names no mistake, with the one place of the student's functions that makes it so, if any."""
+        if verdict.passed or verdict.slip is not None or not hasattr(ask, "one_place"):
+            return verdict
+
+        def passes(functions: Mapping[str, Callable[..., Any]]) -> bool:
+            try:
+                with unnamed():
+                    return self.judge(cast(Ask, _WithFunctions(ask, functions))).passed
+            except (NoAnswer, ValueError, TypeError, ArithmeticError, LookupError, AttributeError):
+                return False
+
+        place: Place | None = ask.one_place(passes)
+        if place is None:
+            return verdict
+        mend = f"{verdict.mend} {place.mend}".strip()
+        return replace(verdict, reason=f"{verdict.reason} {place.said}", mend=mend)
 
     def _said(self, nothing: NoAnswer, ask: Ask) -> str:
         """Why there is no answer; of the repairs of a line, those are proposed with which the answer passes."""
@@ -266,6 +304,17 @@ class Assignment:
                 return question
         ids = ", ".join(question.id for question in self.questions)
         raise ValueError(f"{self.name} has no question {question_id!r}; it has {ids}.")
+
+
+def _with_lost_line(verdict: Verdict, ask: Ask) -> Verdict:
+    """A verdict that does not pass, with the line of the answer that computes a value and keeps it nowhere, if any."""
+    code = None if verdict.passed else code_of(ask)
+    line = "" if code is None else code.kept_nowhere
+    if not line or line in verdict.reason:
+        return verdict
+    return replace(
+        verdict, reason=f"{verdict.reason} `{line}` computes a value and keeps it nowhere: `name = {line}` keeps it."
+    )
 
 
 def nothing_new(ask: Ask) -> None:

@@ -40,8 +40,17 @@ AGAIN_SECONDS = 0.5
 """Time between one `OutOfTime` and the next: Python drops an exception that is raised while it collects garbage."""
 
 
+_FREE = (signal.SIG_DFL, signal.SIG_IGN)
+
+
 class OutOfTime(BaseException):
     """A call took longer than its limit; not an `Exception`, which the function may catch."""
+
+
+def can_limit_time() -> bool:
+    """Whether `limit_time` has an effect here."""
+    is_first = threading.current_thread() is threading.main_thread()
+    return hasattr(signal, "setitimer") and is_first and signal.getsignal(signal.SIGALRM) in _FREE
 
 
 @contextlib.contextmanager
@@ -51,10 +60,7 @@ def limit_time(seconds: float) -> Iterator[None]:
     Without effect where the system has no timer signal (Windows), in any thread but the first, and while another
     program uses that signal.
     """
-    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    if signal.getsignal(signal.SIGALRM) not in (signal.SIG_DFL, signal.SIG_IGN):
+    if not can_limit_time():
         yield
         return
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import wraps
 from typing import Generic, ParamSpec, TypeVar
@@ -124,6 +125,24 @@ class Slip(Generic[Answer]):
     mend: str = ""
 
 
+_ARE_NAMED: ContextVar[bool] = ContextVar("mistakes are named", default=True)
+
+
+@contextmanager
+def unnamed() -> Iterator[None]:
+    """Judge without naming mistakes, where only passing or not is asked for: their values are not computed."""
+    token = _ARE_NAMED.set(False)
+    try:
+        yield
+    finally:
+        _ARE_NAMED.reset(token)
+
+
+def are_named() -> bool:
+    """Whether the mistakes of wrong answers are looked for; see `unnamed`."""
+    return _ARE_NAMED.get()
+
+
 def judge(
     got: Answer,
     right: Answer,
@@ -161,6 +180,8 @@ def judge(
     """
     if same(got, right) and (exactly is None or exactly(got, right)):
         return Verdict(True, praise)
+    if not are_named() and not same(got, right):
+        return Verdict(False, otherwise)
     alike = same if exactly is None or not same(got, right) else exactly
     found: list[Slip[Answer]] = []
     for slip in slips:

@@ -40,6 +40,7 @@ _KINDS = (
     "neighbours_of_errors",
     "one_symptom",
     "other_repairs",
+    "places_and_parts",
     "tried_repairs",
     "two_at_once",
 )

@@ -334,10 +334,17 @@ VARIANTS: list[Right | Wrong] = [
     right(
         STATE, "all samples", function(PIECES + "x0 = np.linalg.lstsq(O, y - from_rest)[0]\nreturn from_rest + O @ x0")
     ),
-    right(
+    wrong(
         STATE,
         "two samples, solved",
         function(PIECES + "return from_rest + O @ np.linalg.solve(O[:2], (y - from_rest)[:2])"),
+        "state from a few samples",
+        "first 2 samples only",
+    ),
+    right(
+        STATE,
+        "the first twenty samples",
+        function(PIECES + "return from_rest + O @ np.linalg.lstsq(O[:20], (y - from_rest)[:20])[0]"),
     ),
     right(
         STATE,
@@ -350,13 +357,15 @@ VARIANTS: list[Right | Wrong] = [
             "out = []\nfor value in u:\n    out.append((C @ x)[0, 0])\n    x = A @ x + B * value\nreturn out"
         ),
     ),
-    right(
+    wrong(
         STATE,
         "the first two samples in the difference equation",
         function(
             "s = np.array(y)\nfor k in range(2, len(u)):\n"
             "    s[k] = -a1 * s[k-1] - a2 * s[k-2] + b1 * u[k-1] + b2 * u[k-2]\nreturn s"
         ),
+        "state from a few samples",
+        "first 2 samples only",
     ),
     right(
         STATE,

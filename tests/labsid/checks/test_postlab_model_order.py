@@ -79,7 +79,7 @@ def test_points_sum_to_one() -> None:
     ],
 )
 def test_numbers_are_read_however_they_are_written(text: str) -> None:
-    assert any(abs(number - 8.945e-4) < 1e-12 for number in _numbers(text))
+    assert any(abs(float(number) - 8.945e-4) < 1e-12 for number in _numbers(text))
 
 
 def test_a_text_without_a_number_has_none() -> None:

@@ -1,13 +1,14 @@
 """Checks of instrumental variables: iterated over a whole record, and recursively."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_history, as_theta, close
+from labsid.checks.double_mistakes import TWO, Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.regressions import WRAPS, slips_of_fit, wrapped
 from labsid.checks.trials import ARX, STARTS, first_order, trial_record
@@ -43,7 +44,7 @@ _RIGHT = _Way()
 @first_failure
 def check_iterated(ask: Ask) -> Iterator[Verdict]:
     """`iterated_iv(u, y, rounds)`."""
-    for rounds, c in ((0, -0.7), (1, 0.7), (3, -0.7)):
+    for rounds, c in ((0, -0.7), (3, -0.7), (1, 0.7)):  # of one round, none and least squares are the same
         yield _judge_iterated(ask, *trial_record(ask.rng, int(ask.rng.integers(140, 160)), c, noise=0.8), rounds)
 
 
@@ -91,7 +92,7 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
         f"`{call}` takes samples from the *end* of the record for those before its first, as `np.roll` does: "
         "begin with the row of y(1)."
     )
-    count = f"`{call}` goes another number of rounds: a round is simulate, then solve."
+    counts = [count for count in range(rounds + 3) if count not in (0, rounds)]
     return judge(
         got,
         right,
@@ -159,12 +160,32 @@ def _judge_iterated(ask: Ask, u: FloatArray, y: FloatArray, rounds: int) -> Verd
                 f"`{call}` begins with theta = 0: the first model is that of least squares.",
                 partial(_rounds, u, y, rounds, _Way(from_zero=True)),
             ),
+            *(
+                Slip(
+                    TWO,
+                    f"`{call}` has two mistakes: {said}; it simulates the first model in every round.",
+                    partial(_rounds, u, y, rounds, replace(way, renewed=False)),
+                )
+                for said, way in (
+                    ("it simulates y_M with the other sign of a", _Way(other_sign=True)),
+                    ("it predicts y_M with the measured output", _Way(predicted=True)),
+                    ("it uses Z instead of Phi throughout", _Way(regressed_on_z=True)),
+                    ("it solves with Phi'Z, not with Z'Phi", _Way(transposed=True)),
+                )
+            ),
             Slip("sign of a", f"`{call}` has the other sign of a.", lambda: right * [-1, 1]),
             Slip(WRAPS, goes_round, partial(_rounds_wrapped, u, y, rounds)),
             *slips_of_fit(f"the least-squares estimate of `{call}`", [(-y, 1), (u, 1)], y, u),
             Slip("a and b swapped", f"`{call}` returns b before a.", lambda: right[::-1]),
-            Slip("rounds miscounted", count, partial(_rounds, u, y, rounds + 1)),
-            Slip("rounds miscounted", count, partial(_rounds, u, y, max(rounds - 1, 0))),
+            *(
+                Slip(
+                    "rounds miscounted",
+                    f"`{call}` goes {count} round{'s' * (count != 1)} in place of {rounds}: a round is simulate, then "
+                    "solve.",
+                    partial(_rounds, u, y, count),
+                )
+                for count in counts
+            ),
         ],
     )
 
@@ -207,6 +228,18 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
         "recursive, and consistent in coloured noise.",
         f"`{call}` is off: hold your four lines against those of step 8, term by term.",
         [
+            Slip(
+                "phi phi' for z phi'",
+                "`recursive_iv` updates P with phi in both places, as least squares does.",
+                partial(_loop_of, u, y, warm_up, update="phi phi"),
+                mend="It is P z phi' P / (1 + phi' P z).",
+            ),
+            Slip(
+                "denominator transposed",
+                "`recursive_iv` has z' P phi in its denominator. P is not symmetric here.",
+                partial(_loop_of, u, y, warm_up, below="z phi"),
+                mend="It is 1 + phi' P z.",
+            ),
             *(
                 Slip(slip.split(" above")[0], f"`recursive_iv` {what}", partial(_loop, u, y, warm_up, slip), mend)
                 for slip, (what, mend) in _HINTS.items()
@@ -220,6 +253,7 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
                 for other_warm_up in range(y.size)
                 if other_warm_up != warm_up
             ),
+            *pairs_of("`recursive_iv`", _EDITS, partial(_loop_of, u, y, warm_up)),
         ],
     )
 
@@ -260,6 +294,46 @@ _HINTS = {
     "gain from the P before": ("takes the gain from the P before its update.", "P(n) first, then K(n) = P(n) z(n)."),
     "sign of the update": ("takes K epsilon off theta.", "Add it."),
 }
+
+
+_EDITS = (
+    Edit("update", "phi phi", "P is updated with phi in both places, and not with P z phi' P"),
+    Edit("update", "z z", "P is updated with z in both places, and not with P z phi' P"),
+    Edit("update", "phi z", "z and phi are exchanged in the update of P"),
+    Edit("below", "z phi", "the denominator has z' P phi, and not phi' P z"),
+    Edit("gain", "phi", "the gain has phi, and not z"),
+    Edit("before", True, "the gain is taken from the P before its update"),
+    Edit("error", "z", "z stands in the error, and not phi"),
+    Edit("sign", -1.0, "K epsilon is subtracted"),
+)
+
+
+@np.errstate(all="ignore")  # some of them run away
+def _loop_of(
+    u: FloatArray,
+    y: FloatArray,
+    warm_up: int,
+    update: str = "z phi",
+    below: str = "",
+    gain: str = "z",
+    before: bool = False,
+    error: str = "phi",
+    sign: float = 1.0,
+) -> FloatArray:
+    """The notebook's loop with these vectors in its terms; the denominator goes with the update where it is empty."""
+    theta, P, stable = np.zeros(2), 1e6 * np.eye(2), np.zeros(2)
+    phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((y.size, 2))
+    left, right = update.split()
+    first, last = below.split() if below else (right, left)
+    for n in range(y.size):
+        of = {"phi": phi, "z": phi if n < warm_up else z_model}
+        P_before = P
+        P = P - np.outer(P @ of[left], of[right] @ P) / (1 + of[first] @ P @ of[last])
+        theta = theta + sign * (P_before if before else P) @ of[gain] * (y[n] - of[error] @ theta)
+        history[n] = theta
+        stable = theta.copy() if abs(theta[0]) < 1 else stable
+        phi, z_model = np.array([-y[n], u[n]]), np.array([-z_model @ stable, u[n]])
+    return history
 
 
 @np.errstate(all="ignore")  # some of the slips run away

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_theta, as_vector
@@ -84,6 +85,11 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
                 "simulation for prediction",
                 "`prediction_errors` takes a simulated output off: the prediction uses the measured y(t-1).",
                 lambda: y - free_run(first_order(a, b), u),
+            ),
+            Slip(
+                "simulation for prediction",
+                "`prediction_errors` feeds back the model's own output: the prediction has the *measured* y(t-1).",
+                lambda: y - lfilter([0.0, b], [1.0, a + c], u) - lfilter([0.0, c], [1.0, a + c], y),
             ),
             Slip(
                 "C for 1/C",

@@ -71,12 +71,14 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
         return np.array([kept * a + sign * shared / variance, kept * b])[::order]
 
     cross = "`limit_of_least_squares` has a wrong variance of y: y(t-1) and e(t-1) are correlated, which leaves -2ac."
+    got = as_theta("limit_of_least_squares(...)", returned(ask, "limit_of_least_squares", a, b, c, var_u, var_e), 2)
     return judge(
-        as_theta("limit_of_least_squares(...)", returned(ask, "limit_of_least_squares", a, b, c, var_u, var_e), 2),
+        got,
         pulled(c * var_e / var_y),
         SAME,
         "coloured noise pulls a, and leaves b.",
-        "`limit_of_least_squares` is off: compute the variance of y of your own cloud of System 2, and compare.",
+        "`limit_of_least_squares` returns another limit of a. Print the variance of y that it computes for System 2 "
+        "(a = -0.8, b = 1, c = -0.8, variances 1), where it is 4.704; then what is subtracted from a, c var_e over it.",
         [
             Slip(
                 "sign of the pull",
@@ -183,7 +185,18 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
                 "`limit_of_least_squares` returns b before a.",
                 lambda: pulled(c * var_e / var_y)[::-1],
             ),
+            Slip(
+                "var_u for var_e",
+                "`limit_of_least_squares` has var_u and var_e exchanged throughout: b^2 goes with var_u, c with var_e.",
+                lambda: pulled(c * var_u / (signal * var_e / var_u + noise * var_u / var_e)),
+            ),
             *pairs_of("`limit_of_least_squares`", _edits_of_limit(a, b, c, var_u, var_e, signal, noise), made),
+            Slip(
+                "b pulled as well",
+                f"`limit_of_least_squares` is right in a, and returns {got[1]:.4g} for b = {b:.4g}: u(t-1) is "
+                "uncorrelated with v(t) and with y(t-1), so b has no bias.",
+                lambda: np.array([a - c * var_e / var_y, got[1]]),
+            ),
         ],
     )
 
@@ -377,6 +390,15 @@ def _judge_likelihood(ask: Ask, theta: FloatArray, var_e: float, Phi: FloatArray
         "with the variance fixed, it is highest where the SSE is least.",
         "`log_likelihood` is off: take the logarithm of the density of one sample by hand, and add up.",
         [
+            *(
+                Slip(
+                    "own variance for var_e",
+                    f"`log_likelihood` does not use var_e: it takes the SSE over {divisor} in its place. The variance "
+                    "is handed over, and fixed.",
+                    partial(log_likelihood, E, sse / count),
+                )
+                for divisor, count in (("N", n), ("N - p", n - theta.size))
+            ),
             Slip(
                 "printed density",
                 "`log_likelihood` has the slip of the print, sqrt(2 pi sigma): sigma stands outside the root.",

@@ -202,7 +202,14 @@ def check_first_period(ask: Ask) -> Verdict:
     changes = [np.flatnonzero(np.diff(u)) for u in trials]
     fall = [float(np.argmax(u < u[0])) for u in trials]
     rise = [float(np.argmax(u > u[0])) for u in trials]
+    at_first = "" if code is None else code.index_of_the_one_before
     slips = [
+        slip(
+            "index wraps around",
+            "It returns 0 where the last sample of the input differs from the first: at the first sample, "
+            f"`{at_first}` is `u[-1]`, the *last* one. Begin with the second sample, or compare with `u[0]`.",
+            [n if u[-1] == u[0] else 0.0 for u, n in zip(trials, right, strict=True)] if at_first else [],
+        ),
         slip(
             "the same number for every input",
             f"It returns the same number for every input, {got[0]:g}: "

@@ -190,7 +190,16 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
             for sign in (1, -1)
         ),
         slip("a and b swapped", "a and b are swapped.", a[1:], np.concatenate([[1.0], b])),
-        slip("a and b swapped", "a and b are swapped: theta begins with -a.", -a[1:], np.concatenate([[1.0], b])),
+        *(
+            slip(
+                "a and b swapped",
+                "a and b are swapped: theta begins with -a, and b comes after it."
+                f"{' The minus sign belongs to the entries that hold -a.' if sign < 0 else ''}",
+                turn * a[1:],
+                np.concatenate([[1.0], sign * b]),
+            )
+            for turn, sign in ((-1, 1), (-1, -1), (1, -1))
+        ),
     ]
     otherwise = f"`{name}` does not have the response of {equation} with your parameters. Compare it with {equation}."
     right = TransferFunctionValue(b, a, Ts)

@@ -149,6 +149,13 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "a constant fitted along",
         )
     if got.size != right.size:
+        sse = float(np.sum((Y - Phi @ right) ** 2))
+        if got.size == 1 and abs(got[0] - sse) <= 1e-6 * sse:
+            raise NoAnswer(
+                f"`{name}` is the sum of the squared errors, {got[0]:.4g}, which `lstsq` returns as `[1]`: theta is "
+                "`[0]`.",
+                "another entry of lstsq",
+            )
         raise NoAnswer(f"`{name}` should have {right.size} elements, one for each column of Phi; it has {got.size}.")
     sign = np.repeat([-1.0, 1.0], order)
     slips = [

@@ -1,6 +1,6 @@
 """Checks of simulated outputs: free runs of the model, and known mistakes."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import chain, product
 
@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_vector, close, kind_of
+from labsid.checks.double_mistakes import Edit, pairs_of, with_pairs
 from labsid.checks.question import Ask
 from labsid.checks.recursions import Factor, with_recursion
 from labsid.checks.regressions import WRAPS, wrapped_filter
@@ -101,7 +102,8 @@ def judge_entire_run(
         more,
     )
     verdict = judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
-    return _with_terms(verdict, name, got, data.u, data.y, model)
+    verdict = _with_terms(verdict, name, got, data.u, data.y, model)
+    return with_pairs(verdict, got, SAME, _pairs(name, data, model, 0))
 
 
 def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Verdict:
@@ -152,7 +154,8 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
     ]
     right = simulate(model, u)
     verdict = judge(got, right, SAME, "", _otherwise(name, got, right), slips)
-    return _with_terms(verdict, name, got, u, y, model)
+    verdict = _with_terms(verdict, name, got, u, y, model)
+    return with_pairs(verdict, got, SAME, _pairs(name, data, model, half))
 
 
 def _with_terms(verdict: Verdict, name: str, got: FloatArray, u: FloatArray, y: FloatArray, model: ArxModel) -> Verdict:
@@ -181,8 +184,18 @@ def _predictions_elsewhere(name: str, data: LabData, model: ArxModel, asked: str
                 yield Slip("one-step prediction", text, partial(np.concatenate, [begun, whole[first:stop]]))
 
 
-def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Sequence[Slip[float]] = ()) -> Verdict:
-    """Judge the mean squared error of `y_sim`; `more` are further known mistakes."""
+def judge_mse(
+    name: str,
+    got: float,
+    y: FloatArray,
+    y_sim: FloatArray,
+    more: Sequence[Slip[float]] = (),
+    others: Sequence[Edit] = (),
+) -> Verdict:
+    """Judge the mean squared error of `y_sim`.
+
+    `more` are further known mistakes, and `others` the differences of other signals, as edits of the part "e".
+    """
     e = y - y_sim
     squared = e**2
 
@@ -256,14 +269,58 @@ def judge_mse(name: str, got: float, y: FloatArray, y_sim: FloatArray, more: Seq
     ]
     slips += wrong_divisors(name, squared)
     otherwise = f"`{name}` is not the mean of the squared differences between measured and simulated output."
+
+    def made(e: FloatArray = e, of: Callable[[FloatArray], float] = _mean_square) -> float:
+        return float(of(e))
+
     return judge(
         got,
         mse(y, y_sim),
         close(1e-6),
         "Both mean squared errors are right.",
         otherwise,
-        [*slips, *more, *means_of_a_part(name, got, squared)],
+        [*slips, *more, *means_of_a_part(name, got, squared), *pairs_of(f"`{name}`", [*others, *_OF_ERRORS], made)],
     )
+
+
+def _mean_square(e: FloatArray) -> float:
+    return float(np.mean(e**2))
+
+
+def _root_of_mean(e: FloatArray) -> float:
+    return float(np.sqrt(np.mean(e**2)))
+
+
+def _sum_of_squares(e: FloatArray) -> float:
+    return float(np.sum(e**2))
+
+
+def _loss(e: FloatArray) -> float:
+    return float(np.sum(e**2)) / 2
+
+
+def _half_of_mean(e: FloatArray) -> float:
+    return float(np.mean(e**2)) / 2
+
+
+def _mean(e: FloatArray) -> float:
+    return float(np.mean(e))
+
+
+def _mean_size(e: FloatArray) -> float:
+    return float(np.mean(np.abs(e)))
+
+
+_OF_ERRORS = (
+    Edit("of", _root_of_mean, "the root is taken of the mean"),
+    Edit("of", _sum_of_squares, "the squares are summed, and not divided by their number"),
+    Edit("of", _loss, "half the sum of the squares is taken for their mean"),
+    Edit("of", _half_of_mean, "half the mean is taken"),
+    Edit("of", _mean, "the errors are not squared"),
+    Edit("of", _mean_size, "absolute errors are taken, and not squared"),
+    Edit("of", np.var, "the mean of the errors is subtracted before they are squared"),
+)
+"""What may have been made of errors in the place of the mean of their squares."""
 
 
 def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
@@ -386,6 +443,34 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         f"`{name}` was simulated with `y` as the input; the input is `u`.",
         lambda: simulate(model, y),
     )
+
+
+def _pairs(name: str, data: LabData, model: ArxModel, first: int) -> Iterator[Slip[FloatArray]]:
+    """Runs of a model with two of its parts changed: denominator, numerator and input."""
+    n, b = model.order, model.b
+    of_a, of_b = (", ".join(f"{letter}{i}" for i in range(1, n + 1)) for letter in "ab")
+
+    def made(
+        denominator: FloatArray = model.a, numerator: FloatArray = np.r_[0.0, b], u: FloatArray = data.u[first:]
+    ) -> FloatArray:
+        return np.asarray(lfilter(numerator, denominator, u), float)
+
+    edits = [
+        Edit("denominator", np.r_[1.0, -model.a[1:]], "its denominator has the other sign of a"),
+        Edit("numerator", b, f"its numerator lacks the zero before {of_b}, and is one sample early"),
+        Edit("numerator", np.r_[0.0, 0.0, b], "its numerator has two zeros at its beginning, and is one sample late"),
+        Edit("numerator", np.r_[0.0, -b], "its numerator has the other sign of b"),
+        Edit("u", data.u_act[first:], "its input is `u_act`, with the offset"),
+        Edit("u", data.y[first:], "its input is `y`"),
+    ]
+    if n > 1:
+        edits += [
+            Edit("denominator", model.a[1:], f"its denominator has no leading 1 (it is 1, {of_a})"),
+            Edit("denominator", np.r_[model.a[1:], 1.0], f"the 1 of its denominator stands last (it is 1, {of_a})"),
+            Edit("denominator", np.r_[1.0, model.a[:0:-1]], f"{of_a} stand in reverse order"),
+            Edit("numerator", np.r_[0.0, b[::-1]], f"{of_b} stand in reverse order"),
+        ]
+    yield from pairs_of(f"`{name}`", edits, made)
 
 
 def _some_of(n: int) -> Iterator[FloatArray]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.regressions import WRAPS, sample_name, wrapped
@@ -253,8 +254,29 @@ def _judge_weighted(ask: Ask, Phi: FloatArray, Y: FloatArray, sigma: FloatArray)
                 lambda: np.asarray(np.linalg.solve(Phi.T @ (Phi / sigma[:, np.newaxis] ** 2), Phi.T @ Y), float),
                 mend="(Phi'W Phi)^-1 Phi'W Y contains it twice.",
             ),
+            *pairs_of("`weighted_fit`", _edits_of_weights(sigma), partial(_with_weights, Phi, Y, sigma)),
         ],
     )
+
+
+def _edits_of_weights(sigma: FloatArray) -> tuple[Edit, ...]:
+    """Wrong weights on either side of Phi'W Phi theta = Phi'W Y."""
+    sides = (("left", "before Phi, in Phi'W Phi,"), ("right", "before Y, in Phi'W Y,"))
+    weights = (
+        (np.ones(sigma.size), "W is missing"),
+        (1 / sigma, "the weight is 1/sigma, and not 1/sigma^2"),
+        (1 / sigma**4, "the weight is 1/sigma^4, and not 1/sigma^2"),
+        (sigma, "the weight is sigma, and not 1/sigma^2"),
+        (sigma**2, "the weight is sigma^2, and not 1/sigma^2"),
+    )
+    return tuple(Edit(part, weight, f"{where} {said}") for part, where in sides for weight, said in weights)
+
+
+def _with_weights(
+    Phi: FloatArray, Y: FloatArray, sigma: FloatArray, left: FloatArray | None = None, right: FloatArray | None = None
+) -> FloatArray:
+    left, right = (1 / sigma**2 if one is None else one for one in (left, right))
+    return np.asarray(np.linalg.solve((Phi.T * left) @ Phi, (Phi.T * right) @ Y), float)
 
 
 def _with_multipliers(Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArray) -> FloatArray:

@@ -53,6 +53,13 @@ def _judge_projector(ask: Ask, Phi: FloatArray) -> Verdict:
                 lambda: Phi @ Phi.T @ Phi @ Phi.T,
             ),
             Slip(
+                "columns taken for orthogonal",
+                "`projector` scales each regressor to length one, and takes them for orthogonal: what two of them "
+                "share is then counted twice.",
+                lambda: (Phi / np.sum(Phi**2, axis=0)) @ Phi.T,
+                mend="(Phi'Phi)^-1, the inverse of the whole matrix, belongs in the middle.",
+            ),
+            Slip(
                 "divided by a norm",
                 "`projector` divides Phi Phi' by the square of a norm, which is right for a single column only.",
                 lambda: Phi @ Phi.T / np.linalg.norm(Phi) ** 2,

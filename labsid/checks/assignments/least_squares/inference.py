@@ -11,7 +11,7 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_array, as_theta, as_vector
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.least_squares.intervals import confidence_intervals
 from labsid.least_squares.matrix_inverse import characteristic_polynomial
 from labsid.least_squares.solve import LeastSquares, solve_least_squares
@@ -182,6 +182,14 @@ def _width_slips(fit: LeastSquares, n: int, p: int, level: float) -> list[Slip[F
     ]
 
 
+def _is_of_one_size(ask: Ask, n: int) -> bool:
+    """Whether a larger matrix gives as few weights as one of n rows did, n - 1."""
+    try:
+        return as_array("inverse_weights(A)", returned(ask, "inverse_weights", 2 * np.eye(n + 1))).shape == (n - 1,)
+    except NoAnswer:
+        return False
+
+
 @first_failure
 def check_cayley_hamilton(ask: Ask) -> Iterator[Verdict]:
     """`inverse_weights(A)`: the inverse as a sum of powers of A."""
@@ -203,6 +211,13 @@ def _judge_weights(ask: Ask, A: FloatArray) -> Verdict:
     if shape == (n, n):
         return Verdict(
             False, "`inverse_weights` returns a matrix: return the n weights of the powers of A.", "matrix returned"
+        )
+    if shape == (n - 1,) and _is_of_one_size(ask, n):
+        return Verdict(
+            False,
+            f"`inverse_weights` returns {n - 1} number{'s' * (n > 2)} of a matrix of any size, and of this {n} by {n}: "
+            "there is one weight for each of the powers I to A^(n-1), from all n + 1 coefficients.",
+            "one size only",
         )
     if shape == (n - 1,):
         return Verdict(

@@ -135,14 +135,35 @@ def _one_fit(ask: Ask, powers: tuple[int, ...]) -> Iterator[Verdict]:
             lambda: float(np.sum(np.abs(fit.residual))),
         ),
     ]
+    slips.append(
+        Slip(
+            "sum squared",
+            "the second value of `fit_powers` is the square of the sum of the errors: square each error, and then add.",
+            lambda: float(np.sum(fit.residual) ** 2),
+        )
+    )
+    got = as_number(f"the SSE of {call}", parts[1])
+    if 0 in powers and abs(got) < _ROUNDING * sse:
+        slips.append(
+            Slip(
+                "errors not squared",
+                f"the second value of `fit_powers` is zero but for rounding, {got:.2g}. With a constant in the model "
+                "the errors themselves add up to zero: square each error, and then add.",
+                lambda: got,
+            )
+        )
     yield judge(
-        as_number(f"the SSE of {call}", parts[1]),
+        got,
         sse,
         SAME,
         "",
         "the second value of `fit_powers` is not the sum of the squared errors.",
         slips,
     )
+
+
+_ROUNDING = 1e-12
+"""Of the SSE: what rounding leaves of a sum that is zero."""
 
 
 def _theta_of_powers(x: FloatArray, y: FloatArray, powers: tuple[int, ...]) -> FloatArray:

@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.compare import SAME, as_array, as_number, as_vector, close
+from labsid.checks.double_mistakes import TWO
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.regressions import WRAPS, wrapped
 from labsid.checks.values import Value
@@ -38,13 +40,14 @@ def check_excitation(ask: Ask) -> Verdict:
         return Verdict(True, "it counts what an input can teach.")
     if [min(answer, _LARGEST) for answer in answers] == truth:
         return Verdict(False, "`excitation` goes on beyond `largest`: stop there.", "largest not used")
-    if answers == [min(right, _LARGEST - 1) for right in truth]:
-        return Verdict(
-            False,
-            "`excitation` stops one order too early: it never tries n = largest. (`range(1, largest)` leaves out its "
-            "end.)",
-            "largest left out",
-        )
+    for least, also in ((0, ""), (1, " And for an input that is zero throughout the order is 0, not 1.")):
+        if answers == [max(least, min(right, _LARGEST - 1)) for right in truth]:
+            return Verdict(
+                False,
+                "`excitation` stops one order too early: it never tries n = largest. (`range(1, largest)` leaves out "
+                f"its end.){also}",
+                TWO if also else "largest left out",
+            )
     for slip, hint, rule in _WRONG_ORDERS:
         if answers == [rule(u) for _, u in trials]:
             return Verdict(False, f"`excitation` {hint}", slip)
@@ -70,7 +73,11 @@ def check_excitation(ask: Ask) -> Verdict:
             "for rank, too, where the comparison has no tolerance.",
             "full rank where there is none",
         )
-    return Verdict(False, f"`excitation` is wrong for {trials[wrong][0]}: write the first rows of its matrix down.")
+    return Verdict(
+        False,
+        f"`excitation(u, {_LARGEST})` returns {answers[wrong]:g} for {trials[wrong][0]}, another order than its own. "
+        "Print each n that is tried, the shape and the rank of its matrix, and its first rows.",
+    )
 
 
 def _why_full(ask: Ask) -> str:
@@ -258,7 +265,7 @@ def _judge_cancel(
         ),
         (
             "nothing cancelled",
-            "leaves roots in place that lie nearer than `within`. (Equal to the last digit they never are.)",
+            f"leaves roots in place that lie nearer than `within`.{_why_nothing(ask, P, Q) if are(P, Q) else ''}",
             are(P, Q),
         ),
         (
@@ -289,7 +296,7 @@ def _judge_cancel(
         ("only one of them divided", "takes the common roots out of one polynomial only.", are(P, right[1])),
         (
             "one root of a pair left",
-            f"cancels one of two roots: {_HALF}",
+            f"cancels one of two roots: {_half(ask)}",
             P.size - 1 == sizes[0] == right[0].size + 1 and Q.size - 1 == sizes[1] == right[1].size + 1,
         ),
         (
@@ -328,10 +335,45 @@ def _judge_cancel(
     return Verdict(False, "`cancel` does not leave the right polynomials: try the example above it.")
 
 
-_HALF = (
-    "of two complex roots that belong together, one is left. A loop over a list from which it removes skips the next "
-    "entry: loop over a copy, `list(roots)`."
-)
+def _half(ask: Ask) -> str:
+    """Why one root of a pair is left, as far as the code tells."""
+    code, left = code_of(ask, "cancel"), "of two complex roots that belong together, one is left."
+    skips = "A loop over a list from which it removes skips the next entry: loop over a copy, `list(roots)`."
+    if code is None:
+        return f"{left} ({skips} And a `return` in the loop ends it.)"
+    if code.shrinks_its_loop:
+        return f"{left} {skips}"
+    if code.returns_in_loop:
+        return f"{left} A `return` stands in a loop, and ends it with the first pair: put it behind the loop."
+    return left
+
+
+def _why_nothing(ask: Ask, P: FloatArray, Q: FloatArray) -> str:
+    """Why no root is cancelled: whether it is the distance of other roots, or none at all, that is compared."""
+
+    def cancels(within: float) -> bool:
+        parts = returned_parts(ask, "cancel", "two polynomials", 2, P, Q, within)
+        return not all(SAME(_real(part), whole) for part, whole in zip(parts, (P, Q), strict=True))
+
+    roots_P, roots_Q = np.roots(P), np.roots(Q)
+    distances = np.abs(roots_P[:, np.newaxis] - roots_Q)
+    i, j = np.unravel_index(np.argmin(distances), distances.shape)
+    inverse = float(abs(1 / roots_P[i] - 1 / roots_Q[j]))
+    try:
+        if not cancels(_FAR):
+            return " (Equal to the last digit they never are.)"
+        if not cancels(0.95 * inverse) and cancels(1.05 * inverse):
+            return (
+                f" These are {distances[i, j]:.2g} apart, and it cancels them from {inverse:.2g} on, the distance of "
+                "1/z: the roots are those of the list turned round. Pass it to `np.roots` as it is."
+            )
+    except NoAnswer:
+        return ""
+    return f" Print the two roots that are {distances[i, j]:.2g} apart, and what is compared with `within`."
+
+
+_FAR = 100.0
+"""Farther than any two roots of a trial lie apart."""
 _OTHER_LIMITS = (0.01, 1e-3, 0.1, 0.05, 1e-6)
 """Distances that a student may write into `cancel` instead of `within`."""
 
@@ -368,7 +410,8 @@ def _real(value: Value) -> FloatArray:
     if array is not None and array.dtype.kind == "c":
         if np.any(np.abs(array.imag) > 1e-6):
             raise NoAnswer(
-                f"`cancel` returns coefficients with large imaginary parts: {_HALF}",
+                "`cancel` returns coefficients with large imaginary parts: of two complex roots that belong together, "
+                "one is left.",
                 "one root of a pair left",
             )
         array = array.real

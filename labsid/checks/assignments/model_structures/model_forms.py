@@ -97,6 +97,14 @@ def _judge_state_space(ask: Ask, num: FloatArray, den: FloatArray) -> Verdict:
                 lambda: form(a[1:], np.r_[num / den[0], np.zeros(n)][:n], 0),
             ),
             Slip(
+                "A transposed",
+                f"{'A' if np.allclose(got.A, G.T) else 'the transpose of A'} of `state_space` is that of the form in "
+                "which B and C change places: with u going into the last state, -a stands in the last *row* of A."
+                if not np.allclose(got.A, G)
+                else "B and C of `state_space` have changed places: with this A, u goes into the last state alone.",
+                lambda: StateSpaceValue(G.T, H, C, D, 1.0),
+            ),
+            Slip(
                 "B in reverse order",
                 "B of `state_space` has its 1 in the first row: u goes into the last state.",
                 lambda: form(a[1:], c, direct, into=0),

@@ -93,7 +93,7 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
         right,
         SAME,
         "",
-        "`losses` does not return the mean squared errors of the ARX models. Begin with one order.",
+        f"`losses` does not return the mean squared errors of the ARX models.{_right_orders(got, right, orders)}",
         [
             Slip("rows of its own for each order", unequal, lambda: _losses(u, y, orders, orders)),
             Slip(
@@ -167,12 +167,43 @@ def _judge_losses(ask: Ask, u: FloatArray, y: FloatArray, orders: tuple[int, ...
                 for lag in dict.fromkeys((1, start))
             ),
             Slip(
+                "rows cut at the wrong end",
+                "`losses` leaves out rows at the *end*: the model of order n begins at sample n, and explains other "
+                "outputs. Leave out the first max(orders) - n rows of each.",
+                lambda: np.array([_loss(_wrapped(u, y, n)[n : n + rows], y[n : n + rows]) for n in orders]),
+            ),
+            *(
+                Slip(
+                    "orders not used",
+                    f"`losses` fits the orders {', '.join(map(str, others))}, and asked for are "
+                    f"{', '.join(map(str, orders))}: take n from `orders`.",
+                    partial(_losses, u, y, others, [first] * m),
+                )
+                for others in (tuple(range(1, m + 1)), tuple(range(m, 0, -1)))
+                if others != orders
+                for first in (start, m)
+            ),
+            Slip(
                 "u and y swapped",
                 "`losses` has u and y swapped: the output is what is explained.",
                 lambda: _losses(y, u, orders, [start] * m),
             ),
         ],
     )
+
+
+def _right_orders(got: FloatArray, right: FloatArray, orders: tuple[int, ...]) -> str:
+    """For which orders the losses are right, where some are; else that one order is to be tried."""
+    are_right = np.abs(got - right) <= _SAME_LOSS * right
+    if not are_right.any():
+        return f" Try one order, `losses(u, y, [{orders[0]}])`."
+    good, bad = (
+        ", ".join(str(n) for n, it in zip(orders, are_right, strict=True) if it == wanted) for wanted in (True, False)
+    )
+    return f" It is right for n = {good}, and not for n = {bad}, with the orders {list(orders)}: print start and rows."
+
+
+_SAME_LOSS = 1e-6
 
 
 def _prices(N: int, p: FloatArray) -> list[tuple[str, FloatArray]]:

@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import as_array, as_vector, close
+from labsid.checks.double_mistakes import Edit, pairs_of, with_pairs
 from labsid.checks.question import Ask, returned, with_lists
 from labsid.checks.recursions import Factor, with_recursion
 from labsid.checks.regressions import wrapped_filter
@@ -104,12 +106,49 @@ def _judge_shift(ask: Ask, P: FloatArray, x: FloatArray) -> Verdict:
                 lambda: np.polyval(P, x),
             ),
             Slip(
+                "a coefficient left out",
+                "`apply` leaves out the last coefficient of P: `range(n)` ends with n - 1, and so counts all n.",
+                lambda: apply(P[:-1], x),
+            ),
+            Slip(
+                "a coefficient left out",
+                "`apply` leaves out P[0], the coefficient of x(k).",
+                lambda: apply(np.r_[0.0, P[1:]], x),
+            ),
+            Slip(
                 "middle of the convolution",
                 "`apply` takes the middle of the convolution (`mode='same'`): take its first len(x) samples.",
                 lambda: np.convolve(P, x, mode="same"),
             ),
+            *pairs_of("`apply`", _EDITS_OF_SHIFT, partial(_shifted, P, x)),
         ],
     )
+
+
+_EDITS_OF_SHIFT = (
+    Edit("coefficients", "cut", "the last coefficient of P is left out"),
+    Edit("coefficients", "first", "P[0] is left out"),
+    Edit("coefficients", "turned", "the coefficients are in reverse order"),
+    Edit("coefficients", "late", "P[0] stands with x(k-1), and not with x(k)"),
+    Edit("way", "roll", "the last samples are taken for those before the first, as `np.roll` does"),
+    Edit("way", "ahead", "samples that are yet to come are taken for those before"),
+    Edit("way", "held", "the first sample is repeated before the signal, which is zero there"),
+)
+
+
+def _shifted(P: FloatArray, x: FloatArray, coefficients: str = "", way: str = "") -> FloatArray:
+    """A polynomial applied to a signal, with other coefficients and in other ways."""
+    p = {
+        "cut": np.r_[P[:-1], 0.0], "first": np.r_[0.0, P[1:]], "turned": P[::-1], "late": np.r_[0.0, P], "": P,
+    }[coefficients]  # fmt: skip
+    n = p.size
+    if way == "roll":
+        return wrapped_filter(p, x)
+    if way == "ahead":
+        ahead = np.r_[x, np.zeros(n)]
+        return np.array([p @ ahead[k : k + n] for k in range(x.size)])
+    before = np.r_[np.full(n, x[0] if way == "held" else 0.0), x]
+    return np.asarray(sum(p[i] * before[n - i : n - i + x.size] for i in range(n)), float)
 
 
 def check_simulate(ask: Ask) -> Verdict:
@@ -167,6 +206,11 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
                 "divided by C",
                 "`simulate` divides the noise by C: C multiplies e, and 1/A filters both.",
                 lambda: behind() + free_run(PolynomialModel(C, np.ones(1), np.ones(1), 0), e),
+            ),
+            Slip(
+                "divided by C",
+                "`simulate` divides the noise by A and by C: C multiplies e, and 1/A filters both.",
+                lambda: behind() + lfilter([1.0], np.convolve(A, C), e),
             ),
             Slip("noise left out", "`simulate` leaves the noise out.", behind),
             *(
@@ -228,7 +272,8 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
             ),
             Slip(
                 "index wraps around",
-                "`simulate` takes samples from the end of the record for those before its first: y[k - i] with k < i.",
+                "`simulate` takes u and e from the end of the record for those before its first sample: `u[k - i]` "
+                "with k < i.",
                 lambda: free_run(
                     PolynomialModel(A, np.ones(1), np.ones(1), 0), wrapped_filter(B, u) + wrapped_filter(C, e)
                 ),
@@ -240,7 +285,41 @@ def _judge_simulate(ask: Ask, A: FloatArray, B: FloatArray, C: FloatArray, u: Fl
         **{("u", i): Factor(f"B[{i}]", b) for i, b in enumerate(B) if b},
         **{("e", i): Factor(f"C[{i}]", c) for i, c in enumerate(C)},
     }
-    return with_recursion(verdict, ("y", got), {"u": u, "e": e}, asked)
+    verdict = with_recursion(verdict, ("y", got), {"u": u, "e": e}, asked)
+    pairs = pairs_of("`simulate`", _edits_of_simulation(A, B, C), partial(_simulated, A, B, C, u, e))
+    return with_pairs(verdict, got, EXACT, pairs)
+
+
+def _edits_of_simulation(A: FloatArray, B: FloatArray, C: FloatArray) -> tuple[Edit, ...]:
+    """Single mistakes in the past outputs, in the input and in the way of the noise."""
+    one = np.ones(1)
+    return (
+        Edit("a", np.r_[1, -A[1:]], "the past outputs are added, and have a minus on the right-hand side"),
+        Edit("b", np.r_[0, B], "the input begins with u(k-1), whatever B says"),
+        Edit("b", np.r_[0, B[1:]], "B[0] is left out"),
+        Edit("noise", (one, C, True), "the noise is divided by C, which multiplies it"),
+        Edit("noise", (one, one, True), "C is not used"),
+        Edit("noise", (C, one, False), "the noise does not go through 1/A"),
+        Edit("noise", (one, one, False), "e is added at the output as it is"),
+        Edit("noise", (0 * one, one, False), "the noise is left out"),
+    )
+
+
+def _simulated(
+    A: FloatArray,
+    B: FloatArray,
+    C: FloatArray,
+    u: FloatArray,
+    e: FloatArray,
+    a: FloatArray | None = None,
+    b: FloatArray | None = None,
+    noise: tuple[FloatArray, FloatArray, bool] | None = None,
+) -> FloatArray:
+    """The output with other polynomials; of the noise: numerator, denominator, and whether it goes through 1/A."""
+    a, b = A if a is None else a, B if b is None else b
+    numerator, denominator, is_filtered = (C, np.ones(1), True) if noise is None else noise
+    of_noise = np.convolve(denominator, a) if is_filtered else denominator
+    return np.asarray(lfilter(b, a, u) + lfilter(numerator, of_noise, e), float)
 
 
 def _late_start(A: FloatArray, B: FloatArray, C: FloatArray, u: FloatArray, e: FloatArray) -> FloatArray:

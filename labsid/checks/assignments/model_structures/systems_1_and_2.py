@@ -72,7 +72,8 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
         right,
         SAME,
         "",
-        "`example_3_1` does not return the least-squares [a, b].",
+        "`example_3_1` does not return the least-squares [a, b]. The row beside y(t) is [-y(t-1), u(t-1)], from t = 1 "
+        "on: print the shape and the first two rows of your Phi, beside those of Y.",
         [
             Slip(
                 "sign of a",
@@ -101,6 +102,18 @@ def _judge_table(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 "a constant fitted along",
                 "`example_3_1` fits a constant besides a and b; the model has none.",
                 lambda: solve_least_squares(constant, y[1:]).theta[:2],
+            ),
+            *(
+                Slip(
+                    "another structure",
+                    f"`example_3_1` fits two {what} and no {other}: na = 1 and nb = 1 are asked for, one of each.",
+                    partial(np.multiply, solve_least_squares(columns, y[2:]).theta, sign),
+                )
+                for what, other, columns, sign in (
+                    ("past outputs", "input", np.column_stack([-y[1:-1], -y[:-2]]), 1),
+                    ("past outputs", "input", np.column_stack([-y[1:-1], -y[:-2]]), -1),
+                    ("past inputs", "output", np.column_stack([u[1:-1], u[:-2]]), 1),
+                )
             ),
             Slip(
                 "arguments not used",
@@ -354,4 +367,12 @@ def _curve(axes: AxesValue, what: str, signal: FloatArray) -> CurveValue:
                     "too many samples",
                 )
             return curve
+    (u_1, _), (u_2, y_2) = _records()
+    for name, other, of in (("y_2", y_2, "System 2"), ("u_1", u_1, "the input"), ("u_2", u_2, "the input of System 2")):
+        if any(50 <= curve.y.size <= other.size and _EXACT(curve.y, other[: curve.y.size]) for curve in axes.curves):
+            raise NoAnswer(
+                f"In Fig. 8 no curve shows {what}, and one shows `{name}`, {of}: the figure is of the output of "
+                "System 1.",
+                "another record drawn",
+            )
     raise no_curve(axes, "Fig. 8", what, signal[:100], "Draw its first 100 samples.")

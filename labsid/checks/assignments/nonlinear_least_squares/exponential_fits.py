@@ -15,6 +15,7 @@ from labsid.checks.assignments.nonlinear_least_squares.estimates import (
     within,
 )
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_vector
+from labsid.checks.double_mistakes import TWO, Edit, pairs_of
 from labsid.checks.figures import legend_text, one_figure, require_label, require_legend
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
@@ -129,8 +130,48 @@ def _judge_logarithm(ask: Ask, x: FloatArray, y: FloatArray) -> Verdict:
                 "`fit_logarithm` has no column of ones: the line needs its constant, ln b.",
                 lambda: np.array([fit_powers(x, np.log(y), (1,)).theta[0], 1.0]),
             ),
+            Slip(
+                "logarithm of x",
+                "`fit_logarithm` takes the logarithm of x as well, which is for y = b x^a. Here ln y = a x + ln b: x "
+                "stays as it is.",
+                partial(_line, x, y, x_=np.log(np.abs(x))),
+            ),
+            *pairs_of("`fit_logarithm`", _edits_of_line(x, y), partial(_line, x, y)),
+            Slip(
+                TWO,
+                "`fit_logarithm` returns ln b and a, in this order, as theta of the columns [1, x] is. Asked for are "
+                "a, the slope, and then b = e^(ln b).",
+                lambda: np.array([np.log(fit.b), fit.a]),
+            ),
         ],
     )
+
+
+def _edits_of_line(x: FloatArray, y: FloatArray) -> tuple[Edit, ...]:
+    """Single mistakes in the line through the logarithms, and in what is made of it."""
+    return (
+        Edit("x_", np.log(np.abs(x)), "the logarithm of x is taken, too"),
+        Edit("target", y, "the logarithm of y is not taken"),
+        Edit("target", np.log10(y), "`log10` is taken, and not `log`"),
+        Edit("taken", -1, "the constant of the line is taken for its slope: theta is in the order of the columns"),
+        Edit("is_power", False, "b is left as a logarithm: b = e^c"),
+        Edit("order", -1, "b is returned before a"),
+    )
+
+
+def _line(
+    x: FloatArray,
+    y: FloatArray,
+    x_: FloatArray | None = None,
+    target: FloatArray | None = None,
+    taken: int = 1,
+    is_power: bool = True,
+    order: int = 1,
+) -> FloatArray:
+    """a and b of a line that is fitted to other things, or read in another way."""
+    line = fit_powers(x if x_ is None else x_, np.log(y) if target is None else target, LINE).theta
+    a, c = line[::taken]
+    return np.array([a, float(np.exp(c)) if is_power else c])[::order]
 
 
 def _of_parabola(x: FloatArray, y: FloatArray, first: int, last: int) -> FloatArray:

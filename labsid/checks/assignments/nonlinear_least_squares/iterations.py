@@ -5,6 +5,7 @@ notebook's own `try_gauss_newton` and `try_levenberg_marquardt`: a check cannot 
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -210,6 +211,19 @@ def _judge_step(ask: Ask, J: FloatArray, e: FloatArray, mu: float) -> Verdict:
                 "`damped_step` adds mu to the diagonal, Levenberg's way. Asked for is Marquardt's: mu times the "
                 "diagonal of J'J, so that the units of theta do not matter.",
                 lambda: solve(JJ + mu * np.eye(p)),
+            ),
+            *(
+                Slip(
+                    "another diagonal",
+                    f"D of `damped_step` is made of {what}: it is the diagonal of J'J, the sums of squares of the "
+                    "columns.",
+                    partial(solve, JJ + mu * np.diag(diagonal)),
+                )
+                for what, diagonal in (
+                    ("the diagonal of J itself", np.diag(J)),
+                    ("the lengths of the columns of J", np.sqrt(np.diag(JJ))),
+                    ("the inverse of the diagonal of J'J", 1 / np.diag(JJ)),
+                )
             ),
             Slip("mu not used", "`damped_step` does not use mu: it is the whole step.", lambda: solve(JJ)),
             Slip(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.assignments.nonlinear_least_squares.estimates import (
     SQUARED,
     as_estimate,
@@ -260,7 +261,23 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
     def times(start: float, delay: int, sign: float, order: int) -> FloatArray:
         return (fit_with(start, delay) * [sign, 1.0])[::order]
 
+    def of_part(samples: int, sign: float) -> FloatArray:
+        return _fit_of_run(u[:samples], y[:samples], right).theta * [sign, 1.0]
+
+    code = code_of(ask, "fit_output_error")
+    written = {int(number) for number in (code.numbers if code else (50, 100)) if number == int(number)}
+    parts = [number for number in sorted(written | {u.size // 2}) if _SHORTEST <= number < u.size]
     slips: list[Slip[FloatArray]] = [
+        *(
+            Slip(
+                TWO if sign < 0 else "a part of the record",
+                f"`fit_output_error` fits the first {samples} of {u.size} samples: all of them count."
+                f"{' And a has the other sign: it stands on the left side, x(t) + a x(t-1).' if sign < 0 else ''}",
+                partial(of_part, samples, sign),
+            )
+            for samples in parts
+            for sign in (1.0, -1.0)
+        ),
         Slip("one-step fit", one_step, lambda: arx(1)),
         Slip("one-step fit", one_step, lambda: arx(1) * [-1, 1]),
         Slip("one-step fit", one_step, lambda: arx(2)),
@@ -329,6 +346,10 @@ def _judge_output_error(ask: Ask, u: FloatArray, y: FloatArray, fit: NonlinearFi
         f"yours is {_sse_of_run(got, u, y):.4g}, and {fit.sse:.4g} is possible.",
         slips,
     )
+
+
+_SHORTEST = 10
+"""Samples of a part of a record to which two parameters may have been fitted."""
 
 
 @np.errstate(all="ignore")

@@ -1,6 +1,7 @@
 """Checks of starting values and of position from ranges: several minima, and layouts that cannot tell."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -288,21 +289,21 @@ def check_layout(ask: Ask) -> Verdict:
     made = trial_layouts(ask.rng)
     order = ask.rng.permutation([*range(len(made)), *ask.rng.integers(0, len(made), 3)])
     trials = [made[i] for i in order]
-    answers = [_layout(ask, beacons) for beacons, _ in trials]
-    truth = [kind for _, kind in trials]
+    answers = [_layout(ask, one.beacons) for one in trials]
+    truth = [one.kind for one in trials]
     if answers == truth:
         return Verdict(True, "it says beforehand what the measurements will be able to tell.")
     rules = (
         (
             "beacons counted",
             "counts the beacons. Ten on one line tell no more than two: what matters is how they lie.",
-            [_of_rank(min(len(beacons) - 1, 2)) for beacons, _ in trials],
+            [_of_rank(min(len(one.beacons) - 1, 2)) for one in trials],
         ),
         (
             "not centred",
             "takes the rank of the beacons' coordinates as they are. A line need not pass through the origin: subtract "
             "one beacon, or their mean, first.",
-            [_of_rank(int(np.linalg.matrix_rank(beacons, tol=1e-9))) for beacons, _ in trials],
+            [_of_rank(int(np.linalg.matrix_rank(one.beacons, tol=1e-9))) for one in trials],
         ),
         (
             "mirror and unique swapped",
@@ -317,26 +318,37 @@ def check_layout(ask: Ask) -> Verdict:
         (
             "along the axes only",
             _ALONG_AXES,
-            [_of_rank(int(np.count_nonzero(np.ptp(beacons, axis=0) > 1e-9))) for beacons, _ in trials],
+            [_of_rank(int(np.count_nonzero(np.ptp(one.beacons, axis=0) > 1e-9))) for one in trials],
         ),
     )
     for slip, hint, wrong in rules:
         if answers == wrong:
             return Verdict(False, f"`layout` {hint}", slip)
-    first = next(i for i, (answer, kind) in enumerate(zip(answers, truth, strict=True)) if answer != kind)
-    missed = {int(order[i]) for i in range(len(trials)) if answers[i] != truth[i]}
-    if missed <= set(SLANTING) and EXACT_SLANTING in missed and _has_tolerance(ask):
+    told = {int(i): answer for i, answer in zip(order, answers, strict=True) if answer != made[i].kind}
+    if set(told) <= set(SLANTING) and EXACT_SLANTING in told and _has_tolerance(ask):
         return Verdict(False, f"`layout` {_ALONG_AXES}", "along the axes only")
-    if missed <= set(SLANTING):
+    if set(told) <= set(SLANTING) - {REPEATED_SLANTING}:
         return Verdict(
             False,
             "`layout` misses beacons on a slanting line: through rounding, what should be zero is about 1e-16. Compare "
             "with a small tolerance, not with 0.",
             "zero compared exactly",
         )
-    beacons, kind = trials[first]
+    missed = [made[i] for i in sorted(told)]
+    if all(one.is_narrow for one in missed) and set(told.values()) == {"mirror"}:
+        return Verdict(
+            False,
+            f"`layout` says 'mirror' for {_told_narrow(missed[0])}. No line passes through all of them: they span the "
+            "plane. The tolerance is for rounding alone, such as 1e-9, and not for a distance in the room.",
+            "tolerance too wide",
+        )
+    first, code = missed[0], code_of(ask, "layout")
+    because = first.because if code is not None and code.divides else ""
     return Verdict(
-        False, f"`layout` is wrong for {len(beacons)} beacons that {_SAID[kind]}: it says {answers[first]!r}."
+        False,
+        f"`layout` is wrong for {len(first.beacons)} beacons that {_SAID[first.kind]}{first.says}: it says "
+        f"{told[min(told)]!r}.{because}",
+        first.slip or None,
     )
 
 
@@ -345,10 +357,18 @@ _ALONG_AXES = (
     "what should be zero is about 1e-16 on a slanting line. Compare with a small tolerance.)"
 )
 _SAID = {"unique": "span the plane", "mirror": "lie on one line", "undetermined": "are in one place"}
-SLANTING = (2, 4, 6, 7)
-"""Those of the trial layouts that lie on a line along neither axis; the last two have rounded coordinates."""
+SLANTING = (2, 4, 6, 7, 13)
+"""Those of the trial layouts that lie on a line along neither axis; the third and fourth have rounded coordinates."""
+REPEATED_SLANTING = 13
+"""The one of them with two beacons in one place, and exact coordinates."""
 EXACT_SLANTING = 4
 """One of them with several beacons, whose coordinates and differences are exact."""
+
+
+def _told_narrow(layout: "Layout") -> str:
+    width = float(np.linalg.svd(layout.beacons - layout.beacons.mean(axis=0))[1][1])
+    where = ", ".join(f"({x:.3g}, {y:.3g})" for x, y in layout.beacons)
+    return f"beacons at {where}, where the second singular value of the differences is {width:.2g}"
 
 
 def _has_tolerance(ask: Ask) -> bool:
@@ -366,27 +386,81 @@ def _of_rank(rank: int) -> str:
     return LAYOUTS[2 - min(rank, 2)]
 
 
-def trial_layouts(rng: np.random.Generator) -> list[tuple[FloatArray, str]]:
-    """Layouts with what they can tell, known from how they are made."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """Beacons on which `layout` is tried.
+
+    Attributes
+    ----------
+    beacons : ndarray, shape (m, 2)
+    kind : str
+        What they can tell, known from how they are made.
+    says : str
+        What is special about them, behind "beacons that lie on one line".
+    because : str
+        What divides by zero there, in a sentence.
+    slip : str
+        Name of the mistake of missing them.
+    is_narrow : bool
+        Whether they span the plane, and one singular value of their differences is below 1 m.
+    """
+
+    beacons: FloatArray
+    kind: str
+    says: str = ""
+    because: str = ""
+    slip: str = ""
+    is_narrow: bool = False
+
+
+NEARLY_ON_A_LINE = ((0.0, 2.0), (2.5, 2.4), (5.0, 1.8), (7.5, 2.3), (10.0, 1.9))
+"""Beacons of the notebook's figure, in m."""
+
+
+def trial_layouts(rng: np.random.Generator) -> list[Layout]:
+    """Layouts with what they can tell."""
 
     def on_line(n: int, direction: FloatArray, through: FloatArray) -> FloatArray:
         along = np.arange(n) + 0.25 * rng.integers(0, 4, n)
         return np.asarray(through + along[:, np.newaxis] * direction, float)
 
+    def moved(*places: tuple[float, float]) -> FloatArray:
+        return np.asarray(corner + np.array(places), float)
+
     corner = rng.integers(2, 9, 2).astype(float)
     angles = rng.uniform(0.3, 1.2, 2)
     slanting = np.array([[3.0, 1.0], [1.0, 2.0]])[int(rng.integers(2))]
+    vertical = (
+        ", along the second axis",
+        " (A slope, the quotient of two differences, is inf or -inf there.)",
+        "vertical line",
+    )
+    repeated = (
+        ", two of them in one place",
+        " (Between these two a slope, the quotient of two differences, is 0/0.)",
+        "repeated beacon",
+    )
     return [
-        (corner + rng.uniform(-1, 1, (3, 2)) + np.array([[0, 0], [6, 0], [0, 6]]), "unique"),
-        (corner + rng.uniform(-1, 1, (5, 2)) + np.array([[0, 0], [6, 0], [0, 6], [6, 6], [3, 3]]), "unique"),
-        (corner + rng.uniform(0, 3, (2, 2)) + np.array([[0, 0], [6, 4]]), "mirror"),
-        (on_line(5, np.array([1.0, 0.0]), corner), "mirror"),
-        (on_line(4, slanting, corner + np.array([0, 1])), "mirror"),
-        (on_line(4, np.array([2.0, 1.0]), np.zeros(2)) + np.array([[0, 0], [0, 1], [0, 0], [0, 2]]), "unique"),
-        *((on_line(5, np.array([np.cos(angle), np.sin(angle)]), corner), "mirror") for angle in angles),
-        (np.repeat(corner[np.newaxis], 3, axis=0), "undetermined"),
-        (np.repeat(rng.integers(1, 9, (1, 2)).astype(float), 4, axis=0), "undetermined"),
-        (corner + rng.uniform(0, 1, (1, 2)), "undetermined"),
+        Layout(corner + rng.uniform(-1, 1, (3, 2)) + np.array([[0, 0], [6, 0], [0, 6]]), "unique"),
+        Layout(corner + rng.uniform(-1, 1, (5, 2)) + np.array([[0, 0], [6, 0], [0, 6], [6, 6], [3, 3]]), "unique"),
+        Layout(corner + rng.uniform(0, 3, (2, 2)) + np.array([[0, 0], [6, 4]]), "mirror"),
+        Layout(on_line(5, np.array([1.0, 0.0]), corner), "mirror"),
+        Layout(on_line(4, slanting, corner + np.array([0, 1])), "mirror"),
+        Layout(on_line(4, np.array([2.0, 1.0]), np.zeros(2)) + np.array([[0, 0], [0, 1], [0, 0], [0, 2]]), "unique"),
+        *(Layout(on_line(5, np.array([np.cos(angle), np.sin(angle)]), corner), "mirror") for angle in angles),
+        Layout(np.repeat(corner[np.newaxis], 3, axis=0), "undetermined"),
+        Layout(np.repeat(rng.integers(1, 9, (1, 2)).astype(float), 4, axis=0), "undetermined"),
+        Layout(corner + rng.uniform(0, 1, (1, 2)), "undetermined"),
+        Layout(moved((0, 0), (0, 2), (0, -3), (0, 5)), "mirror", *vertical),
+        Layout(moved((0, 0), (0, 1), (0, 4)), "mirror", *vertical),
+        Layout(moved((0, 0), (0, 0), (1, 2), (2, 4)), "mirror", *repeated),
+        Layout(moved((0, 0), (0, 0), (6, 0), (0, 6)), "unique", *repeated),
+        Layout(moved((0, 0), (6, 0), (6, 0), (0, 6)), "unique", *repeated),
+        Layout(np.array(NEARLY_ON_A_LINE), "unique", is_narrow=True),
+        Layout(moved((0, 0), (0.5, 0), (0, 0.5)), "unique", is_narrow=True),
+        Layout(moved((0, 0), (0.25, 0), (0.75, 0)), "mirror", " of less than a metre"),
+        Layout(moved((0, 0), (800, 0), (0, 600)), "unique", " far apart"),
+        Layout(moved((0, 0), (400, 0), (1000, 0)), "mirror", " far apart"),
     ]
 
 

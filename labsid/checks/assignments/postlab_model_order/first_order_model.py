@@ -17,6 +17,7 @@ from labsid.checks.assignments.lab_identification.signal_panels import Panel, re
 from labsid.checks.assignments.lab_identification.simulated_output import SAME, judge_entire_run, judge_mse, read_output
 from labsid.checks.assignments.postlab_model_order.order_fits import judge_fit_order, judge_second_order
 from labsid.checks.compare import as_number, as_vector
+from labsid.checks.double_mistakes import Edit
 from labsid.checks.question import Ask
 from labsid.checks.values import TransferFunctionValue, Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure
@@ -160,8 +161,19 @@ def check_errors(ask: Ask) -> Iterator[Verdict]:
         slips = (
             Slip("offset left in", offset, partial(mse, data.y_act, runs[n])),
             Slip("models swapped", mixed, partial(mse, data.y, runs[other_order])),
+            Slip(
+                "measured output left out",
+                f"`{name}` is the mean squared difference of the two simulations: compare `y_sim_{n}` with `y`, the "
+                "measured output.",
+                partial(mse, runs[1], runs[2]),
+            ),
         )
-        yield judge_mse(name, got[n - 1], data.y, runs[n], slips)
+        others = (
+            Edit("e", data.y - runs[other_order], f"`y_sim_{other_order}` is taken for `y_sim_{n}`"),
+            Edit("e", data.y_act - runs[n], "`y_act`, with the offset, is taken for `y`"),
+            Edit("e", runs[1] - runs[2], "the two simulations are compared with each other"),
+        )
+        yield judge_mse(name, got[n - 1], data.y, runs[n], slips, others)
 
 
 def right_errors(ask: Ask) -> dict[str, Value]:
@@ -179,8 +191,8 @@ def check_figure_8(ask: Ask) -> Verdict:
     texts = [*axes.texts, *axes.legend, axes.title]
     found_numbers = [number for text in texts for line in text.splitlines() for number in _numbers(line)]
     for name, wanted, other_error in (("first", first, second), ("second", second, first)):
-        if not any(_is_near(number, wanted) for number in found_numbers):
-            unexplained = [number for number in found_numbers if not _is_near(number, other_error)]
+        if not any(_is_near(float(number), wanted) for number in found_numbers):
+            unexplained = [number for number in found_numbers if not _is_near(float(number), other_error)]
             return Verdict(False, *_missing(name, wanted, unexplained, axes.texts))
     for text in texts:
         names, errors = _names_and_errors(text, first, second)
@@ -195,10 +207,10 @@ def check_figure_8(ask: Ask) -> Verdict:
     return Verdict(True, "Fig. 8 shows both models and their errors.")
 
 
-def _is_rounded(number: float, value: float) -> bool:
-    """Whether a number is a value with fewer digits, rounded or cut off."""
-    exponent = Decimal(repr(number)).normalize().as_tuple().exponent
-    return isinstance(exponent, int) and abs(number - value) <= 10.0**exponent
+def _is_rounded(number: str, value: float) -> bool:
+    """Whether a written number is a value with fewer digits, rounded or cut off; zeros at its end are digits."""
+    exponent = Decimal(number).as_tuple().exponent
+    return isinstance(exponent, int) and abs(float(number) - value) <= 10.0**exponent
 
 
 def _has_too_few(text: str, value: float) -> bool:
@@ -207,7 +219,7 @@ def _has_too_few(text: str, value: float) -> bool:
     return decimals > 0 and f"{value:.{decimals}f}" == text and value < 5 * 10.0**-decimals
 
 
-def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, ...]) -> tuple[str, str]:
+def _missing(name: str, wanted: float, numbers: list[str], texts: tuple[str, ...]) -> tuple[str, str]:
     if not numbers and not texts:
         return ("Fig. 8 has no text yet: write both mean squared errors into it.", "no errors in the figure")
     if any(re.search(r"\{\w*mse", text) for text in texts):
@@ -215,7 +227,7 @@ def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, .
             'In Fig. 8 stands the name in braces and not its value: an `f` before the quotes, f"...", puts values in.',
             "name in place of its value",
         )
-    roots = [number for number in numbers if _is_near(number, float(np.sqrt(wanted)))]
+    roots = [number for number in numbers if _is_near(float(number), float(np.sqrt(wanted)))]
     if roots:
         return (
             f"In Fig. 8 stands the root of the {name}-order model's mean squared error.",
@@ -228,10 +240,10 @@ def _missing(name: str, wanted: float, numbers: list[float], texts: tuple[str, .
             "small a number. Give three significant digits, as `:.3g` does, or `:.2e`.",
             "too few digits",
         )
-    near = [number for number in numbers if abs(number - wanted) <= 0.5 * wanted]
+    near = [number for number in numbers if abs(float(number) - wanted) <= 0.5 * wanted]
     if near and not any(_is_rounded(number, wanted) for number in near):
         return (
-            f"The number {near[0]:g} in Fig. 8 is not the {name}-order model's mean squared error: let the code write "
+            f"The number {near[0]} in Fig. 8 is not the {name}-order model's mean squared error: let the code write "
             "the value of your variable, in braces after an `f`.",
             "another number in the figure",
         )
@@ -266,9 +278,9 @@ def _explained(text: str, first: float, second: float) -> list[int]:
     return [n for n in errors if n in names]
 
 
-def _numbers(line: str) -> list[float]:
-    """The numbers in a text, with powers of ten however they are written."""
-    return [float(number) for number in _NUMBER.findall(_plain(line))]
+def _numbers(line: str) -> list[str]:
+    """The numbers in a text, with powers of ten however they are written, as in 1.50e-3."""
+    return _NUMBER.findall(_plain(line))
 
 
 def _plain(text: str) -> str:

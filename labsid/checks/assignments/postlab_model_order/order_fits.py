@@ -10,6 +10,7 @@ from labsid.checks.answer_code import nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.assignments.lab_identification.phi_and_theta import rounded
 from labsid.checks.compare import as_vector
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask
 from labsid.checks.regressions import slips_of_fit
 from labsid.checks.values import Value
@@ -183,6 +184,41 @@ def _slips_from(u: FloatArray, y: FloatArray, n: int, k: int, data: LabData) -> 
         yield lag("The lags of y are off by one: the row for y(k) begins with y(k-1).", late_y, past_u)
         yield lag("The lags of u are off by one: after y's, the row for y(k) has u(k-1) first.", past_y, late_u)
         yield lag("All lags are off by one: the row for y(k) begins with y(k-1).", late_y, late_u)
+    yield from _pairs(u, y, n, k)
+
+
+def _pairs(u: FloatArray, y: FloatArray, n: int, k: int) -> Iterator[Slip[FloatArray]]:
+    """Two mistakes in a fit whose rows start at k: in its columns, and in the order and signs of what is returned."""
+    past_y, past_u = np.hsplit(build_phi(u, y, n, k).Phi, 2)
+    eye, ones = np.eye(2 * n), np.ones(2 * n)
+
+    def made(
+        past_y: FloatArray = past_y,
+        past_u: FloatArray = past_u,
+        out: FloatArray = eye,
+        sign: FloatArray = ones,
+    ) -> FloatArray:
+        return np.asarray(out @ (sign * solve_least_squares(np.hstack([past_y, past_u]), y[k:]).theta), float)
+
+    edits = [
+        Edit(
+            "past_u",
+            np.column_stack([u[k:], past_u[:, :-1]]),
+            "the row for y(k) begins its inputs with u(k), not u(k-1)",
+        ),
+        Edit("past_y", np.column_stack([y[k:], past_y[:, :-1]]), "the row for y(k) holds y(k) itself"),
+        Edit("sign", np.repeat([-1.0, 1.0], n), "[a, b] is returned in place of theta, [-a, b]"),
+        Edit("sign", -ones, "the signs of all parameters are turned"),
+        Edit("out", np.roll(eye, n, axis=0), "b is returned before a"),
+        Edit("out", eye[::-1], "theta is returned in reverse order"),
+    ]
+    if k >= 1:
+        late_y, late_u = np.hsplit(build_phi(u, y, n, k - 1, y.size - 1).Phi, 2)
+        edits += [
+            Edit("past_y", late_y, "the row for y(k) begins its outputs with y(k-2), not y(k-1)"),
+            Edit("past_u", late_u, "the row for y(k) begins its inputs with u(k-2), not u(k-1)"),
+        ]
+    yield from pairs_of("`fit_order`", edits, made)
 
 
 def _with_ones(u: FloatArray, y: FloatArray, n: int, k: int) -> Iterator[FloatArray]:

@@ -109,6 +109,14 @@ def _one_sum(ask: Ask, M: FloatArray, v: FloatArray, phi: FloatArray, y: float) 
     p = phi.size
     got_M, got_v = returned_parts(ask, "add_sample", "M and v", 2, M, v, phi, y)
     if _size(got_M) == p < _size(got_v) == p * p:
+        first = np.ravel(as_array("the first part of add_sample", got_M))
+        theta = np.linalg.lstsq(M + np.outer(phi, phi), v + phi * y, rcond=None)[0]
+        if SAME(first, theta):
+            yield Verdict(
+                False,
+                "`add_sample` returns the estimate, M^-1 v, and then M: asked for is M, and then the sum v.",
+                "estimate in place of the sum",
+            )
         yield Verdict(False, "`add_sample` returns v before M.", "M and v swapped")
     yield judge(
         as_matrix("M of add_sample(M, v, phi, y)", got_M, (p, p)),

@@ -14,6 +14,7 @@ from labsid.checks.assignments.recursive_identification.reference_runs import (
     slips_of_update,
 )
 from labsid.checks.compare import SAME, as_history, as_vector
+from labsid.checks.double_mistakes import TWO
 from labsid.checks.question import Ask, returned_parts
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.estimation.recursion import RecursiveState
@@ -84,6 +85,15 @@ def _one_bounded(ask: Ask, lam: float, LN: float, bound: float) -> Verdict:
                 lambda: (right[0], right[1] / lam),
             ),
             *slips,
+            *(
+                Slip(TWO, f"{hint} And {other}", partial(_with_trace, Phi, Y, (lam, LN, bound), rule, is_old))
+                for _, rule, hint in _WRONG_RULES
+                if rule in _WITH_TRACES
+                for is_old, other in (
+                    (True, "the traces are one sample late: store that of the P after the update."),
+                    (False, "the traces are divided by lambda: store trace(P) itself."),
+                )
+            ),
         ],
     )
     if not verdict.passed and _both_same((theta, trace), after):
@@ -92,7 +102,24 @@ def _one_bounded(ask: Ask, lam: float, LN: float, bound: float) -> Verdict:
     return verdict
 
 
+_WITH_TRACES = ("none", "late", "times", "for good", "never")
+"""Rules that are tried together with another mistake in the traces."""
+
+
+def _with_trace(Phi: FloatArray, Y: FloatArray, numbers: tuple[float, float, float], rule: str, is_old: bool) -> Run:
+    """A run with another rule, and with the traces of the P before each sample, or with those over lambda."""
+    lam, LN, bound = numbers
+    theta, trace = bounded_run(Phi, Y, lam, LN, bound, rule)
+    return theta, np.concatenate([[Phi.shape[1] * LN], trace[:-1]]) if is_old else trace / lam
+
+
 _WRONG_RULES = (
+    (
+        "first sample not compared",
+        "from the second",
+        "`rls_bounded` uses the first sample with lambda whatever the bound is: P(0) = LN I is compared as every other "
+        "P is, before the sample is used.",
+    ),
     (
         "no bound",
         "none",
@@ -168,6 +195,7 @@ def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: fl
     for k, (phi, y) in enumerate(zip(Phi, Y, strict=True)):
         trace = float(np.trace(P))
         over = float(_MEASURES.get(rule, np.trace)(P)) / (1 / lam if rule == "times" else lam) > bound
+        over = over and not (rule == "from the second" and k == 0)
         paused = paused or over
         if rule == "skip" and over:
             history[k], traces[k] = theta, trace
@@ -179,7 +207,7 @@ def bounded_run(Phi: FloatArray, Y: FloatArray, lam: float, LN: float, bound: fl
         if over and rule == "even":
             P = bound / p * np.eye(p)
         pauses = {"for good": paused, "never": True, "late": trace > bound, "look after": over}
-        pauses |= dict.fromkeys(("reset and pause", "times", *_MEASURES), over)
+        pauses |= dict.fromkeys(("reset and pause", "times", "from the second", *_MEASURES), over)
         P = updated(1.0 if pauses.get(rule, False) else lam)
         if rule == "scale first" and np.trace(P) > bound:
             P = P * bound / np.trace(P)

@@ -7,6 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.checks.compare import SAME, as_theta
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.regressions import LEFT_SIDE, WRAPS, wrapped
@@ -177,8 +178,42 @@ def _judge_fit(ask: Ask, u: FloatArray, y: FloatArray, r: FloatArray) -> Verdict
                 f"Phi of `{_CALL}` holds u(k); the equation has u(k-1).",
                 lambda: by(Z, np.column_stack([_past(y, (1,)), _past(u, (0,))])),
             ),
+            *pairs_of(f"`{_CALL}`", _edits_of_fit(u, y, r), partial(_fitted, u, y, r)),
         ],
     )
+
+
+def _edits_of_fit(u: FloatArray, y: FloatArray, r: FloatArray) -> tuple[Edit, ...]:
+    """Single mistakes in the columns of Phi and in the instruments."""
+    return (
+        Edit("of_y", -_past(y, (1,)), "Phi holds -y(k-1), and theta is [-a, b]"),
+        Edit("of_y", _past(y, (2,)), "Phi holds y(k-2) where y(k-1) belongs"),
+        Edit("of_u", _past(r, (1,)), "the reference stands in Phi where u(k-1) belongs"),
+        Edit("of_u", _past(u, (0,)), "Phi holds u(k) where u(k-1) belongs"),
+        Edit("Z", "Phi", "Phi' stands where Z' belongs, which is least squares"),
+        Edit("Z", _past(u, (1, 2)), "past inputs are the instruments, and in the loop they hold past disturbances"),
+        Edit("Z", _past(y, (1, 2)), "past outputs are the instruments, and they hold past disturbances"),
+        *(
+            Edit(
+                "Z", _past(r, lags), f"the instruments are {' and '.join(map(_reference, lags))}, not r(k-1) and r(k-2)"
+            )
+            for lags in ((0, 1), (0, 2))
+        ),
+    )
+
+
+def _fitted(
+    u: FloatArray,
+    y: FloatArray,
+    r: FloatArray,
+    of_y: FloatArray | None = None,
+    of_u: FloatArray | None = None,
+    Z: FloatArray | str | None = None,
+) -> FloatArray:
+    """The estimate from these columns of Phi and these instruments; "Phi" are the regressors themselves."""
+    Phi = np.hstack([_past(y, (1,)) if of_y is None else of_y, _past(u, (1,)) if of_u is None else of_u])
+    instruments = _past(r, (1, 2)) if Z is None else Phi if isinstance(Z, str) else Z
+    return instrumental_variables(instruments, Phi, y[_START:]).theta
 
 
 def _with_left_side(Z: FloatArray, Phi: FloatArray, y: FloatArray, lag: int) -> FloatArray:

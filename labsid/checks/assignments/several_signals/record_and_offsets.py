@@ -208,6 +208,15 @@ def _judge_offsets(ask: Ask, u: FloatArray, y: FloatArray) -> Verdict:
                 "`without_offsets` takes means over the signals: `axis=0` goes over the samples.",
                 lambda: y - y.mean(axis=1, keepdims=True),
             ),
+            *(
+                Slip(
+                    "rest of a fixed length",
+                    f"`without_offsets` takes the means of the first {stop} samples. The inputs tell how long the rest "
+                    f"is: here one of them moves at sample {n}.",
+                    partial(_means_off, y, [stop] * y.shape[1]),
+                )
+                for stop in range(2, len(y))
+            ),
         ],
     )
 

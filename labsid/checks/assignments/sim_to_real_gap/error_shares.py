@@ -11,6 +11,7 @@ from labsid.checks.answer_code import code_of
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.assignments.sim_to_real_gap.linear_model import known_error
 from labsid.checks.compare import SAME, as_number, as_vector, close
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 
@@ -116,7 +117,8 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
         length * stretch,
         close(0, 0.1 * Ts),
         "the shares add up, and this is where to look.",
-        "`worst` is not the stretch with the largest share: its beginning and its end, in seconds.",
+        f"`worst` is not the stretch with the largest share: its beginning and its end, in seconds."
+        f"{_of_stretch(got, energy / energy.sum(), length)}",
         [
             Slip(
                 "last sample of the stretch",
@@ -127,6 +129,15 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
                 "the largest error",
                 "`worst` surrounds the largest single error: the stretch with the largest *share* is asked for.",
                 lambda: Ts * (float(np.argmax(np.abs(e))) + np.array([0.0, 1.0])),
+            ),
+            *(
+                Slip(
+                    "the largest error",
+                    f"`worst` is as long as a stretch, and {where} the largest single error: asked for is the stretch "
+                    "with the largest *share*, which begins at a multiple of N/16.",
+                    partial(np.add, Ts * float(np.argmax(np.abs(e))), np.multiply(length, ends)),
+                )
+                for where, ends in (("begins with", (0.0, 1.0)), ("surrounds", (-0.5, 0.5)), ("ends with", (-1.0, 0.0)))
             ),
             Slip(
                 "part for a sample",
@@ -173,6 +184,21 @@ def _worst(ask: Ask, e: FloatArray, energy: FloatArray, length: float) -> Verdic
     )
 
 
+def _of_stretch(got: FloatArray, shares: FloatArray, length: float) -> str:
+    """What share the stretch from `got` has, where it is one; else how long it is, and how long a stretch."""
+    if abs(got[1] - got[0] - length) > _NEAR_LENGTH * length:
+        return f" Yours is {got[1] - got[0]:.4g} s long, and a stretch {length:.4g} s."
+    part = round(got[0] / length)
+    if not 0 <= part < shares.size or abs(got[0] - part * length) > _NEAR_LENGTH * length:
+        return f" Yours begins at {got[0]:.4g} s, and the stretches at multiples of {length:.4g} s."
+    return (
+        f" Yours, stretch {part} (counted from 0), has the share {shares[part]:.2g}; the largest is {max(shares):.2g}."
+    )
+
+
+_NEAR_LENGTH = 0.01
+
+
 @first_failure
 def check_frequency(ask: Ask) -> Iterator[Verdict]:
     """Step 4: `band_shares(e, Ts, edges)`."""
@@ -199,6 +225,7 @@ def check_frequency(ask: Ask) -> Iterator[Verdict]:
         if close(0, 0.003)(got, _normed(_sorted(f, edges, twice))):
             continue
         slips = [*_band_slips(f, edges, power, Ts), *_complex_slips(f, edges, spectrum)]
+        slips += pairs_of("`band_shares`", _edits_of_bands(e, f, Ts), partial(_bands, e, f, edges))
         yield _with_estimate(ask, _judge_shares("band_shares", got, _sorted(f, edges, power), slips, 0.003))
     yield Verdict(True, "the shares of all bands add up to one.")
 
@@ -232,6 +259,32 @@ def _complex_slips(f: FloatArray, edges: FloatArray, spectrum: NDArray[np.comple
 
 def _normed_cells(f: FloatArray, edges: FloatArray, weights: FloatArray) -> FloatArray:
     return _normed(_sorted(f, edges, weights))
+
+
+def _edits_of_bands(e: FloatArray, f: FloatArray, Ts: float) -> tuple[Edit, ...]:
+    """Single mistakes in what is transformed, in what is added up and in the frequencies."""
+    return (
+        Edit("signal", e - e.mean(), "the mean of the error is removed"),
+        Edit("signal", e**2, "the squares of the error are transformed, and not the error itself"),
+        Edit("signal", np.abs(e), "the absolute error is transformed, and not the error itself"),
+        Edit("power", 1, "|E| is added up, and not |E|^2"),
+        Edit("power", 4, "|E|^4 is added up, and not |E|^2"),
+        Edit("frequencies", f * Ts, "Ts is left out of the frequencies"),
+        Edit("frequencies", 2 * np.pi * f, "the frequencies are in rad/s, and the edges in Hz"),
+    )
+
+
+def _bands(
+    e: FloatArray,
+    f: FloatArray,
+    edges: FloatArray,
+    signal: FloatArray | None = None,
+    power: int = 2,
+    frequencies: FloatArray | None = None,
+) -> FloatArray:
+    """Shares of the bands with other parts in their formula."""
+    spectrum = np.abs(np.fft.rfft(e if signal is None else signal))
+    return _normed(_sorted(f if frequencies is None else frequencies, edges, spectrum**power))
 
 
 def _band_slips(f: FloatArray, edges: FloatArray, power: FloatArray, Ts: float) -> list[Slip[FloatArray]]:
@@ -446,7 +499,48 @@ def _cell_slips(x: FloatArray, e: FloatArray, edges: FloatArray) -> list[Slip[Fl
             "`cell_shares` sorts by the error. The cells are those of x.",
             lambda: _normed(_sorted(e, edges, e**2)),
         ),
+        *(
+            Slip(
+                "x and e exchanged",
+                "`cell_shares` sorts by the error, and adds up x^2: it is the other way round. The cells are those of "
+                "x, and e is squared.",
+                partial(np.divide, _sorted(e, edges, x**2), total),
+            )
+            for total in (np.sum(x**2), np.sum(_sorted(e, edges, x**2)))
+        ),
+        *pairs_of("`cell_shares`", _edits_of_cells(x, e, edges), partial(_cells_of, x, e, edges)),
     ]
+
+
+def _edits_of_cells(x: FloatArray, e: FloatArray, edges: FloatArray) -> tuple[Edit, ...]:
+    """Single mistakes in what is sorted, in what is added up and in what that is divided by."""
+    return (
+        Edit("sorted_by", e, "the error is sorted, and not x"),
+        Edit("weights", np.abs(e), "absolute errors are added up, and not squares"),
+        Edit("weights", e, "the errors are added up with their signs, and not squared"),
+        Edit("weights", np.ones(e.size), "samples are counted, whatever their errors are"),
+        Edit("counted", True, "the mean of each cell is taken, and not the sum"),
+        Edit("total", "largest", "the sums are divided by the largest, and not by the sum of all"),
+        Edit("total", "none", "the sums are not divided by that of all cells"),
+        Edit("total", "samples", "the sums are divided by the number of samples, and not by the sum of all"),
+    )
+
+
+def _cells_of(
+    x: FloatArray,
+    e: FloatArray,
+    edges: FloatArray,
+    sorted_by: FloatArray | None = None,
+    weights: FloatArray | None = None,
+    counted: bool = False,
+    total: str = "",
+) -> FloatArray:
+    """Shares of the cells with other parts in their formula."""
+    by = x if sorted_by is None else sorted_by
+    made = _sorted(by, edges, e**2 if weights is None else weights)
+    made = made / np.maximum(_sorted(by, edges, np.ones(e.size)), 1) if counted else made
+    totals = {"": made.sum(), "largest": made.max(), "none": 1.0, "samples": float(e.size)}
+    return np.asarray(made / totals[total])
 
 
 def _common_slips(name: str, energy: FloatArray, absolute: FloatArray) -> list[Slip[FloatArray]]:

@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import SAME, as_number, as_vector, close
+from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask
 from labsid.checks.regressions import LEFT_SIDE, slips_of_fit
 from labsid.checks.values import Value
@@ -163,6 +164,16 @@ def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
             "`theta_arx` is fitted on signals with their offsets. Use `u` and `y`.",
             lambda: fit_arx(ask.record.u, ask.record.y, Ts, start=2, stop=half).model.theta,
         )
+        for signals, one, other in (
+            ((ask.record.u, y), "u_act", "u"),
+            ((u, ask.record.y), "y_act", "y"),
+        ):
+            for start in (2, 3):
+                yield Slip(
+                    "offset left in",
+                    f"`theta_arx` is fitted with `{one}`, which contains the offset: use `{other}`.",
+                    partial(_fit_from, *signals, Ts, start, half),
+                )
         yield Slip(
             "a constant fitted along",
             "`theta_arx` was fitted with a column of ones beside Phi. The model has no constant, because the signals "
@@ -187,6 +198,10 @@ def _lab_estimate(ask: Ask, u: FloatArray, y: FloatArray, half: int) -> Verdict:
         "`theta_arx` is not the lab's least-squares estimate of order two on the first half: check Phi by columns.",
         list(others()),
     )
+
+
+def _fit_from(u: FloatArray, y: FloatArray, Ts: float, start: int, stop: int) -> FloatArray:
+    return fit_arx(u, y, Ts, start=start, stop=stop).model.theta
 
 
 SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
@@ -322,8 +337,40 @@ def check_size(ask: Ask) -> Verdict:
                 "`gap_before` is a standard deviation: it leaves out the mean error, which is an error too.",
                 lambda: float(np.std(held_out)),
             ),
+            *pairs_of("`gap_before`", _edits_of_size(e, half), partial(_size_of, held_out)),
         ],
     )
+
+
+def _edits_of_size(e: FloatArray, half: int) -> tuple[Edit, ...]:
+    """Single mistakes in what is averaged, and in what is made of it."""
+    return (
+        Edit("errors", e, "the whole record is taken, and not the held-out half"),
+        Edit("errors", e[:half], "the half that was fitted is taken, and not the held-out one"),
+        Edit("of", "square", "the root is missing"),
+        Edit("of", "sum", "the squares are summed, and not averaged"),
+        Edit("of", "root of the sum", "the root is that of the sum, and not of the mean"),
+        Edit("of", "size", "absolute errors are averaged, and not squares"),
+        Edit("of", "mean", "the errors are averaged, in which they cancel"),
+        Edit("of", "spread", "the mean error is taken off, as a standard deviation does"),
+        Edit("of", "largest", "the largest error is taken"),
+    )
+
+
+def _size_of(held_out: FloatArray, errors: FloatArray | None = None, of: str = "") -> float:
+    """The size of errors, or what may be taken for it."""
+    e = held_out if errors is None else errors
+    sizes = {
+        "": np.sqrt(np.mean(e**2)),
+        "square": np.mean(e**2),
+        "sum": np.sum(e**2),
+        "root of the sum": np.sqrt(np.sum(e**2)),
+        "size": np.mean(np.abs(e)),
+        "mean": np.mean(e),
+        "spread": np.std(e),
+        "largest": np.max(np.abs(e)),
+    }
+    return float(sizes[of])
 
 
 def _without_noise(gap: float, ask: Ask, squared: bool) -> float:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray, freeze
-from labsid.checks.answer_code import nothing_returned
+from labsid.checks.answer_code import code_of, nothing_returned
 from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.double_mistakes import Edit, pairs_of
@@ -111,7 +111,41 @@ def _other_inputs(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
             "of the whole input: an output cannot depend on what comes later, nor on the length of the input.",
             "one length only",
         )
+    return _at_rest(ask, run, y_sim)
+
+
+_MOVES_AT_REST = 0.02
+"""Of the range of the output: a model whose rest is not exactly at `u_offset` has settled in half of a record."""
+
+
+def _at_rest(ask: Ask, run: _Run, y_sim: FloatArray) -> Verdict:
+    """Whether nothing moves while the input rests, beyond the length of the record, too."""
+    rest = np.full(run.u.size, ask.record.u[0])
+    moves = float(np.ptp(_played(ask, rest)[run.u.size // 2 :]))
+    if moves > _MOVES_AT_REST * np.ptp(y_sim):
+        return Verdict(
+            False,
+            f"`simulate_better` moves by {moves:.3g} V in the second half of a run in which the input rests at "
+            f"`u_offset` throughout. A rig at rest stays there: the output follows from `u_act` alone, and not from "
+            f"signals of the record{_signals_read(ask)}.",
+            "uses the record",
+        )
+    longer = np.concatenate([run.u, rest[: rest.size // 4]])
+    if np.max(np.abs(_played(ask, longer)[: run.u.size] - y_sim)) > 0.01 * np.ptp(y_sim):
+        return Verdict(
+            False,
+            f"`simulate_better` returns other values for the same {run.u.size} samples when the input is longer than "
+            "the record: an output cannot depend on what comes later.",
+            "one length only",
+        )
     return Verdict(True, _CLOSED)
+
+
+def _signals_read(ask: Ask) -> str:
+    """Which signals of the record the function reads; examples where its code is not known or names none."""
+    code = code_of(ask, "simulate_better")
+    read = [f"`{name}`" for name in ("y", "y_act", "y_lin", "e") if code is not None and code.reads(name)]
+    return f": it reads {' and '.join(read)}" if read else ", such as `y` or `e`"
 
 
 def _slip_of_one_run(ask: Ask, run: _Run, y_sim: FloatArray) -> tuple[str, str] | None:

@@ -40,7 +40,8 @@ def _seen(t: FloatArray, got: FloatArray, model: FirstOrderDelay, amplitude: flo
     size = model.K * amplitude
     before = got[t < model.td]
     if before.size and np.max(np.abs(before)) > 1e-6 * abs(size):
-        return "Before td it is not zero."
+        risen = t[np.argmax(np.abs(got) > 1e-6 * abs(size))]
+        return f"Before td, here {model.td:g} s, it is not zero: it is {np.interp(risen, t, got):.3g} at {risen:g} s."
     if abs(got[-1] - size * (1 - np.exp(-(t[-1] - model.td) / model.tau))) > 0.02 * abs(size):
         return f"At the end it is {got[-1] / size:.2g} times K times the amplitude, and should have reached that."
     return "Before td and at the end it is right, in between it is not: look at the exponent."
@@ -68,6 +69,10 @@ def _two_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> Itera
         Edit("time", t, "the time in the exponent is t, and not t - td"),
         Edit("time", t - td, "it is not zero before td"),
         Edit("time", t + td, "the time in the exponent is t + td, and not t - td"),
+        *(
+            Edit("time", np.maximum(t - samples * (t[1] - t[0]), 0), "td is taken for a number of samples: it is in s")
+            for samples in {int(td), round(td)}
+        ),
         Edit("rate", 1 / tau, "the exponent has no minus, so that it grows without limit"),
         Edit("rate", -tau, "the exponent is multiplied by tau, and not divided by it"),
         Edit("rate", -1.0, "tau is missing in the exponent"),
@@ -153,10 +158,13 @@ def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> 
             "jumps to its end at once: multiply by 1 minus the exponential.",
             np.where(t >= td, size, 0.0),
         ),
-        slip(
-            "delay in samples",
-            "uses td as a number of samples; it is in seconds.",
-            first_order_response(FirstOrderDelay(K, tau, Ts * round(td)), t, amplitude),
+        *(
+            slip(
+                "delay in samples",
+                "uses td as a number of samples; it is in seconds.",
+                first_order_response(FirstOrderDelay(K, tau, Ts * samples), t, amplitude),
+            )
+            for samples in {int(td), round(td)}
         ),
         slip(
             "delay with the wrong sign",

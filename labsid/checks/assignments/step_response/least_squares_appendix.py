@@ -17,6 +17,7 @@ from labsid.checks.assignments.step_response.slips import (
     two_slips,
 )
 from labsid.checks.compare import as_array, as_number, as_theta, as_vector, close, kind_of
+from labsid.checks.double_mistakes import FACTORS, with_factors
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
@@ -187,7 +188,7 @@ def check_gradient(ask: Ask) -> Verdict:
 
     def one(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Verdict:
         got = as_vector("gradient(Phi, Y, theta)", returned(ask, "gradient", Phi, Y, theta), theta.size)
-        return judge(
+        verdict = judge(
             got,
             loss_gradient(Phi, Y, theta),
             _same,
@@ -199,10 +200,15 @@ def check_gradient(ask: Ask) -> Verdict:
                 _zeros("gradient", "away from the minimum the loss has a slope", np.zeros_like(theta)),
             ],
         )
+        terms = {"Phi'Phi theta": Phi.T @ Phi @ theta, "Phi'Y": Phi.T @ Y}
+        return with_factors(verdict, "`gradient`", got, terms, {"Phi'Phi theta": 1.0, "Phi'Y": -1.0})
 
     verdict = _on_all(ask, one)
     if verdict.slip == DIVIDED:  # a square Phi does not tell equations from unknowns
         verdict = _on_all(ask, one, ((8, 3),))
+    if verdict.slip is None and not verdict.passed:  # two numbers do not tell the factors of two terms
+        taller = _on_all(ask, one, ((8, 3),))
+        verdict = taller if taller.slip == FACTORS else verdict
     return verdict
 
 

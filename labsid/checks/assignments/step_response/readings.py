@@ -120,7 +120,9 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
             f"{where}tau and td are made of the *outputs* at 28.3 % and 63.2 %: take the times there, `t[...]`.",
             "outputs for times",
         )
-    return Verdict(False, where + _deviation(values, fit, right_gain))
+    is_td = tau > 0 and _is_right(np.array([K, tau, fit.t_632 - tau]), step, fit)
+    alone = " Of the three, td alone is wrong: it is t_63 - tau." if is_td else ""
+    return Verdict(False, where + _deviation(values, fit, right_gain) + alone)
 
 
 def _matches(
@@ -308,8 +310,8 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     )
     yield _Suspect("a third taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_33), 0.0, third_of_it, (1 / 3,))
     t_50 = float(step.t[np.argmax(way >= 0.5)])
-    between = third_of_it.replace("33.3 %", "50 %")
-    yield _Suspect("50 % taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_50), 0.0, between, _HALF)
+    from_half = third_of_it.replace("33.3 %", "50 %")
+    yield _Suspect("50 % taken for 28.3 %", "tau", 1.5 * (fit.t_632 - t_50), 0.0, from_half, _HALF)
     half = "tau is measured to 50 % of the change; the time constant is the time to 63.2 %."
     yield _Suspect("50 % taken for 63.2 %", "tau", t_50 - right.td, grid, half, _HALF)
     if abs(t_50 - right.tau) > 2 * SAME_VALUE * right.tau + grid:
@@ -317,6 +319,10 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
     if abs(fit.t_283 - right.td) > grid + 2 * SAME_VALUE * right.td:
         third = "td is the time to 28.3 %, which is t_d + tau/3: take tau off the time to 63.2 %."
         yield _Suspect("28.3 % taken for the delay", "td", fit.t_283, grid, third)
+    between = fit.t_632 - fit.t_283
+    if abs(between - right.td) > grid + 2 * SAME_VALUE * right.td:
+        taken = "td is t_63 - t_28, a time within tau: td is t_63 - tau."
+        yield _Suspect("difference taken for the delay", "td", between, grid, taken)
     late = "td is the time to 63.2 %, which is t_d + tau: subtract tau."
     yield _Suspect("63.2 % taken for the delay", "td", fit.t_632, grid, late)
     if Ts <= COARSE:
