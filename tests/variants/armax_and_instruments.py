@@ -523,7 +523,7 @@ VARIANTS: list[Right | Wrong] = [
     ),
     wrong(ITERATED, "sign of a", iterated(result="theta * [-1, 1]"), "sign of a", "sign of a"),
     wrong(ITERATED, "swapped", iterated(result="theta[::-1]"), "a and b swapped", "before"),
-    wrong(ITERATED, "one round more", iterated(rounds="rounds + 1"), "rounds miscounted", "number of rounds"),
+    wrong(ITERATED, "one round more", iterated(rounds="rounds + 1"), "rounds miscounted", "1 round in place of 0"),
     # 8. recursive instrumental variables
     right(
         RECURSIVE,

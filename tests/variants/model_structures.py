@@ -510,14 +510,14 @@ VARIANTS: list[Right | Wrong] = [
         "largest not used",
         "stop",
     ),
-    wrong(EXCITATION, "always two", define("excitation(u, largest)", "return 2"), None, "is wrong for"),
+    wrong(EXCITATION, "always two", define("excitation(u, largest)", "return 2"), None, "another order than its own"),
     wrong(
         EXCITATION,
         "calls counted",
         "calls = []\n"
         + define("excitation(u, largest)", "calls.append(0)\nreturn [0, 1, 2, 3, 1, 4, 4, 6, 8][len(calls) % 9 - 1]"),
         None,
-        "is wrong for",
+        "another order than its own",
     ),
     # 8. order
     right(ORDER, "normal equations and a list", order()),
