@@ -16,7 +16,7 @@ from labsid.checks.function_reads import function_text
 from labsid.checks.mended_functions import MOST_LEVELS, rebound
 from labsid.checks.syntax_trees import is_deep
 
-MOST_CHANGES, CPU_SECONDS = 200, 0.4
+MOST_CHANGES, CPU_SECONDS = 200, 0.2
 """Changes that are tried at one answer, and the processor time that they may take together."""
 _LONGEST = 100  # characters of a line or an expression in a message
 _SMALL = 3  # integers up to it are indices, lags and bounds, which are often off by one
