@@ -49,7 +49,7 @@ def palette_png(figure: Figure, dpi: int = DPI) -> bytes:
         canvas.draw()  # once; `savefig` draws twice, and most of the time is the layout
     image = Image.frombuffer("RGBA", canvas.get_width_height(), canvas.buffer_rgba())
     reduced = BytesIO()
-    image.convert("RGB").quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+    image.convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(
         reduced, "png", optimize=True
     )
     return reduced.getvalue()

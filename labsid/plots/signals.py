@@ -14,6 +14,7 @@ from labsid.plots.gap_curves import (
     largest_error,
     shade_scored,
     simulation_curves,
+    trace_of,
 )
 from labsid.plots.page_figures import page_figure
 from labsid.plots.signal_names import as_text_lines, stacked, units_of
@@ -29,7 +30,7 @@ HEIGHTS = {"output": 1.9, "error": 1.25, "input": 1.05}  # inches of a panel
 MANY, FLATTER = 3, 0.8  # outputs in panels of full height; heights of more of them, relative
 MARGIN = 0.9  # inches, of the legend and of the axis of time
 CHARACTERS = 10.5  # of a label beside a panel, an inch
-SURE = 0.5  # probability from which an effect is called the cause
+SURE, NAMED = 0.5, 0.1  # probabilities from which an effect is called the cause, and a possible one
 LEVELS = ("low", "high")  # parameters of an effect that are values of its signal
 PLACES = {"dynamics": " in the dynamics", "disturbance": ", a disturbance"}
 
@@ -96,8 +97,7 @@ def figure_signals(
 
 def worst_stretch(report: dict[str, Any], traces: Traces = "traces") -> tuple[float, float]:
     """The tenth of the record in which the output with the largest gap has its largest error, in seconds."""
-    shown = report["outputs"][report["where"]["output"]][traces]
-    trace = {name: np.asarray(values, float) for name, values in shown.items()}
+    trace = trace_of(report["outputs"][report["where"]["output"]], traces == "holdout_traces")
     t = trace["t"][largest_error(trace)]
     return float(t[0]), float(t[-1])
 
@@ -172,7 +172,8 @@ def effects_at(report: dict[str, Any], signal: str, kind: str) -> list[dict[str,
 
 def effect_title(effect: dict[str, Any]) -> str:
     """``Cause: dead zone``, with its place if it acts at no signal."""
-    word = "Cause" if effect["probability"] >= SURE else "Possible cause"
+    p = effect["probability"]
+    word = "Cause" if p >= SURE else "Possible cause" if p >= NAMED else "Improbable cause"
     place = f" at {effect['joint']}" if effect.get("joint") else PLACES.get(effect["path"], "")
     place = "" if effect["signal"] else place
     return f"{word}: {effect.get('title', effect['name'])}{place}"

@@ -144,7 +144,9 @@ def _located(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Times, input, output and error of the simulation before, where the gap is: on the record, or on the holdout."""
     if answer.on_other is None or holdout is None:
-        return record.t, record.u, record.y, record.y - answer.outputs[0]
+        e = record.y - answer.outputs[0]
+        rows = answer.explanation.data.rows  # what the fits exclude, such as an outlier, is no gap of the simulation
+        return record.t, record.u, record.y, np.where(rows, e, 0.0)
     data, before, _ = answer.on_other
     e = np.where(data.rows, data.y - before.output, 0.0) * data.y_scale.unit
     first = slice(answer.start.samples(len(holdout)), None)

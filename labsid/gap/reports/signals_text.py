@@ -5,6 +5,7 @@ from typing import Any
 from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import clause, noun, place_at
+from labsid.gap.reports.glance import next_step
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
 from labsid.gap.reports.text_report import bar_lines, effect_lines, printable, titled_lines, titled_table
@@ -43,8 +44,8 @@ def format_signals(report: dict[str, Any]) -> str:
     if report["next_experiment"] is not None:
         said = sentences.experiment_sentence(report)
         lines += titled_lines("next", f"Apply the inputs that --json writes as next_experiment. {said}")
-    elif report.get("product"):
-        lines += titled_lines("next", sentences.PRODUCTS[report["product"]][1])
+    else:
+        lines += titled_lines("next", next_step(report))
     for count, finding in enumerate(finding_sentences(report)):
         lines += titled_lines("" if count else "record", printable(finding))
     return "\n".join(printable(line) for line in lines)
