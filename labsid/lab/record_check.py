@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.lab.findings import Finding, Marks, about_signals
+from labsid.lab.findings import FLAT, Finding, Marks, about_signals
 from labsid.lab.several_findings import about_several_signals
 from labsid.records.formats import RawRecord, cut_signals
 from labsid.records.record import LARGEST, OUTPUTS, Fault, bridge_gaps, find_faults, is_sound
@@ -91,9 +91,18 @@ def check_record(raw: RawRecord) -> RecordCheck:
             if readings is None
             else replace(one, marks=None)
             for one in about
+            if not _is_of_bridge(one, whole.y)
         ]
     notes = [Finding("note", "file", f"{note}.") for note in (*raw.notes, *jitter_note(raw.jitter, Ts))]
     return RecordCheck(raw.name, len(raw.u), Ts, faults, (*notes, *findings))
+
+
+def _is_of_bridge(finding: Finding, y: FloatArray) -> bool:
+    """Whether an output is flat where most of its samples are missing, so that nothing is known of it there."""
+    if finding.marks is None or finding.marks.text != FLAT:
+        return False
+    missing = np.isnan(y).reshape(len(y), -1)
+    return any(missing[start:stop].mean(axis=0).max() > 0.5 for start, stop in finding.marks.stretches)
 
 
 def _readings(raw: RawRecord) -> RawRecord | None:

@@ -53,6 +53,11 @@ def lose(u, y):
     y[350:360] = np.nan
 
 
+def lose_long(u, y):
+    y[560:] += y[399] - y[560]  # the line across the gap is level
+    y[400:560] = np.nan
+
+
 def stop_moving(u, y):
     y[400:560] = y[399] + 0.01 * np.random.default_rng(3).standard_normal(160)
 
@@ -63,6 +68,7 @@ def stop_moving(u, y):
         (hold, "held values", [(199, 211), (499, 511)]),
         (spike, "spikes", [(305, 305), (640, 640)]),
         (lose, "missing", [(350, 359)]),
+        (lose_long, "missing", [(400, 559)]),
         (stop_moving, "flat while u moves", [(400, 559)]),
     ],
 )
