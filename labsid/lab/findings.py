@@ -81,7 +81,6 @@ class Finding:
     marks: Marks | None = field(default=None, compare=False)
 
 
-FLAT = "flat while u moves"  # of a mark
 UNJUDGED = Finding("note", "feedback", "not judged: the output is missing while the input changes.")
 
 
@@ -167,7 +166,7 @@ def about_command(raw: RawRecord, Ts: float | None) -> list[Finding]:
             f"the output stands still from {where} while the input goes on. The command may not have reached the rig: "
             "look for a drive that has tripped, or an emergency stop."
         )
-        findings.append(Finding("warning", "input", text, Marks(FLAT, "output", (stretch,))))
+        findings.append(Finding("warning", "input", text, Marks("flat while u moves", "output", (stretch,))))
     return findings
 
 

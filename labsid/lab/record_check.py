@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.lab.findings import FLAT, Finding, Marks, about_signals
+from labsid.lab.findings import Finding, Marks, about_signals
 from labsid.lab.several_findings import about_several_signals
 from labsid.records.formats import RawRecord, cut_signals
 from labsid.records.record import LARGEST, OUTPUTS, Fault, bridge_gaps, find_faults, is_sound
@@ -98,11 +98,11 @@ def check_record(raw: RawRecord) -> RecordCheck:
 
 
 def _is_of_bridge(finding: Finding, y: FloatArray) -> bool:
-    """Whether an output is flat where most of its samples are missing, so that nothing is known of it there."""
-    if finding.marks is None or finding.marks.text != FLAT:
+    """Whether a finding is about samples of an output of which most are missing, with a line in their place."""
+    if finding.marks is None or not finding.marks.stretches:
         return False
     missing = np.isnan(y).reshape(len(y), -1)
-    return any(missing[start:stop].mean(axis=0).max() > 0.5 for start, stop in finding.marks.stretches)
+    return all(missing[start:stop].mean(axis=0).max() > 0.5 for start, stop in finding.marks.stretches)
 
 
 def _readings(raw: RawRecord) -> RawRecord | None:
