@@ -193,6 +193,8 @@ def _grown(data: Data, fit: Fit) -> list[Fit]:
     """The best refit with an alternative of the last effect, if it grows."""
     last, found = len(fit.hypothesis.effects) - 1, []
     for form, other in forms_at(fit.hypothesis, last) if fit.hypothesis.effects[last].grows else ():
+        if other.plant.rebound:
+            continue  # which could take the place of a second stop: it is tried with the best fits of a level
         starts = form.grown_starts(fit, other, transfer_theta(fit, other))
         found += [one for start in starts if (one := fit_from(data, other, start, iterations=12)) is not None]
     return [min(found, key=penalized_bic)] if found else []
