@@ -5,6 +5,12 @@ import textwrap
 from collections.abc import Sequence
 
 LEAST_WIDTH = 60  # characters of a line, also on a narrower terminal
+LIKELIER, POSSIBLE = 0.5, 0.1  # probabilities from which an effect is called the cause, and a possible one
+
+
+def cause_word(p: float) -> str:
+    """``cause``, ``possible cause`` or ``improbable cause``, by the probability of an effect."""
+    return "cause" if p >= LIKELIER else "possible cause" if p >= POSSIBLE else "improbable cause"
 
 
 def line_width(most: int) -> int:

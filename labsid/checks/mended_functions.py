@@ -54,11 +54,7 @@ def mended(name: str, mend: Mend, variables: Mapping[str, Any]) -> Callable[...,
         None where the line is not found, stands in several places or cannot be told apart, and where Python keeps no
         text of the function.
     """
-    own = {
-        key: thing
-        for key, thing in variables.items()
-        if isinstance(thing, FunctionType) and thing.__globals__ is variables
-    }
+    own = _functions_of(variables)
     if name not in own:
         return None
     try:
@@ -88,11 +84,7 @@ def rebound(changed: str, tree: ast.Module, variables: Mapping[str, Any]) -> Map
     mapping or None
         By name; None where the definition does not run.
     """
-    own = {
-        key: thing
-        for key, thing in variables.items()
-        if isinstance(thing, FunctionType) and thing.__globals__ is variables
-    }
+    own = _functions_of(variables)
     names: dict[str, Any] = dict(variables)
     try:
         exec(compile(tree, "<mended>", "exec"), names)
@@ -104,6 +96,15 @@ def rebound(changed: str, tree: ast.Module, variables: Mapping[str, Any]) -> Map
         again.__kwdefaults__ = thing.__kwdefaults__
         names[key] = made if thing is own[changed] else again
     return {key: names[key] for key in own if callable(names[key])}
+
+
+def _functions_of(variables: Mapping[str, Any]) -> dict[str, FunctionType]:
+    """The functions of the notebook itself, by name."""
+    return {
+        key: thing
+        for key, thing in variables.items()
+        if isinstance(thing, FunctionType) and thing.__globals__ is variables
+    }
 
 
 def assigned_by(mend: Mend) -> str:

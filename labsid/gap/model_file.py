@@ -48,12 +48,7 @@ LEAST = RecordStart()
 SETTLED_FILTER = 3.0  # time constants of a lag ahead of nonlinear dynamics, whose state is not estimated
 MOST_UNKNOWN = 0.5  # of the samples that determine a state, with an input that depends on what was before the record
 SAME_DRIVE = 1e-3  # scaled
-PASSING = {
-    "width": 0.0,
-    "delay": 0.0,
-    "log_rate": 3.0,
-    "log_rate_down": 3.0,
-}  # play, delay and rate limit that do nothing
+PASSING = {"width": 0.0, "delay": 0.0, "log_rate": 3.0}  # play, delay and rate limit that do nothing
 STATES = ("h1", "h2", "z0", "v0", "i0", "position", "before")
 
 

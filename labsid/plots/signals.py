@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid._texts import cause_word
 from labsid.plots.gap_curves import (
     draw_errors,
     draw_outputs,
@@ -30,7 +31,6 @@ HEIGHTS = {"output": 1.9, "error": 1.25, "input": 1.05}  # inches of a panel
 MANY, FLATTER = 3, 0.8  # outputs in panels of full height; heights of more of them, relative
 MARGIN = 0.9  # inches, of the legend and of the axis of time
 CHARACTERS = 10.5  # of a label beside a panel, an inch
-SURE, NAMED = 0.5, 0.1  # probabilities from which an effect is called the cause, and a possible one
 LEVELS = ("low", "high")  # parameters of an effect that are values of its signal
 PLACES = {"dynamics": " in the dynamics", "disturbance": ", a disturbance"}
 
@@ -172,8 +172,7 @@ def effects_at(report: dict[str, Any], signal: str, kind: str) -> list[dict[str,
 
 def effect_title(effect: dict[str, Any]) -> str:
     """``Cause: dead zone``, with its place if it acts at no signal."""
-    p = effect["probability"]
-    word = "Cause" if p >= SURE else "Possible cause" if p >= NAMED else "Improbable cause"
+    word = cause_word(effect["probability"]).capitalize()
     place = f" at {effect['joint']}" if effect.get("joint") else PLACES.get(effect["path"], "")
     place = "" if effect["signal"] else place
     return f"{word}: {effect.get('title', effect['name'])}{place}"

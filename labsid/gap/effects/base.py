@@ -43,8 +43,6 @@ class Effect:
         Variants that differ in their position in the chain only, where `place_matters`.
     late : bool
         Whether it is tried only after a search with the others.
-    grows : bool
-        Whether its alternatives are tried as soon as it is fitted, not only for the best fits.
     sizes : tuple of str
         Parameters that are zero where the effect does nothing, of effects whose dynamics differ from linear ones in
         more than these; empty if an effect that does nothing leaves the hypothesis as it was.
@@ -66,7 +64,6 @@ class Effect:
     richer: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     places: ClassVar[tuple[str, ...]] = ()
     late: ClassVar[bool] = False
-    grows: ClassVar[bool] = False
     sizes: ClassVar[tuple[str, ...]] = ()
     planted_variants: ClassVar[tuple[str, ...]] = ()
     whole: ClassVar[str] = "u"
@@ -132,6 +129,10 @@ class Effect:
 
     def carry_over(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> None:
         """Set in `theta` of a hypothesis with this effect, in place, what a fit with another form of it tells."""
+
+    def grown_forms(self, hypothesis: Structure) -> list["Effect"]:
+        """The alternatives that are tried as soon as this form is fitted, not only for the best fits."""
+        return []
 
     def grown_starts(self, fit: ParentFit, hypothesis: Structure, theta: FloatArray) -> list[FloatArray]:
         """Start values of a hypothesis whose last effect has grown into this one; `theta` is carried over."""

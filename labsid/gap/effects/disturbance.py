@@ -98,7 +98,6 @@ class StepLoad(Effect):
 class LoadStep(StepLoad, AdditiveEffect):
     """An unmeasured load step."""
 
-    grows = True
     planted_variants: ClassVar[tuple[str, ...]] = ("",)
     whole = "y"
 
@@ -107,6 +106,10 @@ class LoadStep(StepLoad, AdditiveEffect):
         if hypothesis.plant.nonlinear:
             return [InnerLoad("inside")]
         return [Leak("leak")] if hypothesis.plant.kind == "linear" else []
+
+    def grown_forms(self, hypothesis: Structure) -> list[Effect]:
+        """All alternatives."""
+        return self.alternatives(hypothesis)
 
     def inner_forms(self) -> tuple[Effect, ...]:
         """A load within the dynamics."""
@@ -168,7 +171,6 @@ class PassingLoad(LoadStep):
     variants = ("ends",)
     late = True
     planted_variants = ()
-    grows = False
     bic_penalty = RICHER_FORM_BIC
 
     @property

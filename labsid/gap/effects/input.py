@@ -486,10 +486,8 @@ class RateLimit(InputEffect):
     def values(self, fit: Fitted) -> dict[str, Value]:
         """`rate` in units of the input per second, upwards if `rate_down` is another one."""
         unit = fit.data.u_scale.unit / fit.data.Ts
-        names = ("rate", "rate_down") if self.uneven else ("rate",)
-        return {
-            name: Value(rate * unit, "u/s") for name, rate in zip(names, self._rates(fit.theta_of(self)), strict=False)
-        }
+        up, down = self._rates(fit.theta_of(self))
+        return {"rate": Value(up * unit, "u/s")} | ({"rate_down": Value(down * unit, "u/s")} if self.uneven else {})
 
     def _rates(self, own: FloatArray) -> tuple[float, float]:
         """Largest rates upwards and downwards, in scaled input per sample."""

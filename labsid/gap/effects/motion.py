@@ -8,7 +8,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plants import Plant
 from labsid.gap.dynamics.responses import force_unit, real_rates
-from labsid.gap.effects.base import RARE, Fitted, Planted, PlantEffect, Value
+from labsid.gap.effects.base import RARE, Effect, Fitted, Planted, PlantEffect, Value
 from labsid.gap.effects.context import Context, ParentFit, Structure
 from labsid.gap.effects.description import Description, Reported
 from labsid.gap.effects.dynamics import MAX_UNSPRUNG_RATE, SLACK_LOG_STIFFNESS, weak_starts
@@ -59,7 +59,6 @@ class EndStop(PlantEffect):
             reach=around_y,
         ),
     )
-    grows = True
     planted_variants = ("high", "low")
     whole = "y"
     absent: ClassVar[Mapping[str, float]] = {"stop_low": -50.0, "stop_high": 50.0}
@@ -82,6 +81,11 @@ class EndStop(PlantEffect):
         return tuple((side, 1.0 if side == "high" else -1.0) for side in self.sides)
 
     @property
+    def rebound(self) -> bool:
+        """Whether the mass keeps a share of its speed."""
+        return "-rebound" in self.variant
+
+    @property
     def unsprung(self) -> bool:
         """Whether the mass has almost no spring."""
         return self.variant.endswith("-unsprung")
@@ -92,10 +96,13 @@ class EndStop(PlantEffect):
 
     def extend(self, plant: Plant) -> Plant:
         """A mass with stops."""
-        rebound = "-rebound" in self.variant
         return plant.modified(
-            kind="mechanics", stops=self.sides, rebound=rebound, unsprung=plant.unsprung or self.unsprung
+            kind="mechanics", stops=self.sides, rebound=self.rebound, unsprung=plant.unsprung or self.unsprung
         )
+
+    def grown_forms(self, hypothesis: Structure) -> list[Effect]:
+        """A second stop; a rebound, which could take its place, is tried with the best fits only."""
+        return [form for form in self.alternatives(hypothesis) if isinstance(form, EndStop) and not form.rebound]
 
     def plant_starts(self, context: Context) -> list[dict[str, float]]:
         """Stops at the ends of the output, and 8 and 25 % of its range within them."""
@@ -126,7 +133,7 @@ class EndStop(PlantEffect):
         """The samples at which the mass is at a stop, or with a rebound reaches it within the sample."""
         position, speed = fit.hypothesis.plant.motion(fit.plant_theta, fit.actuator).T
         ways = [outwards * (fit.value(f"stop_{side}") - position) for side, outwards in self._outwards]
-        if not fit.hypothesis.plant.rebound:
+        if not self.rebound:
             return np.any([np.abs(way) < AT_STOP for way in ways], axis=0)
         steps = [outwards * speed + AT_STOP for _, outwards in self._outwards]
         return np.any([way < step for way, step in zip(ways, steps, strict=True)], axis=0)
@@ -142,7 +149,7 @@ class EndStop(PlantEffect):
         turned = gain < 0.0
         names = [{"low": "high", "high": "low"}[side] if turned else side for side in self.sides]
         found = {name: Value(end, "y") for name, end in sorted(zip(names, ends, strict=True), reverse=True)}
-        return found | ({"rebound": Value(fit.value("rebound"), "1")} if fit.hypothesis.plant.rebound else {})
+        return found | ({"rebound": Value(fit.value("rebound"), "1")} if self.rebound else {})
 
     def planted(self, fit: Fitted, share: float) -> list[Planted]:
         """A stop within the range of the motion by a share of it."""
@@ -150,7 +157,7 @@ class EndStop(PlantEffect):
         low, high = float(position.min()), float(position.max())
         ends = {"low": low + share * (high - low), "high": high - share * (high - low)}
         (side,) = self.sides
-        name = next(iter(self.values(fit)))
+        (name,) = self.values(fit)
         return [Planted(name, {f"stop_{side}": ends[side]})]
 
 

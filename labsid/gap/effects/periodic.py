@@ -84,6 +84,12 @@ def residual_cycles(context: Context) -> list[float]:
     return [w * samples / (2.0 * np.pi) for w in peaks(context, slowest)]
 
 
+def _line(change: FloatArray, cycles: float) -> float:
+    """Amplitude of the component of a signal with so many cycles."""
+    wave = np.exp(-2j * np.pi * cycles / change.size * np.arange(change.size))
+    return float(2.0 * abs(np.mean(change * wave)))
+
+
 class InnerPeriodic(_Sinusoid, PlantEffect):
     """A sinusoidal load on a nonlinear state; `variant` "inside", or "ahead" for the first of two states in series."""
 
@@ -123,13 +129,11 @@ class InnerPeriodic(_Sinusoid, PlantEffect):
     def is_plausible(self, fit: Fitted) -> bool:
         """Require that the output oscillates: a fast and strong shaking may act as another law of the dynamics."""
         change = fit.change_by("shake_cos", "shake_sin")
-        return bool(0.5 * self._amplitude(fit) ** 2 >= LEAST_LINE * np.var(change))
+        return bool(0.5 * _line(change, fit.value("cycles")) ** 2 >= LEAST_LINE * np.var(change))
 
     def _amplitude(self, fit: Fitted) -> float:
         """Of its component in the change of the output."""
-        change = fit.change_by("shake_cos", "shake_sin")
-        wave = np.exp(-2j * np.pi * fit.value("cycles") / change.size * np.arange(change.size))
-        return float(2.0 * abs(np.mean(change * wave)))
+        return _line(fit.change_by("shake_cos", "shake_sin"), fit.value("cycles"))
 
 
 class Periodic(_Sinusoid, AdditiveEffect):

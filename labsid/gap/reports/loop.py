@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from labsid._texts import joined
+from labsid._texts import cause_word, joined
 from labsid.gap.record.record_findings import BY_LAW, BY_RELAY
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import place_at
@@ -57,10 +57,8 @@ def _causes_at(path: str, effects: list[dict[str, Any]]) -> list[str]:
     named: dict[str, list[str]] = {}
     for effect in effects:
         if effect["path"] == path:
-            p = effect["probability"]
-            title = "cause" if p >= sentences.HALF else "possible cause" if p >= sentences.NAMED else "improbable cause"
             seen = "" if place_at(effect) or not effect.get("outputs") else f" in {joined(effect['outputs'])}"
-            named.setdefault(title, []).append(f"{sentences.placed_noun(effect)}{seen}")
+            named.setdefault(cause_word(effect["probability"]), []).append(f"{sentences.placed_noun(effect)}{seen}")
     return [f"{title}: {joined(names)}" for title, names in named.items()]
 
 

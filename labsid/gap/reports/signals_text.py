@@ -72,7 +72,8 @@ def headline(report: dict[str, Any]) -> str:
         added = "what was added to the simulation"
         return f"The cause of the gap is not known: {added} {explain}, but may only imitate it."
     clauses = [f"{sentences.capitalised(f'{_placed(effect)}{_qualified(effect)}')}." for effect in probable]
-    said = f"{sentences.acting(probable)}." if len(probable) > sentences.MOST_CLAUSES else " ".join(clauses)
+    named = sentences.acting(probable)
+    said = f"{named}." if named else " ".join(clauses)
     subject = noun(effects[0]["name"]) if len(effects) == 1 else "together this"
     return f"{said} {sentences.capitalised(subject)} {explain}."
 

@@ -190,11 +190,10 @@ def plausible_forms(data: Data, fit: Fit) -> list[Fit]:
 
 
 def _grown(data: Data, fit: Fit) -> list[Fit]:
-    """The best refit with an alternative of the last effect, if it grows."""
+    """The best refit with a form into which the last effect grows, if there is one."""
     last, found = len(fit.hypothesis.effects) - 1, []
-    for form, other in forms_at(fit.hypothesis, last) if fit.hypothesis.effects[last].grows else ():
-        if other.plant.rebound:
-            continue  # which could take the place of a second stop: it is tried with the best fits of a level
+    grown = fit.hypothesis.effects[last].grown_forms(fit.hypothesis)
+    for form, other in forms_at(fit.hypothesis, last, grown):
         starts = form.grown_starts(fit, other, transfer_theta(fit, other))
         found += [one for start in starts if (one := fit_from(data, other, start, iterations=12)) is not None]
     return [min(found, key=penalized_bic)] if found else []

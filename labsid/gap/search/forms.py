@@ -21,10 +21,10 @@ def alternative_forms(hypothesis: Hypothesis) -> list[Hypothesis]:
     return [other for i in places for _, other in forms_at(hypothesis, i)]
 
 
-def forms_at(hypothesis: Hypothesis, i: int) -> Iterator[tuple[Effect, Hypothesis]]:
-    """The other forms of effect i that its dynamics allow, each with the hypothesis."""
+def forms_at(hypothesis: Hypothesis, i: int, forms: list[Effect] | None = None) -> Iterator[tuple[Effect, Hypothesis]]:
+    """Other forms of effect i, by default all, that its dynamics allow, each with the hypothesis."""
     before, after = hypothesis.effects[:i], hypothesis.effects[i + 1 :]
-    for form in hypothesis.effects[i].alternatives(hypothesis):
+    for form in hypothesis.effects[i].alternatives(hypothesis) if forms is None else forms:
         other = hypothesis.with_effects((*before, form, *after))
         if other.plant.keeps_feedback:
             yield form, other

@@ -10,7 +10,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray
 from labsid.gap.dynamics.plant_form import Parameter
-from labsid.gap.effects.base import InputEffect
+from labsid.gap.effects.base import Fitted, InputEffect
 from labsid.gap.effects.families import names_where
 from labsid.gap.effects.further_inputs import LAST
 from labsid.gap.fits.fitting import Fit, fit_from, refit
@@ -103,6 +103,5 @@ def _around(data: Data, output: FloatArray) -> FloatArray:
 
 def _wave(data: Data, fit: Fit) -> FloatArray:
     """Cosine and sine of the frequency of the periodic disturbance, shape (N, 2)."""
-    cycles = fit.theta[[parameter.name for parameter in fit.hypothesis.parameters].index("cycles")]
-    phase = 2.0 * np.pi * cycles / data.samples * (np.arange(data.samples) + 0.5)
+    phase = 2.0 * np.pi * Fitted.of(fit, data).value("cycles") / data.samples * (np.arange(data.samples) + 0.5)
     return np.column_stack([np.cos(phase), np.sin(phase)])

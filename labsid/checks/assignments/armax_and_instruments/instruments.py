@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -231,29 +232,34 @@ def _judge_recursive(ask: Ask, u: FloatArray, y: FloatArray, warm_up: int) -> Ve
             Slip(
                 "phi phi' for z phi'",
                 "`recursive_iv` updates P with phi in both places, as least squares does.",
-                partial(_loop_of, u, y, warm_up, update="phi phi"),
+                partial(_loop, u, y, warm_up, update="phi phi"),
                 mend="It is P z phi' P / (1 + phi' P z).",
             ),
             Slip(
                 "denominator transposed",
                 "`recursive_iv` has z' P phi in its denominator. P is not symmetric here.",
-                partial(_loop_of, u, y, warm_up, below="z phi"),
+                partial(_loop, u, y, warm_up, below="z phi"),
                 mend="It is 1 + phi' P z.",
             ),
             *(
-                Slip(slip.split(" above")[0], f"`recursive_iv` {what}", partial(_loop, u, y, warm_up, slip), mend)
+                Slip(
+                    slip.split(" above")[0],
+                    f"`recursive_iv` {what}",
+                    partial(_loop, u, y, warm_up, **_PARTS[slip]),
+                    mend,
+                )
                 for slip, (what, mend) in _HINTS.items()
             ),
             *(
                 Slip(
                     "warm-up not used",
                     "`recursive_iv` changes from phi to z at a fixed sample: use the argument `warm_up`.",
-                    partial(_loop, u, y, other_warm_up, ""),
+                    partial(_loop, u, y, other_warm_up),
                 )
                 for other_warm_up in range(y.size)
                 if other_warm_up != warm_up
             ),
-            *pairs_of("`recursive_iv`", _EDITS, partial(_loop_of, u, y, warm_up)),
+            *pairs_of("`recursive_iv`", _EDITS, partial(_loop, u, y, warm_up)),
         ],
     )
 
@@ -262,7 +268,7 @@ def _runaway(got: FloatArray, u: FloatArray, y: FloatArray, warm_up: int) -> Ver
     """An estimate that grew beyond all numbers, told by the samples before."""
     last = int(np.argmax(~np.all(np.isfinite(got), axis=1)))
     for slip, (what, mend) in _HINTS.items():
-        wrong = _loop(u, y, warm_up, slip)[:last]
+        wrong = _loop(u, y, warm_up, **_PARTS[slip])[:last]
         if last > 2 and np.allclose(got[:last], wrong, rtol=1e-3):
             return Verdict(False, f"`recursive_iv` {what} The estimate then grows without limit.", slip, mend)
     return Verdict(
@@ -296,6 +302,23 @@ _HINTS = {
 }
 
 
+_PARTS: dict[str, dict[str, Any]] = {
+    "z z' for z phi'": {"update": "z z"},
+    "z z' above alone": {"update": "z z", "below": "phi z", "symmetric": True},
+    "P symmetric, in the gain too": {"symmetric": True, "gain": "phi"},
+    "phi for z in the gain": {"gain": "phi"},
+    "phi throughout": {"throughout": True},
+    "z for phi in the error": {"error": "z"},
+    "transposed": {"update": "phi z"},
+    "transposed above only": {"update": "phi z", "below": "phi z"},
+    "transposed throughout": {"update": "phi z", "gain": "phi"},
+    "P taken for symmetric": {"symmetric": True},
+    "gain from the P before": {"before": True},
+    "sign of the update": {"sign": -1.0},
+}
+"""By mistake: the parts of `_loop` in which it is."""
+
+
 _EDITS = (
     Edit("update", "phi phi", "P is updated with phi in both places, and not with P z phi' P"),
     Edit("update", "z z", "P is updated with z in both places, and not with P z phi' P"),
@@ -309,7 +332,7 @@ _EDITS = (
 
 
 @np.errstate(all="ignore")  # some of them run away
-def _loop_of(
+def _loop(
     u: FloatArray,
     y: FloatArray,
     warm_up: int,
@@ -319,41 +342,22 @@ def _loop_of(
     before: bool = False,
     error: str = "phi",
     sign: float = 1.0,
+    symmetric: bool = False,
+    throughout: bool = False,
 ) -> FloatArray:
-    """The notebook's loop with these vectors in its terms; the denominator goes with the update where it is empty."""
+    """The notebook's loop with these vectors in its terms; the denominator goes with the update where it is empty.
+
+    P is taken for `symmetric` in the update, or phi for z `throughout`.
+    """
     theta, P, stable = np.zeros(2), 1e6 * np.eye(2), np.zeros(2)
     phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((y.size, 2))
     left, right = update.split()
     first, last = below.split() if below else (right, left)
     for n in range(y.size):
-        of = {"phi": phi, "z": phi if n < warm_up else z_model}
-        P_before = P
-        P = P - np.outer(P @ of[left], of[right] @ P) / (1 + of[first] @ P @ of[last])
+        of = {"phi": phi, "z": phi if n < warm_up or throughout else z_model}
+        P_before, row = P, P @ of[right] if symmetric else of[right] @ P
+        P = P - np.outer(P @ of[left], row) / (1 + of[first] @ P @ of[last])
         theta = theta + sign * (P_before if before else P) @ of[gain] * (y[n] - of[error] @ theta)
-        history[n] = theta
-        stable = theta.copy() if abs(theta[0]) < 1 else stable
-        phi, z_model = np.array([-y[n], u[n]]), np.array([-z_model @ stable, u[n]])
-    return history
-
-
-@np.errstate(all="ignore")  # some of the slips run away
-def _loop(u: FloatArray, y: FloatArray, warm_up: int, slip: str) -> FloatArray:
-    """The notebook's loop with one of the slips in it."""
-    theta, P, stable = np.zeros(2), 1e6 * np.eye(2), np.zeros(2)
-    phi, z_model, history = np.zeros(2), np.zeros(2), np.zeros((y.size, 2))
-    for n in range(y.size):
-        z = phi if n < warm_up or slip == "phi throughout" else z_model
-        factor, right = (phi, z) if slip.startswith("transposed") else (z, phi)
-        right = z if slip == "z z' for z phi'" else right
-        error = y[n] - (z if slip == "z for phi in the error" else phi) @ theta
-        P_before = P
-        below = phi @ P @ z if slip == "transposed above only" else right @ P @ factor
-        after = P @ right if slip in ("P taken for symmetric", "P symmetric, in the gain too") else right @ P
-        after = P @ z if slip == "z z' above alone" else after
-        P = P - np.outer(P @ factor, after) / (1 + below)
-        of_phi = slip in ("phi for z in the gain", "transposed throughout", "P symmetric, in the gain too")
-        K = (P_before if slip == "gain from the P before" else P) @ (phi if of_phi else z)
-        theta = theta - K * error if slip == "sign of the update" else theta + K * error
         history[n] = theta
         stable = theta.copy() if abs(theta[0]) < 1 else stable
         phi, z_model = np.array([-y[n], u[n]]), np.array([-z_model @ stable, u[n]])
