@@ -73,6 +73,28 @@ def persistent_excitation(Phi: ArrayLike) -> Excitation:
     )
 
 
+def excited_in_other_units(Phi: ArrayLike) -> bool:
+    """Whether Phi has full rank once each column has length 1: then only the units make it singular.
+
+    Parameters
+    ----------
+    Phi : array_like, shape (n, p)
+        Regressors.
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    ValueError
+        If Phi is not a finite matrix.
+    """
+    Phi = np.asarray(Phi, dtype=np.float64)
+    lengths = np.linalg.norm(Phi, axis=0)
+    return bool(np.all(lengths > 0)) and persistent_excitation(Phi / lengths).positive_definite
+
+
 def excitation_order(u: ArrayLike, largest: int = 50, rounding: float = 0.0) -> int:
     """Find the order to which a signal is persistently exciting.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, stretches_of
 from labsid.lab.command_faults import log_step, unanswered_command
-from labsid.lab.excitation import excitation_order, persistent_excitation
+from labsid.lab.excitation import excitation_order, excited_in_other_units, persistent_excitation
 from labsid.lab.offset import Offsets, find_offsets, mean_of_first_period, remove_offsets
 from labsid.lab.plateaus import Plateaus, repeated_plateaus
 from labsid.lab.regressor import build_phi
@@ -356,6 +356,12 @@ def _about_excitation(u: FloatArray, y: FloatArray, offsets: Offsets) -> Finding
             text = f"the first half has {half} samples, too few rows for the {2 * n} unknowns of order {n}."
             return Finding("refused", "excitation", text)
         result = persistent_excitation(Phi)
+        if not result.positive_definite and excited_in_other_units(Phi):
+            text = (
+                f"y is at most {np.abs(y_free).max():.3g} and u {np.abs(u_free).max():.3g}, offsets removed: too far "
+                "apart for one matrix Phi, which is singular in numbers. Convert one of them to other units."
+            )
+            return Finding("refused", "excitation", text)
         if not result.positive_definite:
             text = (
                 f"the first half does not excite order {n}. Phi has rank {result.rank} of {2 * n}, so theta is not "

@@ -7,7 +7,7 @@ import numpy as np
 
 from labsid._arrays import FloatArray, freeze
 from labsid.lab.arx import ArxModel, arx_from_theta, fit_arx
-from labsid.lab.excitation import Excitation, persistent_excitation
+from labsid.lab.excitation import Excitation, excited_in_other_units, persistent_excitation
 from labsid.lab.offset import Offsets, find_offsets, remove_offsets
 from labsid.lab.verification import Verification, verify
 from labsid.least_squares.solve import LeastSquares
@@ -103,7 +103,7 @@ def identify(record: Record, order: int = 2, start: int = 2) -> Identification:
     u, y = remove_offsets(record.u, bridge_gaps(record.y), offsets)
     arx = fit_arx(u, y, record.Ts, order, start, half, measured)
     if arx.fit.status != "unique":
-        raise ValueError(_why_not_unique(u[:half], y[:half], arx.fit, order))
+        raise ValueError(_why_not_unique(u[:half], y[:half], arx.regression.Phi, arx.fit, order))
     model = arx_from_theta(arx.fit.theta, record.Ts, offsets.u_offset, offsets.y_offset)
     return Identification(
         record=record,
@@ -153,7 +153,12 @@ def to_json_dict(identification: Identification) -> dict[str, Any]:
     }
 
 
-def _why_not_unique(u: FloatArray, y: FloatArray, fit: LeastSquares, order: int) -> str:
+def _why_not_unique(u: FloatArray, y: FloatArray, Phi: FloatArray, fit: LeastSquares, order: int) -> str:
+    if excited_in_other_units(Phi):
+        return (
+            f"the columns of Phi must be of sizes that one matrix can hold; got outputs up to {np.abs(y).max():.3g} "
+            f"and inputs up to {np.abs(u).max():.3g}. Convert one of them to other units."
+        )
     if np.all(u == u[0]):
         cause = "the input never changes in the first half"
     elif np.all(y == y[0]):

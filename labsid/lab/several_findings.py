@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.lab.excitation import persistent_excitation
+from labsid.lab.excitation import excited_in_other_units, persistent_excitation
 from labsid.lab.findings import (
     Finding,
     about_command,
@@ -159,7 +159,15 @@ def _about_excitation(raw: RawRecord) -> Iterator[Finding]:
                 text = f"the first half has {half} samples, too few for the {unknowns} unknowns of order {n}."
                 yield Finding("refused" if n == 1 else "warning", "excitation", f"{name}: {text}")
                 break
-            excited = persistent_excitation(build_phi(u, y - y[:half].mean(), n, stop=half).Phi)
+            Phi = build_phi(u, y - y[:half].mean(), n, stop=half).Phi
+            excited = persistent_excitation(Phi)
+            if not excited.positive_definite and excited_in_other_units(Phi):
+                text = (
+                    "the signals are of sizes too far apart for one matrix Phi, which is singular in numbers. Convert "
+                    "some of them to other units."
+                )
+                yield Finding("refused" if n == 1 else "warning", "excitation", f"{name}: {text}")
+                break
             if not excited.positive_definite:
                 text = (
                     f"the first half does not excite order {n} with {_inputs(raw)}. Phi has rank "

@@ -6,7 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labsid.lab.arx import ArxModel
-from labsid.lab.excitation import excitation_order, persistent_excitation, prbs, square_wave, sum_of_sinusoids
+from labsid.lab.excitation import (
+    excitation_order,
+    excited_in_other_units,
+    persistent_excitation,
+    prbs,
+    square_wave,
+    sum_of_sinusoids,
+)
 from labsid.lab.regressor import build_phi
 from labsid.lab.simulation import simulate
 from labsid.least_squares.solve import solve_least_squares
@@ -29,6 +36,14 @@ def test_eigenvalues_are_those_of_the_normal_matrix_and_the_rank_that_of_least_s
     fit = solve_least_squares(Phi, Phi[:, 0])
     assert result.rank == fit.rank
     assert result.condition_number == pytest.approx(fit.condition_number, rel=1e-12)
+
+
+def test_columns_of_very_different_units_are_told_from_dependent_ones():
+    columns = np.random.default_rng(1).standard_normal((40, 3)) * [1e-12, 1e-12, 1e12]
+    assert not persistent_excitation(columns).positive_definite
+    assert excited_in_other_units(columns)
+    assert not excited_in_other_units(columns[:, [0, 0, 2]])
+    assert not excited_in_other_units(columns * [1, 0, 1])
 
 
 def test_dependent_columns_and_too_few_rows_are_not_positive_definite():

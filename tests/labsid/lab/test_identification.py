@@ -171,6 +171,11 @@ def white(N, seed=1):
             {"order": 3},
             "for 6 unknowns: the signals of the first half are too simple for this order",
         ),
+        (
+            record_from(1e12 * white(50), 1e-12 * white(50, 2)),
+            {},
+            r"of sizes that one matrix can hold; got outputs up to \d\S+e-12 and inputs up to \d\S+e\+12\. Convert",
+        ),
         (record_from(white(10), white(10)), {}, "leave 4 rows in the first half, .*; got start 2 and 5 samples there"),
         (record_from(white(50), white(50)), {"start": -1}, "start must be 0 or more .*; got start -1 and 25"),
         (record_from(white(50), white(50)), {"start": 24}, "got start 24 and 25 samples there"),

@@ -186,6 +186,14 @@ def test_a_first_half_without_a_change(staircase):
     assert told.startswith("the first half does not excite order 1. Phi has rank ")
 
 
+def test_signals_of_very_different_sizes_are_told_from_an_input_that_does_not_excite(staircase):
+    s = staircase
+    told = texts(check_record(RawRecord(None, 1e12 * s["u"], 1e-12 * s["y"], Ts=1)), "excitation", "refused")
+    assert told.startswith("y is at most ")
+    assert told.endswith("Convert one of them to other units.")
+    assert "rank" not in told
+
+
 def test_plateaus_that_do_not_repeat(good, staircase):
     assert "comes back to the same levels" in texts(check_record(good()), "plateaus", "ok")
     drift = np.linspace(0, 0.2, 600)
