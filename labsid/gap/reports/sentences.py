@@ -50,7 +50,7 @@ PRODUCTS = {
         "ripples and scales the command: a supply voltage, an eccentric wheel, a shaft that is not straight.",
     ),
 }  # what explains a record in place of effects, and how to find it on the rig
-SURE, LIKELY = 0.9, 0.6  # probabilities from which an effect is stated without qualification, and as probable
+SURE = 0.9  # probability from which an effect is stated without qualification
 SIGNIFICANT = 0.01  # p-value below which a residual test is reported as significant
 DEPENDENT = 1e-3  # p-value below which a record without a named cause is said to have a gap
 RELIABLE_MARGIN = 20.0  # margin of an experiment from which its decision was right in 995 of 1000 trials
@@ -162,7 +162,7 @@ def _partial_sentence(report: dict[str, Any]) -> str:
         return f"The cause is not known: {tried} {one if len(others) == 1 else several}, but may only imitate it."
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
-    clauses = [f"{_qualified(effect)} ({_with_chance(effect)})" for effect in causes]
+    clauses = [f"{_qualified(effect)} ({_with_percent(effect)})" for effect in causes]
     said = acting(causes) or joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
     if not others:
         return f"{said}. Together they {several}."
@@ -221,6 +221,11 @@ def _with_chance(effect: dict[str, Any]) -> str:
     return f"{noun(effect['name'])}, {text}" if p >= HALF else f"{noun(effect['name'])} ({text})"
 
 
+def _with_percent(effect: dict[str, Any]) -> str:
+    """The noun of an effect whose clause is qualified in words, with its probability if that is in per cent."""
+    return _with_chance(effect) if chance_of(effect).endswith("%") else noun(effect["name"])
+
+
 def remaining_sentence(report: dict[str, Any]) -> str | None:
     """The main part of the error that no named effect explains; None if all but noise is explained."""
     from labsid.plots.gap_curves import noise_band
@@ -249,10 +254,9 @@ def main_kind(report: dict[str, Any]) -> str | None:
 
 def _qualified(effect: dict[str, Any]) -> str:
     """The clause of an effect, with "probably" or "possibly" according to its probability."""
-    p = effect["probability"]
-    if p >= SURE:
+    if effect["probability"] >= SURE:
         return clause(effect)
-    return f"{'Probably' if p >= LIKELY else 'Possibly'} {uncapitalised(clause(effect))}"
+    return f"{'Probably' if is_probable(effect) else 'Possibly'} {uncapitalised(clause(effect))}"
 
 
 def only_on_holdout(report: dict[str, Any]) -> bool:

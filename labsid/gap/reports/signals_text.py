@@ -132,8 +132,10 @@ def _placed(effect: dict[str, Any]) -> str:
 
 def _qualified(effect: dict[str, Any]) -> str:
     """The clause of an effect, with a qualification according to its probability."""
-    text, p = sentences.uncapitalised(clause(effect)), effect["probability"]
-    return text if p >= sentences.SURE else f"{'probably' if p >= sentences.LIKELY else 'possibly'} {text}"
+    text = sentences.uncapitalised(clause(effect))
+    if effect["probability"] >= sentences.SURE:
+        return text
+    return f"{'probably' if sentences.is_probable(effect) else 'possibly'} {text}"
 
 
 def place_of(effect: dict[str, Any]) -> str:
