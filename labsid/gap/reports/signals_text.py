@@ -6,9 +6,17 @@ from labsid._texts import joined
 from labsid.gap.reports import sentences
 from labsid.gap.reports.effect_texts import clause, noun, place_at
 from labsid.gap.reports.glance import next_step
+from labsid.gap.reports.limit_rows import limits_sentence
 from labsid.gap.reports.location_text import location_sentences
 from labsid.gap.reports.quantities import closed_percent, number, percent
-from labsid.gap.reports.text_report import bar_lines, effect_lines, printable, titled_lines, titled_table
+from labsid.gap.reports.text_report import (
+    bar_lines,
+    effect_lines,
+    limits_table_lines,
+    printable,
+    titled_lines,
+    titled_table,
+)
 from labsid.gap.verdict.scores import NO_GAP_RMS
 from labsid.plots.signal_names import pair_of
 
@@ -28,7 +36,8 @@ def format_signals(report: dict[str, Any]) -> str:
     -------
     str
         Lines of at most 96 characters: the verdict; the causes, each with the signal at which it acts; the gap by
-        output; what moves what; where the gap of the worst output lies; the next experiment; findings.
+        output; what moves what; where the gap of the worst output lies; the next experiment; findings; without a
+        known cause, what the record could have shown in each output.
     """
     lines = [*titled_lines("", verdict_sentence(report), indent=0), ""]
     for effect in report["effects"]:
@@ -48,6 +57,12 @@ def format_signals(report: dict[str, Any]) -> str:
         lines += titled_lines("next", next_step(report))
     for count, finding in enumerate(finding_sentences(report)):
         lines += titled_lines("" if count else "record", printable(finding))
+    if report["verdict"] in ("none", "unknown"):
+        views = [of_output(report, name) for name in report["outputs"]]
+        lines += titled_lines("limits", next((said for said in map(limits_sentence, views) if said), ""))
+        for view in views:
+            table = limits_table_lines(view)
+            lines += [*titled_lines("", f"In {printable(view['names']['y'])}:"), *table] if table else []
     return "\n".join(printable(line) for line in lines)
 
 

@@ -78,9 +78,13 @@ def format_limits(found: dict[str, Any]) -> str:
 
 
 def limits_lines(report: dict[str, Any]) -> list[str]:
-    """What the record could have shown of each effect, in columns."""
-    table = [COLUMNS, *limit_cells(report, str)]
-    lines = titled_lines("limits", limits_sentence(report) or "")
+    """What the record could have shown of each effect, in words and columns."""
+    return [*titled_lines("limits", limits_sentence(report) or ""), *limits_table_lines(report)]
+
+
+def limits_table_lines(report: dict[str, Any]) -> list[str]:
+    """The sizes from which on the record would have shown each effect, in columns, and why it shows others at none."""
+    table, lines = [COLUMNS, *limit_cells(report, str)], []
     columns = [i for i in range(len(COLUMNS)) if any(row[i] != NOT_SHOWN for row in table[1:])]
     if len(table) > 1:
         lines += ["", *_in_columns([[printable(row[i]) for i in columns] for row in table]), ""]

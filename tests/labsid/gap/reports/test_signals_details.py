@@ -14,7 +14,7 @@ from labsid.gap.reports.signals_details import (
     paired_responses,
 )
 from labsid.gap.reports.signals_page import render_signals
-from labsid.gap.reports.signals_text import of_output
+from labsid.gap.reports.signals_text import format_signals, of_output
 
 FOUND = with_details(signals_report(("input-dead-zone", "valve")))
 MANY = tuple((f"y{k}", "") for k in range(6))
@@ -36,6 +36,17 @@ def test_the_responses_of_all_pairs_are_those_of_the_rig_although_the_inputs_are
         slow = pair["responses"].frequency
         assert abs(slow.measured[0]) == pytest.approx(1.0 + k % 2 + 2.0 * (k // 2), rel=0.1)
         assert pair["units"].get("u") == ("V", "%")[k % 2]
+
+
+@pytest.mark.parametrize("verdict", ["none", "unknown"])
+def test_the_text_has_the_limits_of_each_output_where_no_cause_is_known(verdict: str) -> None:
+    lines = format_signals(FOUND | {"verdict": verdict, "effects": []}).splitlines()
+    assert len([line for line in lines if line.startswith("limits ")]) == 1
+    starts = [lines.index(f"{'':11}In {output}:") for output in ("level", "temperature")]
+    for start, unit in zip(starts, "V%", strict=True):
+        assert lines[start + 2].split() == ["effect", "visible", "from", "named", "from", "excluded", "nearest", "other"]
+        assert f"0.0200 {unit} (0.40 %)" in lines[start + 3]
+    assert "limits" not in format_signals(FOUND)
 
 
 def test_pairs_are_only_those_in_which_the_input_moves_the_output() -> None:
