@@ -96,6 +96,15 @@ def estimate_parameters(data: Data, fit: Fit, effect: Effect) -> dict[str, dict[
     }
 
 
+def parameters_at_limit(data: Data, fit: Fit, effect: Effect) -> list[str]:
+    """Names of the values of an effect at which the search ends: the single parameter behind them is at its bound."""
+    lower, upper = fit.hypothesis.bounds
+    at_end = {int(i) for i in np.flatnonzero(np.minimum(fit.theta - lower, upper - fit.theta) < AT_LIMIT)}
+    slopes = value_slopes(data, fit, effect)
+    behind = {name: np.flatnonzero(slope) for name, slope in slopes.items()}
+    return [name for name, places in behind.items() if places.size == 1 and int(places[0]) in at_end]
+
+
 def _place_of(fit: Fit, effect: Effect, name: str) -> int:
     """Place in theta of a parameter of an effect, or of the plant that it changes."""
     key = effect.key if effect.key in fit.hypothesis.slices else "plant"

@@ -97,8 +97,8 @@ def parameter_rows(effect: dict[str, Any], pair: dict[str, Any]) -> list[tuple[s
     rows = []
     for name, entry in effect["parameters"].items():
         value, unit = parameter_value(effect["name"], name, entry, pair)
-        if name in may_be_zero:
-            unit = ", ".join(text for text in (unit, mark) if text)
+        limit = "at the limit of its search" if name in effect.get("at_limit", ()) else ""
+        unit = ", ".join(text for text in (unit, mark if name in may_be_zero else "", limit) if text)
         rows.append((parameter_label(effect["name"], name, entry), value, unit))
     return rows
 

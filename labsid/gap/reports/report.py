@@ -14,7 +14,7 @@ from labsid.gap.effects.inside import MISMATCH, place_inside, with_nominal
 from labsid.gap.effects.output import Drift
 from labsid.gap.fits.fitting import Fit, mean_square, rms
 from labsid.gap.fits.log_rounding import log_rounding_error
-from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters
+from labsid.gap.fits.parameter_estimates import estimate_numbers, estimate_parameters, parameters_at_limit
 from labsid.gap.fits.residual_tests import input_correlation
 from labsid.gap.fits.switching import only_switches
 from labsid.gap.limits.smallest_sizes import Limits, find_smallest_sizes
@@ -197,8 +197,10 @@ def _effects(answer: Answer, numbers: list[dict[str, Any]]) -> list[dict[str, An
     }
     for name in sorted(decision.names, key=lambda name: _step(explanation, name)):
         effect = by_name.get(name)
+        limits = [] if effect is None else parameters_at_limit(explanation.data, explanation.best, effect)
         found.append(
             place_inside(explanation.best, effect)
+            | ({"at_limit": limits} if limits else {})
             | {
                 "name": name,
                 "path": DESCRIPTIONS[name].path,

@@ -11,7 +11,7 @@ from labsid.gap.effects import disturbance, input, periodic
 from labsid.gap.effects.base import Effect, Fitted
 from labsid.gap.fits.fitting import Fit, finish, minimize
 from labsid.gap.fits.hypothesis import Hypothesis
-from labsid.gap.fits.parameter_estimates import estimate_parameters, has_place
+from labsid.gap.fits.parameter_estimates import estimate_parameters, has_place, parameters_at_limit
 from labsid.gap.record.data import Data, Scale
 from labsid.gap.search.refinement import converge
 
@@ -74,6 +74,16 @@ def test_every_parameter_has_a_value_a_standard_error_and_a_unit(levels: FloatAr
     for parameter in parameters.values():
         assert list(parameter) == ["value", "stderr", "unit"]
         assert parameter["unit"] == "u"
+
+
+def test_a_number_at_the_end_of_its_search_says_so(levels: FloatArray) -> None:
+    effect, own, extra, _ = CASES["sinusoid"]
+    data, fit = maker(effect, own, extra, levels[:400])(0)
+    place = fit.hypothesis.slices[effect.key].start
+    theta = fit.theta.copy()
+    theta[place] = fit.hypothesis.bounds[1][place]
+    assert parameters_at_limit(data, fit, effect) == []
+    assert parameters_at_limit(data, replace(fit, theta=theta), effect) == ["frequency"]
 
 
 def test_a_place_that_the_record_does_not_show_is_not_known(levels: FloatArray) -> None:

@@ -6,7 +6,7 @@ import pytest
 from gap_reports import PARAMETERS, effect
 
 from labsid.gap.effects.families import CANDIDATES, DESCRIPTIONS
-from labsid.gap.reports.effect_texts import clause, noun, parameter_label, parameter_value
+from labsid.gap.reports.effect_texts import clause, noun, parameter_label, parameter_rows, parameter_value
 
 CLAUSES = {
     "input-delay": "The rig responds to each command 0.4339 s late",
@@ -114,3 +114,11 @@ def test_a_name_outside_the_table_is_said_as_it_is():
         "2.000",
         "furlong",
     )
+
+
+def test_a_parameter_at_the_limit_of_its_search_says_so():
+    entry = {"value": 305.2, "stderr": 39.3, "unit": "Hz"}
+    effect = {"name": "resonance", "parameters": {"frequency": entry, "damping": entry | {"unit": "1"}}}
+    assert [row[2] for row in parameter_rows(effect, {})] == ["Hz", ""]
+    units = [row[2] for row in parameter_rows(effect | {"at_limit": ["frequency"]}, {})]
+    assert units == ["Hz, at the limit of its search", ""]
