@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_hex, to_rgb
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -18,7 +19,11 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from labsid.plots import style
 
 SMALLEST = 8.0
-"""Points: the smallest size of a text."""
+"""Points: the smallest size of a text where a figure is shown, at 96 pixels an inch."""
+NOTEBOOK, PAGE = 700.0, 950.0
+"""Pixels: the column of a notebook and of a page, to which a wider figure shrinks."""
+DPI = 100.0
+"""Pixels of a figure, an inch."""
 APART = 15.0
 """In CIE L*a*b*: curves of one panel that are closer together differ in line style or marker."""
 INSIDE = 3.0
@@ -44,24 +49,29 @@ def distance(one: Any, other: Any) -> float:
     return min(float(np.linalg.norm(lab_of(one, seen) - lab_of(other, seen))) for seen in OBSERVERS.values())
 
 
-def faults_of(figure: Figure) -> list[str]:
-    """What is wrong with a figure, a line each; empty if nothing is."""
+def faults_of(figure: Figure, column: float = NOTEBOOK) -> list[str]:
+    """What is wrong with a figure in a column of so many pixels, a line each; empty if nothing is."""
     figure.draw_without_rendering()
-    return [*_small_texts(figure), *_covered_data(figure), *_colours_without_a_role(figure), *_merging(figure)]
+    return [*_small_texts(figure, column), *_covered_data(figure), *_colours_without_a_role(figure), *_merging(figure)]
 
 
-def _small_texts(figure: Figure) -> Iterator[str]:
+def _small_texts(figure: Figure, column: float) -> Iterator[str]:
     """The first text of each size that is too small."""
     small = {}
+    shrunk = min(1.0, column / (DPI * figure.get_figwidth())) * DPI / 96.0
+    without_axes = [axis for ax in figure.axes if not ax.axison for axis in (ax.xaxis, ax.yaxis)]
+    hidden = {text for axis in without_axes for text in axis.findobj(Text)}
     for text in figure.findobj(Text):
-        if text.get_visible() and text.get_text().strip() and text.get_fontsize() < SMALLEST - 0.01:
-            small.setdefault(text.get_fontsize(), text.get_text())
+        size = text.get_fontsize() * shrunk
+        seen = text.get_visible() and text.get_text().strip() and text not in hidden
+        if seen and size < SMALLEST - 0.01:
+            small.setdefault(size, text.get_text())
     for size, shown in small.items():
         yield f"{shown!r} has {size:.2g} pt"
 
 
 def _covered_data(figure: Figure) -> Iterator[str]:
-    """Legends that lie over curves, points or bars of their axes."""
+    """Legends that lie over curves, contours, points or bars of their axes."""
     for number, ax in enumerate(figure.axes):
         legend = ax.get_legend()
         if legend is None or isinstance(ax, Axes3D):
@@ -77,6 +87,9 @@ def _lies_in(artist: Any, box: Bbox) -> bool:
     if isinstance(artist, PathCollection):
         at = artist.get_offset_transform().transform(np.ma.getdata(artist.get_offsets()))
         return _has_point(box, at)
+    if isinstance(artist, ContourSet):
+        lines = [] if artist.filled else artist.get_paths()
+        return any(artist.get_transform().transform_path(one).intersects_bbox(box, filled=False) for one in lines)
     if isinstance(artist, Line2D):
         path = artist.get_transform().transform_path(artist.get_path())
         if artist.get_linestyle().lower() == "none":

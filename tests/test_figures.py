@@ -11,7 +11,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from figure_faults import distance, faults_of
+from figure_faults import PAGE, distance, faults_of
 from gap_reports import report, with_experiment, with_holdout, with_limits
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
@@ -50,6 +50,19 @@ def good(ax: Axes) -> None:
 def small_text(ax: Axes) -> None:
     good(ax)
     ax.set_title("Too small", fontsize=7)
+
+
+def small_text_where_it_is_shown(ax: Axes) -> None:
+    good(ax)
+    ax.figure.set_size_inches(12.0, 4.0)
+    ax.set_title("Small in a column", fontsize=12)
+
+
+def legend_over_contours(ax: Axes) -> None:
+    x = np.linspace(-1, 1, 21)
+    ax.contour(x, x, x**2 + x[:, np.newaxis] ** 2, colors="0.6")
+    ax.plot(0, 0, "o", color=style.BLUE, label="Minimum")
+    ax.legend(loc="upper right", fontsize=10)
 
 
 def legend_over_a_curve(ax: Axes) -> None:
@@ -91,7 +104,9 @@ def merging_curves(ax: Axes) -> None:
 @pytest.mark.parametrize(
     ("draw", "fault"),
     [
-        (small_text, "'Too small' has 7 pt"),
+        (small_text, "'Too small' has 7.3 pt"),
+        (small_text_where_it_is_shown, "'Small in a column' has 7.3 pt"),
+        (legend_over_contours, "axes 0: the legend lies over"),
         (legend_over_a_curve, "axes 0: the legend lies over 'Measured'"),
         (legend_over_points, "axes 0: the legend lies over 'Points'"),
         (legend_over_markers, "axes 0: the legend lies over 'Points'"),
@@ -118,11 +133,32 @@ def colour_mixed_with_white(ax: Axes) -> None:
     ax.axvspan(0.4, 0.5, color="#BAD9EA")  # 27 % of the blue
 
 
+def legend_beside_contours(ax: Axes) -> None:
+    legend_over_contours(ax)
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1), fontsize=10)
+
+
+def wide_diagram(ax: Axes) -> None:
+    ax.figure.set_size_inches(12.0, 2.0)
+    ax.set_axis_off()
+    ax.text(0, 0, "Process", fontsize=14)
+
+
 def colours_of_numbers(ax: Axes) -> None:
     ax.pcolormesh(np.arange(12.0).reshape(3, 4))
 
 
-@pytest.mark.parametrize("draw", [good, different_line_styles, colour_mixed_with_white, colours_of_numbers])
+@pytest.mark.parametrize(
+    "draw",
+    [
+        good,
+        different_line_styles,
+        colour_mixed_with_white,
+        colours_of_numbers,
+        legend_beside_contours,
+        wide_diagram,
+    ],
+)
 def test_a_right_figure_has_no_fault(draw: Callable[[Axes], None]) -> None:
     figure = Figure()
     draw(figure.subplots())
@@ -155,7 +191,7 @@ def test_the_figures_of_the_lab_have_no_fault(monkeypatch: pytest.MonkeyPatch, t
 )
 def test_the_figures_of_a_diagnosis_have_no_fault(draw: Callable[..., Figure], narrow: bool) -> None:
     base = with_limits(with_experiment(with_holdout(report("input-delay"))))
-    assert faults_of(draw(base, narrow)) == []
+    assert faults_of(draw(base, narrow), PAGE) == []
 
 
 def figures_of(name: str) -> Iterator[tuple[str, Figure]]:

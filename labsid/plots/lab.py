@@ -110,8 +110,8 @@ def figure_5(record: Record) -> Figure:
     figure = new_figure()
     upper, lower = figure.subplots(2, 1)
     if record.y_measured is not None and record.y_noise_reduced is not None:
-        upper.plot(record.t, record.y_measured, color=ORANGE, linewidth=1.2, label="Measured output")
-        upper.plot(record.t, record.y_noise_reduced, color=BLACK, linewidth=1.4, label="Noise-reduced output")
+        upper.plot(record.t, record.y_measured, color=ORANGE, linewidth=4.0, label="Measured output")
+        upper.plot(record.t, record.y_noise_reduced, color=BLACK, linewidth=1.0, label="Noise-reduced output")
         title = "(a) Noise-reduced and measured output signals"
     else:
         upper.plot(record.t, record.y, color=BLACK, linewidth=1.4, label="Output")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from labsid._arrays import FloatArray, freeze
-from labsid.plots.style import BLACK, BLUE, GREY, VERMILION, axes_or_new, finish
+from labsid.plots.style import BLACK, BLUE, GREY, SMALL_TEXT_SIZE, TEXT_SIZE, VERMILION, axes_or_new, finish
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,10 +85,12 @@ def plot_view(view: View, ax: Axes | None = None) -> Axes:
         ax.plot(curve.x, curve.y, label=curve.label, **_LOOK[curve.role])
     if view.mark is not None:
         ax.axvline(view.mark, color=GREY, linestyle=":", zorder=1)
-    low, high = view.ylim
-    ax.set_ylim(low, high + 0.25 * (high - low))  # room for the legend
+    ax.set_ylim(view.ylim)
     ax.margins(x=0)
-    finish(ax, view.title, view.xlabel, view.ylabel, legend_columns=len(view.curves))
+    finish(ax, "", view.xlabel, view.ylabel, legend_columns=0)
+    ax.set_title(view.title, fontsize=TEXT_SIZE, pad=26)
+    # above the axes: a curve that moves may run through every part of them
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3, fontsize=SMALL_TEXT_SIZE, frameon=False)
     return ax
 
 
@@ -100,8 +102,8 @@ def view_png(view: View) -> bytes:
     from labsid.plots.style import save_png
 
     # fixed axes: they do not move with the slider, and a layout that fits the texts would take as long as the drawing
-    figure = ShownFigure(figsize=(8.0, 3.6), facecolor="white")
-    plot_view(view, figure.add_axes((0.1, 0.16, 0.88, 0.74)))
+    figure = ShownFigure(figsize=(8.0, 3.7), facecolor="white")
+    plot_view(view, figure.add_axes((0.11, 0.15, 0.87, 0.68)))
     content = BytesIO()
     save_png(figure, content, dpi=90)
     return content.getvalue()
