@@ -425,12 +425,13 @@ def _read_as(how: "Reading", sim: Path | None, trust: bool) -> "tuple[Reading, P
 
 def _check_export_of_several(export: Path, sim: Path | None) -> None:
     """Reject a file that a simulation of several signals is not exported to."""
+    from labsid._texts import joined
     from labsid.simulators.mjcf.sources import is_mjcf
 
-    kinds = (".xml", ".mjcf") if sim is not None and is_mjcf(str(sim)) else (".json", ".py")
+    kinds = (".xml", ".mjcf") if sim is not None and is_mjcf(str(sim)) else (".json", ".py", ".fmu")
     if export.suffix.lower() not in kinds:
         what = "a model of several joints" if ".xml" in kinds else "a simulation of several signals"
-        raise ValueError(f"{what} is exported as {' or '.join(kinds)}; got {export}.")
+        raise ValueError(f"{what} is exported as {joined(kinds, 'or')}; got {export}.")
 
 
 def _with_signal_units(record: "Record", text: str) -> "Record":
@@ -458,7 +459,7 @@ def _matcher(match: str | None) -> "Callable[[Record], Record]":
 
 
 def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
-    """Write an exported simulation of several signals, as JSON or as a Python module."""
+    """Write an exported simulation of several signals, as JSON, as a Python module or as an FMU."""
     from labsid._files import write_json
     from labsid.gap.simulations.python_export import write_system_module
 
@@ -467,8 +468,13 @@ def _write_system(path: Path, found: "SignalsDiagnosis") -> None:
             "the outputs were explained beside the measured other outputs, so there is no simulation that runs "
             "from the inputs alone. Export each output by itself (--inputs, --outputs)."
         )
-    if path.suffix.lower() == ".py":
+    kind = path.suffix.lower()
+    if kind == ".py":
         write_system_module(path, found.system)
+    elif kind == ".fmu":
+        from labsid.gap.simulations.fmu_export import write_fmu
+
+        write_fmu(path, found.system.to_json_dict())
     else:
         write_json(path, found.system.to_json_dict())
 

@@ -2,11 +2,14 @@
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
-from labsid.gap.model_file import ExportedModel, from_json_dict, in_folder
+from labsid._arrays import FloatArray
+from labsid.gap.model_file import from_json_dict, in_folder
+from labsid.gap.system_file import SYSTEM_SCHEMA, system_from_json, system_in_folder
 
 CONTENT = "labsid.json"  # in the resources of an FMU
 AHEAD = 500  # samples simulated beyond the present one, with the input as it is: valid until the input changes
@@ -14,44 +17,67 @@ _SAME_TIME = 1e-6  # samples
 
 
 class SampledRun:
-    """A run from rest at the first input.
+    """A run from rest at the first inputs.
 
-    Between two samples of the model its output stays as it is. Every change of the input simulates the run from its
-    start, because an exported simulation has no state that could be kept.
+    Between two samples of the simulation its outputs stay as they are. Every change of an input simulates the run from
+    its start, because an exported simulation has no state that could be kept.
     """
 
-    def __init__(self, model: ExportedModel, start: float, of_record: bool = False) -> None:
+    def __init__(self, simulate: Callable[[FloatArray], FloatArray], Ts: float, start: float) -> None:
         """Begin a run.
 
         Parameters
         ----------
-        model : ExportedModel
+        simulate : callable
+            Outputs, shape (N, ny), for inputs of shape (N, nu).
+        Ts : float
+            Sampling time of the simulation, in seconds.
         start : float
             Time of the first sample, in seconds.
-        of_record : bool
-            Whether loads, sinusoids and drifts of the fitted record act, at their times after `start`.
         """
-        self._model, self._start, self._of_record = model, start, of_record
-        self._inputs: list[float] = []
-        self._index = 0  # of the sample whose output is the present one
-        self._simulated = self._outputs = np.zeros(0)
+        self._simulate, self._Ts, self._start = simulate, Ts, start
+        self._inputs: list[tuple[float, ...]] = []
+        self._index = 0  # of the sample whose outputs are the present ones
+        self._simulated = self._outputs = np.zeros((0, 0))
 
-    def advance(self, end: float, u: float) -> None:
-        """Hold the input `u` from the present time to the time `end`, in seconds."""
-        samples = (end - self._start) / self._model.Ts
+    def advance(self, end: float, *u: float) -> None:
+        """Hold the inputs `u` from the present time to the time `end`, in seconds."""
+        samples = (end - self._start) / self._Ts
         self._index = math.floor(samples + _SAME_TIME)
         self._inputs += [u] * (math.ceil(samples - _SAME_TIME) - len(self._inputs))
 
-    def output(self, u: float) -> float:
-        """The present output, with the input `u` if a sample is due at the present time."""
+    def outputs(self, *u: float) -> list[float]:
+        """The present outputs, with the inputs `u` if a sample is due at the present time."""
         known = np.array([*self._inputs, u][: self._index + 1])
-        if not np.array_equal(self._simulated[: known.size], known):
-            self._simulated = np.concatenate([known, np.full(AHEAD, known[-1])])
-            self._outputs = self._model.simulate(self._simulated, of_record=self._of_record)
-        return float(self._outputs[self._index])
+        if not np.array_equal(self._simulated[: len(known)], known):
+            self._simulated = np.concatenate([known, np.repeat(known[-1:], AHEAD, axis=0)])
+            self._outputs = self._simulate(self._simulated)
+        present: list[float] = self._outputs[self._index].tolist()
+        return present
+
+    def output(self, u: float) -> float:
+        """The present output of a simulation of one input and one output, as in `outputs`."""
+        return self.outputs(u)[0]
 
 
-def open_sampled_run(resources: Path, start: float, of_record: bool) -> SampledRun:
-    """Begin a run of the simulation in the resources of an FMU; see `SampledRun`."""
+def open_sampled_run(resources: Path, start: float, of_record: bool = False) -> SampledRun:
+    """Begin a run of the simulation in the resources of an FMU; see `SampledRun`.
+
+    Parameters
+    ----------
+    resources : Path
+        Folder with the exported simulation.
+    start : float
+        Time of the first sample, in seconds.
+    of_record : bool
+        Whether loads, sinusoids and drifts of the fitted record act, at their times after `start`; only with one input
+        and one output.
+    """
     content = json.loads((resources / CONTENT).read_text(encoding="utf-8"))
-    return SampledRun(from_json_dict(in_folder(content, resources)), start, of_record)
+    if content.get("schema") == SYSTEM_SCHEMA:
+        system = system_from_json(system_in_folder(content, resources))
+        return SampledRun(system.simulate, system.sampling_time, start)
+    model = from_json_dict(in_folder(content, resources))
+    return SampledRun(
+        lambda u: model.simulate(np.ascontiguousarray(u[:, 0]), of_record=of_record)[:, np.newaxis], model.Ts, start
+    )

@@ -26,7 +26,7 @@ from labsid.gap.simulations.structure_choice import explain_record
 from labsid.model_structures.state_space import simulate_states
 
 _OTHER_KIND = {"apart": "same entry", "same entry": "apart"}
-SAME = 1.2  # rms error of a state-space model over that with the poles found, up to which it is the same; set by hand
+SAME = 1.2  # rms error of one model over that of another one, up to which they are the same; set by hand
 FAINT = 1.5  # rms error without a pole over that with it, below which it may be one of the rig's own; set by hand
 DEPENDENT = 0.01  # share of a residual that functions of an input predict: more is searched there; set by hand
 
@@ -432,12 +432,25 @@ def _extended(search: OutputSearch, chain: tuple[Through, ...]) -> tuple[Through
     while not chain[-1].white and len(chain) < len(search.seen) and chain[-1].found is not None:
         others = (*chain[-1].others, chain[-1].found)
         taken = [one.role.main for one in others]
-        following = [search.through(i, others, 1) for i in search.seen if i not in taken]
+        further = [i for i in search.seen if i not in taken and _fits_as_well(search.through(i, others, 0), chain[-1])]
+        if not further:
+            break
+        following = [search.through(i, others, 1) for i in further]
         best = min(following, key=_score)
         if best.score > chain[-1].score - BIC_MARGIN or best.found is None:
             break
         chain = _in_turn(search, (*chain, best))
     return chain
+
+
+def _fits_as_well(plain: Through, last: Through) -> bool:
+    """Whether the same effects explain an output about as well through another input.
+
+    If the dynamics seen through that input fit worse, one effect more at it cannot show.
+    """
+    errors = [mean_square(one.explanation.data, one.explanation.best) for one in (plain, last)]
+    units = [one.explanation.data.y_scale.unit for one in (plain, last)]
+    return bool(np.sqrt(errors[0]) * units[0] <= SAME * np.sqrt(errors[1]) * units[1])
 
 
 def _score(through: Through) -> float:

@@ -15,6 +15,7 @@ from labsid.gap.signals.given import as_system
 from labsid.gap.signals.input_responses import linear_parts
 from labsid.gap.signals.preparation import prepare
 from labsid.gap.simulations.baseline import check_bounded
+from labsid.gap.simulations.fmu_export import read_fmu_content
 from labsid.gap.simulations.model_json import started
 from labsid.gap.system_file import SYSTEM_SCHEMA, ExportedSystem, system_from_json, system_in_folder
 from labsid.records.record import Record, bridge_gaps
@@ -43,6 +44,9 @@ class SignalsReplay:
 
 def exported_system(source: Path) -> dict[str, Any] | None:
     """The content of an exported simulation of several signals; None for any other file."""
+    if source.suffix.lower() == ".fmu":
+        content = read_fmu_content(source)
+        return content if content is not None and content.get("schema") == SYSTEM_SCHEMA else None
     if source.suffix.lower() != ".json" or not source.is_file():
         return None
     content = load_model(source)

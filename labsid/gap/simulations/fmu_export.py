@@ -14,12 +14,14 @@ from typing import Any
 from labsid._files import write_file
 from labsid.gap.model_file import from_json_dict, with_sources
 from labsid.gap.sampled_run import CONTENT
+from labsid.gap.system_file import SYSTEM_SCHEMA, system_from_json, system_with_sources
 from labsid.simulators.fmu import input_and_output
 from labsid.simulators.sources import read_source, source_file
 
 _SLAVE = '''\
 """Corrected simulation, written by `labsid gap diagnose --export`. It runs in a Python that has labsid."""
 
+from functools import partial
 from pathlib import Path
 
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
@@ -27,32 +29,29 @@ from pythonfmu.default_experiment import DefaultExperiment
 
 
 class {name}(Fmi2Slave):
-    """The input is read every {Ts:g} s, the sampling time of the record, and the output then changes."""
+    """Inputs are read every {Ts:g} s, the sampling time of the record, and outputs then change."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.description = "Corrected simulation, written by labsid gap diagnose --export"
         self.default_experiment = DefaultExperiment(step_size={Ts!r})
-        self.driven, self.of_record = 0.0, False
+        self.driven, self.of_record = [0.0] * {nu}, False
         self.start, self.run = 0.0, None
-        self.register_variable(
-            Real({driven!r}, causality=Fmi2Causality.input, getter=lambda: self.driven, setter=self.drive)
-        )
-        self.register_variable(Real({seen!r}, causality=Fmi2Causality.output, getter=self.output))
-        self.register_variable(
-            Boolean(
-                "of_record",
-                causality=Fmi2Causality.parameter,
-                variability=Fmi2Variability.fixed,
-                description="Whether loads, sinusoids and drifts of the diagnosed record act, at its times",
+        for i, name in enumerate({driven!r}):
+            self.register_variable(
+                Real(name, causality=Fmi2Causality.input, getter=partial(self.held, i), setter=partial(self.drive, i))
             )
-        )
+        for j, name in enumerate({seen!r}):
+            self.register_variable(Real(name, causality=Fmi2Causality.output, getter=partial(self.output, j)))
+{parameters}
+    def held(self, i):
+        return self.driven[i]
 
-    def drive(self, value):
-        self.driven = value
+    def drive(self, i, value):
+        self.driven[i] = value
 
-    def output(self):
-        return 0.0 if self.run is None else self.run.output(self.driven)
+    def output(self, j):
+        return 0.0 if self.run is None else self.run.outputs(*self.driven)[j]
 
     def setup_experiment(self, start_time, stop_time, tolerance):
         self.start = start_time
@@ -63,9 +62,20 @@ class {name}(Fmi2Slave):
         self.run = open_sampled_run(Path(self.resources), self.start, self.of_record)
 
     def do_step(self, time, step):
-        self.run.advance(time + step, self.driven)
+        self.run.advance(time + step, *self.driven)
         return True
 '''
+
+_OF_RECORD = """\
+        self.register_variable(
+            Boolean(
+                "of_record",
+                causality=Fmi2Causality.parameter,
+                variability=Fmi2Variability.fixed,
+                description="Whether loads, sinusoids and drifts of the diagnosed record act, at its times",
+            )
+        )
+"""
 
 
 def check_fmu_export() -> None:
@@ -84,13 +94,13 @@ def check_fmu_export() -> None:
 def write_fmu(path: Path, content: dict[str, Any]) -> None:
     """Write an exported simulation as an FMU. It holds the file of a given simulation, too.
 
-    Its input and output are those of a given FMU, or ``u`` and ``y``.
+    With several signals, its variables have their names. Otherwise they are those of a given FMU, or ``u`` and ``y``.
 
     Parameters
     ----------
     path : Path
     content : dict
-        From `ExportedModel.to_json_dict`.
+        From `ExportedModel.to_json_dict` or `ExportedSystem.to_json_dict`.
 
     Raises
     ------
@@ -99,29 +109,40 @@ def write_fmu(path: Path, content: dict[str, Any]) -> None:
         the rig is unstable.
     """
     check_fmu_export()
+    several = content.get("schema") == SYSTEM_SCHEMA
     if content.get("feedback") is not None:
         raise ValueError(
             f"{path.name}: the rig is unstable, so its simulation needs the measured output beside the input, which an "
             "FMU with one input has no place for. Export it as .json or .py."
         )
-    driven, seen = "u", "y"
+    driven, seen = (_names(content, "inputs"), _names(content, "outputs")) if several else (["u"], ["y"])
+    models = [one["model"] for one in content["outputs"]] if several else [content]
+    given = next((one["simulator"]["source"] for one in models if "simulator" in one), None)
     with tempfile.TemporaryDirectory(prefix="labsid-") as temporary:
         folder = Path(temporary)
         files = [folder / CONTENT]
-        if "simulator" in content:
-            source, data = read_source(content["simulator"]["source"])
+        if given is not None:
+            source, data = read_source(given)
             files.append(folder / source_file(Path(source)))
             files[-1].write_bytes(data)
-            if source.lower().endswith(".fmu"):
-                driven, seen = input_and_output(files[-1])
-            content = with_sources(content, lambda _: source)
+            if source.lower().endswith(".fmu") and not several:
+                driven, seen = ([name] for name in input_and_output(files[-1]))
+            content = (system_with_sources if several else with_sources)(content, lambda _: source)
         files[0].write_text(json.dumps(content), encoding="utf-8")
         name = _identifier(path.stem, files)
         script = folder / f"{name}.py"
-        script.write_text(_SLAVE.format(name=name, Ts=content["Ts"], driven=driven, seen=seen), encoding="utf-8")
+        parameters = "" if several else _OF_RECORD
+        text = _SLAVE.format(
+            name=name, Ts=content["Ts"], driven=driven, nu=len(driven), seen=seen, parameters=parameters
+        )
+        script.write_text(text, encoding="utf-8")
         built = _build(script, files)
         _check_alone(path, built)
         write_file(path, built.read_bytes())
+
+
+def _names(content: dict[str, Any], which: str) -> list[str]:
+    return [one["name"] for one in content[which]]
 
 
 def read_fmu_content(path: Path) -> dict[str, Any] | None:
@@ -131,7 +152,8 @@ def read_fmu_content(path: Path) -> dict[str, Any] | None:
             content: dict[str, Any] = json.loads(opened.read(f"resources/{CONTENT}"))
     except (OSError, KeyError, ValueError, zipfile.BadZipFile):
         return None
-    return with_sources(content, lambda source: f"{path}:{source}")
+    change = system_with_sources if content.get("schema") == SYSTEM_SCHEMA else with_sources
+    return change(content, lambda source: f"{path}:{source}")
 
 
 def _identifier(stem: str, files: list[Path]) -> str:
@@ -156,7 +178,7 @@ def _check_alone(path: Path, built: Path) -> None:
     content = read_fmu_content(built)
     assert content is not None
     try:
-        from_json_dict(content)
+        (system_from_json if content.get("schema") == SYSTEM_SCHEMA else from_json_dict)(content)
     except ValueError as error:
         raise ValueError(
             f"{path.name} cannot hold the simulation: {error} An FMU takes along one file: put what it imports from "

@@ -17,6 +17,7 @@ from labsid.gap.signals.couplings import couplings_of
 from labsid.gap.signals.given import as_system
 from labsid.gap.signals.result import SignalsDiagnosis
 from labsid.gap.signals.roles import Signals
+from labsid.gap.simulations.fmu_export import read_fmu_content
 from labsid.gap.system_file import system_from_json
 from labsid.records.record import Record
 
@@ -233,7 +234,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_the_command_writes_and_runs_a_corrected_simulation(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As either file; a record is diagnosed once."""
+    """As each kind of file; a record is diagnosed once."""
+    fmpy = pytest.importorskip("fmpy", reason="pip install 'labsid[fmu]'")
     made: dict[str, object] = {}
 
     def once(records: list[Record], *arguments: object, **options: object) -> object:
@@ -243,7 +245,7 @@ def test_the_command_writes_and_runs_a_corrected_simulation(
         return made[record.name]
 
     monkeypatch.setattr("labsid.gap.diagnosis.diagnose", once)
-    for name in ("better.json", "better.py"):
+    for name in ("better.json", "better.py", "better.fmu"):
         assert main(["gap", "diagnose", "rig.csv", "--sim", "model.py:simulate", "--export", name]) == 0
         assert "At u2: the actuator does not move" in capsys.readouterr().out
         assert main(["gap", "simulate", name, "other.csv", "--out", "replay.csv"]) == 0
@@ -252,8 +254,20 @@ def test_the_command_writes_and_runs_a_corrected_simulation(
         replay = np.genfromtxt(folder / "replay.csv", delimiter=",", names=True)
         assert replay.dtype.names == ("t", "u1", "u2", "y1", "y2", "y1_sim", "y2_sim")
         assert np.std((replay["y2_sim"] - replay["y2"])[60:]) == pytest.approx(NOISE, rel=0.1)
-    assert main(["gap", "diagnose", "other.csv", "--sim", "better.json"]) == 0
-    assert "There is no gap beyond noise" in capsys.readouterr().out
+    for name in ("better.json", "better.fmu"):
+        assert main(["gap", "diagnose", "other.csv", "--sim", name]) == 0
+        assert "There is no gap beyond noise" in capsys.readouterr().out
+        made.clear()
+    other = rig(21, DEAD)
+    rows = [(t, *u) for t, u in zip(other.t.tolist(), other.u.tolist(), strict=True)][:200]
+    played = fmpy.simulate_fmu(
+        "better.fmu", stop_time=rows[-1][0], step_size=TS, output_interval=TS, output=["y1", "y2"],
+        input=np.array(rows, [("time", float), ("u1", float), ("u2", float)]),
+    )  # fmt: skip
+    content = read_fmu_content(folder / "better.fmu")
+    assert content is not None
+    whole = system_from_json(content).simulate(other.u[:200])
+    np.testing.assert_allclose(np.column_stack([played["y1"], played["y2"]]), whole, atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -264,7 +278,7 @@ def test_the_command_writes_and_runs_a_corrected_simulation(
         (["diagnose", "rig.csv", "--sim", "model.py:ragged"], "returns rows of different lengths"),
         (["diagnose", "rig.csv", "--sim", "model.json"], "needs a simulation of all of them"),
         (["diagnose", "rig.csv", "--sim", "model.py:simulate", "--free", "mass"], "no number 'mass'"),
-        (["diagnose", "rig.csv", "--export", "better.fmu"], "is exported as .json or .py; got better.fmu"),
+        (["diagnose", "rig.csv", "--export", "better.xml"], "is exported as .json, .py or .fmu; got better.xml"),
         (["simulate", "model.json", "rig.csv"], "model.json is no simulation of several signals"),
     ],
 )

@@ -76,7 +76,9 @@ def test_it_plays_step_by_step_what_the_simulation_plays_as_a_whole(limited: Pat
 def test_the_input_is_read_at_the_samples_of_the_model(levels: FloatArray) -> None:
     model, u = from_json_dict(LIMITED), 2.0 + 3.0 * levels[:60]
     whole = model.simulate(u, of_record=False)
-    fine, coarse = SampledRun(model, 0.0), SampledRun(model, 0.0)
+    fine, coarse = (
+        SampledRun(lambda u: model.simulate(u[:, 0], of_record=False)[:, np.newaxis], TS, 0.0) for _ in range(2)
+    )
     for k in range(59):
         for part in range(1, 4):  # three steps a sample; the input between two samples is not read
             fine.advance(TS * (k + part / 3.0), float(u[k]) if part == 1 else 99.0)
