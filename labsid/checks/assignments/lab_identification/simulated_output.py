@@ -26,6 +26,8 @@ _FEW = 5
 
 _RESPONSES = ("TimeResponseData", "TimeResponseList")
 
+_MOST_PARAMETERS = 8  # of a model whose number of parameters is taken off that of the samples
+
 _SAME_MEAN = 1e-9
 """Relative: a mean is that of a part of the samples to rounding, or by no means."""
 
@@ -267,7 +269,6 @@ def judge_mse(
             np.mean(y**2) - 2 * np.mean(y) * np.mean(y_sim) + np.mean(y_sim**2),
         ),
     ]
-    slips += wrong_divisors(name, squared)
     otherwise = f"`{name}` is not the mean of the squared differences between measured and simulated output."
 
     def made(e: FloatArray = e, of: Callable[[FloatArray], float] = _mean_square) -> float:
@@ -279,7 +280,7 @@ def judge_mse(
         close(1e-6),
         "Both mean squared errors are right.",
         otherwise,
-        [*slips, *more, *means_of_a_part(name, got, squared), *pairs_of(f"`{name}`", [*others, *_OF_ERRORS], made)],
+        [*slips, *more, *wrong_means(name, got, squared), *pairs_of(f"`{name}`", [*others, *_OF_ERRORS], made)],
     )
 
 
@@ -323,7 +324,26 @@ _OF_ERRORS = (
 """What may have been made of errors in the place of the mean of their squares."""
 
 
-def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
+def wrong_means(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
+    """Means of squared errors over a part of them, or with another divisor than their number."""
+    N = squared.size
+    of_parameters = [
+        Slip(
+            "parameters taken off the number",
+            f"`{name}` is divided by N - {p}, as an estimate of the variance with {p} parameters is. The mean is over "
+            f"all {N} samples: divide by N.",
+            partial(_divided, squared, N - p),
+        )
+        for p in range(2, _MOST_PARAMETERS + 1)
+    ]
+    return [*_wrong_divisors(name, squared), *_means_of_a_part(name, got, squared), *of_parameters]
+
+
+def _divided(squared: FloatArray, by: int) -> float:
+    return float(np.sum(squared)) / by
+
+
+def _wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
     """Means of squared errors that are made with N - 1, in brackets or not."""
     N = squared.size
     outside = f"`{name}` is the mean less 1: the 1 in `/ N - 1` is taken off after the division. The mean is over N."
@@ -333,7 +353,7 @@ def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
     ]
 
 
-def means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
+def _means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
     """The mean over the samples from one on, or up to one, if that is what was got."""
     N = squared.size
     sums, counts = np.cumsum(squared)[:-1], np.arange(1, N)
