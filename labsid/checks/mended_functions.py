@@ -129,6 +129,41 @@ def mended_value(mend: Mend, variables: Mapping[str, Any]) -> Any:
     return eval(compile(code, "<mended>", "eval"), dict(variables))
 
 
+def made_by_function(name: str, source: str, functions: Mapping[str, Callable[..., Any]]) -> ast.expr | None:
+    """The expression from which the last line of an answer that assigns a variable makes it with one of its functions.
+
+    Parameters
+    ----------
+    name : str
+        Of the variable.
+    source : str
+        The code of the answer cell.
+    functions : mapping
+        Those of the notebook, by name.
+
+    Returns
+    -------
+    ast.expr or None
+        None where the last assignment at the top level calls none of them.
+    """
+    try:
+        body = parse_python(source).body
+    except (SyntaxError, ValueError, RecursionError):
+        return None
+    made = [
+        node.value
+        for node in body
+        if isinstance(node, ast.Assign) and [one.id for one in node.targets if isinstance(one, ast.Name)] == [name]
+    ]
+    if not made or is_deep(made[-1], MOST_LEVELS):
+        return None
+    called = {
+        node.func.id for node in ast.walk(made[-1]) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    }
+    changes = any(isinstance(node, ast.NamedExpr) for node in ast.walk(made[-1]))
+    return made[-1] if called & functions.keys() and not changes else None
+
+
 def _assignment(mend: Mend) -> tuple[str, ast.expr] | None:
     try:
         body = parse_python(mend.line).body

@@ -120,6 +120,9 @@ class _WithFunctions:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._ask, name)
 
+    def value(self, name: str) -> Value:
+        return self._ask.value_with(self._functions, name)  # type: ignore[attr-defined]
+
     def call(self, name: str, *arguments: Value) -> Value:
         if name not in self._functions:
             raise NoAnswer(f"there is no function `{name}`.")

@@ -78,4 +78,26 @@ _STEP_RESPONSE = in_rows(
      "        theta = theta * 0.999\n    return theta\n"),
     ("step-9-minimum", "enough steps", "", _DESCENT.format(20000, 0.01)),
 )  # fmt: skip
-TRIES: dict[str, tuple[Try, ...]] = {"step-response": _STEP_RESPONSE}
+_REST = "u_offset, y_offset = u_act[0], y_act[:{0}].mean()\nu, y = u_act - u_offset, y_act - y_offset\nnoise_sd = {1}\n"
+_SHARE = (
+    "def share_closed(mse_after, mse_before, sigma):\n"
+    "    share = 1 - np.sqrt(max(mse_after - {0}, 0)) / np.sqrt(mse_before - {0})\n    return {1}\n\n\n"
+    "mse_after = np.mean((simulate_better(u_act) - y_act)[half:] ** 2)\n"
+    "closed = share_closed(mse_after, gap_before**2, noise_sd)\n"
+)
+_SIM_TO_REAL_GAP = in_rows(
+    ("gap-1-rest", "first 100 samples", "mean of the first 100 samples.* changes at sample 120",
+     _REST.format(100, "np.std(y_act[:100])")),
+    ("gap-1-rest", "first 140 samples", "mean of the first 140 samples, and the input first changes at sample 120",
+     _REST.format(140, "np.std(y_act[:140])")),
+    ("gap-1-rest", "rest up to the first change", "",
+     "n = np.flatnonzero(np.diff(u_act))[0] + 1\n" + _REST.format("n", "np.std(y_act[:n])")),
+    ("gap-9-closed", "clipped to 0 to 1", "returns 0 where the error after is the larger",
+     _SHARE.format("sigma**2", "min(max(share, 0), 1)")),
+    ("gap-9-closed", "clipped at zero", "returns 0 where the error after is the larger",
+     _SHARE.format("sigma**2", "max(share, 0)")),
+    ("gap-9-closed", "clipped at one", "", _SHARE.format("sigma**2", "min(share, 1)")),
+    ("gap-9-closed", "clipped, and without the square", "sigma is not squared",
+     _SHARE.format("sigma", "max(share, 0)")),
+)  # fmt: skip
+TRIES: dict[str, tuple[Try, ...]] = {"sim-to-real-gap": _SIM_TO_REAL_GAP, "step-response": _STEP_RESPONSE}
