@@ -96,7 +96,8 @@ def _other_operations(node: ast.BinOp) -> Iterator[Other]:
         yield Other(0, ast.BinOp(node.left, ast.Div(), node.right), True, _CUT_OFF)
     if operation is ast.Mult:
         outer = ast.Attribute(ast.Name("np", ast.Load()), "outer", ast.Load())
-        yield Other(3, ast.Call(outer, [node.left, node.right], []), True, _ENTRY_BY_ENTRY)
+        are_products = all(isinstance(x, ast.BinOp) and isinstance(x.op, ast.MatMult) for x in (node.left, node.right))
+        yield Other(0 if are_products else 3, ast.Call(outer, [node.left, node.right], []), True, _ENTRY_BY_ENTRY)
     inner = node.left
     if operation is ast.Pow and isinstance(inner, ast.BinOp) and isinstance(inner.op, ast.Add | ast.Sub):
         square = ast.BinOp(inner.right, ast.Pow(), node.right)  # a + b**2 for (a + b)**2

@@ -100,4 +100,152 @@ _SIM_TO_REAL_GAP = in_rows(
     ("gap-9-closed", "clipped, and without the square", "sigma is not squared",
      _SHARE.format("sigma", "max(share, 0)")),
 )  # fmt: skip
-TRIES: dict[str, tuple[Try, ...]] = {"sim-to-real-gap": _SIM_TO_REAL_GAP, "step-response": _STEP_RESPONSE}
+_FIT_ARX = (
+    "def fit_arx(u, y):\n    Phi = np.column_stack([-y[:-1], u[:-1]{}])\n"
+    "    return np.linalg.lstsq(Phi, y[1:])[0][:2]\n\n"
+)
+_TABLES = (
+    "\nrng = np.random.default_rng(5)\nestimates_1, estimates_2 = [], []\nfor i in range(150):\n"
+    "    {0} = make_record(rng, 1000, -0.8, 1.0, 0.0)\n    estimates_1.append(fit_arx(u, y))\n"
+    "    {0} = make_record(rng, 1000, -0.8, 1.0, -0.8)\n    estimates_2.append(fit_arx(u, y))\n"
+    "estimates_1, estimates_2 = np.array(estimates_1), np.array(estimates_2)\n"
+)
+_APPENDED = (
+    "\nrng = np.random.default_rng(5)\nestimates_1, estimates_2 = np.array([]), np.array([])\nfor i in range(100):\n"
+    "    u, y, e = make_record(rng, 1000, -0.8, 1.0, 0.0)\n    estimates_1 = np.append(estimates_1, fit_arx(u, y))\n"
+    "    u, y, e = make_record(rng, 1000, -0.8, 1.0, -0.8)\n    estimates_2 = np.append(estimates_2, fit_arx(u, y))\n"
+)
+_LIMIT = (
+    "def limit_of_least_squares(a, b, c, var_u, var_e):\n{}"
+    "    y = scipy.signal.lfilter([0, b], [1, a], u) + scipy.signal.lfilter([1, c], [1, a], e)\n"
+    "    return np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])[0]\n"
+)
+_COVARIANCE = (
+    "def covariance(Phi, c, var_e):\n    N = len(Phi)\n    V = var_e * ({})\n    A = np.linalg.pinv(Phi)\n"
+    "    return A @ V @ A.T\n"
+)
+_PREDICTION_ERRORS = (
+    "def prediction_errors(theta, u, y):\n    a, b, c = theta\n    return scipy.signal.lfilter([1], [1, c], {})\n\n\n"
+    "def pseudo_linear(u, y, share, rounds):\n"
+    "    theta = np.append(np.linalg.lstsq(np.column_stack([-y[:-1], u[:-1]]), y[1:])[0], 0)\n    return theta\n"
+)
+_RELS = (
+    "def rels(u, y, forgetting, LN):\n    theta, P, e = np.zeros(3), np.eye(3) * LN, 0\n    out = [theta.copy()]\n"
+    "    for n in range(1, len(y)):\n        phi = np.array([-y[n - 1], u[n - 1], e])\n        e = y[n] - phi @ theta\n"
+    "        P = (P - np.outer(P @ phi, phi @ P) / (forgetting + phi @ P @ phi)) / forgetting\n"
+    "        theta {} P @ phi * e\n        out.append({})\n    return np.array(out)\n\n\n"
+    "theta_rels = rels(u_71, y_71, 1.0, 1e6)\n"
+)
+_ARMAX = in_rows(
+    ("ai-1-tables", "u, e, y unpacked", "order of|in the place of the output y.*returns u, y, e",
+     _FIT_ARX.format("") + _TABLES.format("u, e, y")),
+    ("ai-1-tables", "e, y, u unpacked", "in the place of the input u.*returns u, y, e",
+     _FIT_ARX.format("") + _TABLES.format("u, y, e").replace("fit_arx(u, y))", "fit_arx(e, y))")),
+    ("ai-1-tables", "input of another size", "does not gather where .* rows are .* on average",
+     _FIT_ARX.format("") + _TABLES.format("u, y, e").replace("fit_arx(u, y))", "fit_arx(2 * u, y))")),
+    ("ai-1-tables", "appended without an axis", "`np.append`.*`np.vstack.*as rows",
+     _FIT_ARX.format("") + _APPENDED),
+    ("ai-1-tables", "a column of ones", "`fit_arx` was fitted with a column of ones",
+     _FIT_ARX.format(", np.ones(len(y) - 1)") + _TABLES.format("u, y, e")),
+    ("ai-1-tables", "a column of times", "`fit_arx` does not return the least-squares",
+     _FIT_ARX.format(", np.arange(len(y) - 1)") + _TABLES.format("u, y, e")),
+    ("ai-3-limit", "one record", "draws random numbers, with `standard_normal`",
+     _LIMIT.format("    rng = np.random.default_rng(0)\n    u = np.sqrt(var_u) * rng.standard_normal(1000)\n"
+                   "    e = np.sqrt(var_e) * rng.standard_normal(1000)\n")),
+    ("ai-3-limit", "one record of a wave", "another limit of a",
+     _LIMIT.format("    u = np.sqrt(2 * var_u) * np.sin(np.arange(1000))\n"
+                   "    e = np.sqrt(2 * var_e) * np.cos(1.7 * np.arange(1000))\n")),
+    ("ai-4-covariance", "square of the sum", r"one place, `\(1 \+ c\) \*\* 2`",
+     _COVARIANCE.format("(1 + c) ** 2 * np.eye(N) + c * np.eye(N, k=1) + c * np.eye(N, k=-1)")),
+    ("ai-4-covariance", "powers of c", "correlated at all lags",
+     _COVARIANCE.format("(1 + c**2) * scipy.linalg.toeplitz(c ** np.arange(N))")),
+    ("ai-4-covariance", "c at two lags", "not that of the estimate",
+     _COVARIANCE.format("(1 + c**2) * np.eye(N) + sum(c * (np.eye(N, k=i) + np.eye(N, k=-i)) for i in (1, 2))")),
+    ("ai-5-armax", "simulation over C", "a simulated output off, and divides by C",
+     _PREDICTION_ERRORS.format("y - scipy.signal.lfilter([0, b], [1, a], u)")),
+    ("ai-5-armax", "simulation over C with the other sign", "work the three samples",
+     _PREDICTION_ERRORS.format("y + scipy.signal.lfilter([0, b], [1, a], u)")),
+    ("ai-6-rels", "one array in every row", r"`theta \+=` changes the array itself", _RELS.format("+=", "theta")),
+    ("ai-6-rels", "a copy in every row", "", _RELS.format("+=", "theta.copy()")),
+    ("ai-6-rels", "a new array in every row", "", _RELS.format("= theta +", "theta")),
+    ("ai-8-recursive", "product of flat arrays", "the table of all products is `np.outer`",
+     (("np.outer(P @ z, phi @ P)", "(P @ z) * (phi @ P)"),)),
+)  # fmt: skip
+_LOOP = (
+    "v = u[half:]\ny_sim_half = np.zeros(len(v))\nfor k in range({}, len(v)):\n"
+    "    y_sim_half[k] = -a1 * y_sim_half[k - 1] - a2 * y_sim_half[k - 2] + b1 * v[k - 1] + {} * v[k - 2]\n"
+)
+_SCALED = "theta_hat = np.linalg.lstsq(Phi / {}, Y)[0]\n"
+_LAB = in_rows(
+    ("lab-1a-extract", "second row for a column", "one row of the table",
+     (('LogData["signals"][0]["values"][:, 1]', 'LogData["signals"][0]["values"][1]'),)),
+    ("lab-2b-theta", "columns less their means and scaled", "divided by the standard deviations, and belongs",
+     "theta_hat = np.linalg.lstsq((Phi - Phi.mean(axis=0)) / Phi.std(axis=0), Y - Y.mean())[0]"),
+    ("lab-2b-theta", "columns scaled by their norms", "divided by the norms",
+     _SCALED.format("np.linalg.norm(Phi, axis=0)")),
+    ("lab-2b-theta", "columns scaled, and scaled back", "",
+     _SCALED.format("Phi.std(axis=0)") + "theta_hat = theta_hat / Phi.std(axis=0)\n"),
+    ("lab-2b-theta", "one column scaled", "does not solve eq. (8)".replace("(", r"\(").replace(")", r"\)"),
+     _SCALED.format("np.array([1.0, 1.0, 1.0, 3.0])")),
+    ("lab-2b-parameters", "counted from 1", r"Yours are a1 = -theta_hat\[1\].*counts from 0",
+     "a1, a2, b1, b2 = -theta_hat[1], -theta_hat[2], theta_hat[3], theta_hat[0]"),
+    ("lab-2b-parameters", "columns taken in turn",
+     r"Yours are a1 = -theta_hat\[0\].*b2 = theta_hat\[3\]\. The entries",
+     "a1, a2, b1, b2 = -theta_hat[0], theta_hat[2], -theta_hat[1], theta_hat[3]"),
+    ("lab-3a-second-half", "loop from k = 2", "begin the loop with k = 1", _LOOP.format(2, "b2")),
+    ("lab-3a-second-half", "loop from k = 2, another b2", "factor of u.k-2. is .* and not b2",
+     _LOOP.format(2, "b2 * b1")),
+    ("lab-3a-all", "filtfilt", "filtered twice, forwards and then backwards",
+     "y_sim = scipy.signal.filtfilt([0, b1, b2], [1, a1, a2], u)"),
+    ("lab-3a-all", "never below zero", "At k = [0-9]+ it is 0, and -a1 y.*is -",
+     "y_sim = np.maximum(scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u), 0)"),
+    ("lab-3a-all", "smoothed afterwards", "Its first sample is|At k = [0-9]+ it is",
+     "y_sim = np.convolve(scipy.signal.lfilter([0, b1, b2], [1, a1, a2], u), np.ones(5) / 5, mode='same')"),
+    ("lab-2b-theta", "part of order 3", "holds entries of the theta of order 3",
+     "P = np.column_stack([y[2:half-1], y[1:half-2], y[:half-3], u[2:half-1], u[1:half-2], u[:half-3]])\n"
+     "theta_hat = np.linalg.lstsq(P, y[3:half])[0][[0, 1, 3, 4]]"),
+    ("lab-3a-mse", "parameters taken off", "divided by N - 4",
+     "mse_half = np.sum((y[half:] - y_sim_half) ** 2) / (len(y_sim_half) - 4)\n"
+     "mse_all = np.sum((y - y_sim) ** 2) / (len(y) - 4)"),
+)  # fmt: skip
+_TUSTIN = (
+    "tau, K = -Ts / np.log(theta_1[0]), theta_1[1] / (1 - theta_1[0])\n"
+    "G_1 = ct.c2d(ct.tf([{}], [tau, 1]), Ts, method={!r})\n"
+)
+_FIT_ORDER = (
+    "def fit_order(u, y, n):\n    N = len(y)\n    Phi = np.zeros((N - n, 2 * n))\n    for i in range({}):\n"
+    "        Phi[:, i - 1], Phi[:, n + i - 1] = y[n - i:N - i], u[n - i:N - i]\n"
+    "    return np.linalg.pinv(Phi) @ y[n:]\n\n\n"
+    "theta_2 = fit_order(u[:half], y[:half], 2)\n"
+)
+_TWO_ORDERS = (
+    "def fit_order(u, y, n):\n    if n == 1:\n        Phi = np.column_stack([y[:-1], u[:-1]])\n{}    else:\n"
+    "        Phi = np.column_stack([y[1:-1], y[:-2], u[1:-1], u[:-2]])\n"
+    "    return np.linalg.lstsq(Phi, y[-len(Phi):])[0]\n\n\ntheta_2 = fit_order(u[:half], y[:half], 2)\n"
+)
+_MSE_OF_BOTH = "mse_1 = np.sum((y - y_sim_1) ** 2) / (N - {})\nmse_2 = np.sum((y - y_sim_2) ** 2) / (N - {})\n"
+_SECOND = (
+    "P = np.column_stack([y[1:half-1], y[:half-2], u[1:half-1], u[:half-2]])\n"
+    "theta_1 = np.linalg.lstsq(P, y[2:half])[0][{}]\n"
+)
+_POSTLAB = in_rows(
+    ("postlab-1-theta", "part of order 2", "holds entries of the theta of order 2", _SECOND.format("[0, 2]")),
+    ("postlab-1-theta", "first two of order 2", "holds entries of the theta of order 2", _SECOND.format(":2")),
+    ("postlab-1-theta", "last two of order 2", r"does not solve eq. \(8\)", _SECOND.format("2:")),
+    ("postlab-1-transfer-function", "by Tustin's rule", "by Tustin's rule", _TUSTIN.format("K", "tustin")),
+    ("postlab-1-transfer-function", "by Tustin's rule, another gain", "does not have the response of",
+     _TUSTIN.format("2 * K", "tustin")),
+    ("postlab-1-transfer-function", "through a continuous model, held", "", _TUSTIN.format("K", "zoh")),
+    ("postlab-2-fit-order", "range without + 1", r"one place, `range\(1, n\)`", _FIT_ORDER.format("1, n")),
+    ("postlab-2-fit-order", "range with + 1", "", _FIT_ORDER.format("1, n + 1")),
+    ("postlab-2-fit-order", "orders 1 and 2 alone", "right in number for n = 1 and 2", _TWO_ORDERS.format("")),
+    ("postlab-3-mse", "N - p", "divided by N - 2", "N = len(y)\n" + _MSE_OF_BOTH.format(2, 4)),
+    ("postlab-3-mse", "N - p of the second", "divided by N - 4", "N = len(y)\n" + _MSE_OF_BOTH.format(0, 4)),
+)  # fmt: skip
+TRIES: dict[str, tuple[Try, ...]] = {
+    "postlab-model-order": _POSTLAB,
+    "lab-identification": _LAB,
+    "armax-and-instruments": _ARMAX,
+    "sim-to-real-gap": _SIM_TO_REAL_GAP,
+    "step-response": _STEP_RESPONSE,
+}
