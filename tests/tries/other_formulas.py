@@ -242,7 +242,39 @@ _POSTLAB = in_rows(
     ("postlab-3-mse", "N - p", "divided by N - 2", "N = len(y)\n" + _MSE_OF_BOTH.format(2, 4)),
     ("postlab-3-mse", "N - p of the second", "divided by N - 4", "N = len(y)\n" + _MSE_OF_BOTH.format(0, 4)),
 )  # fmt: skip
+_MEAN = "def update_mean(theta, n, y):\n    return {}\n"
+_ROWS = (
+    "def regressors(u, y):\n    t = np.arange({})\n    return np.column_stack([-y[t - 1], -y[t - 2], u[t - 1]]), y[t]\n\n"
+    "\nPhi_61, Y_61 = regressors(u_61, y_61)\n"
+)
+_EVOLUTION = (
+    "{0}, ax = plt.subplots()\nax.plot({1}, label=['$a_1$', '$a_2$', '$b_1$'])\n{2}ax.plot(theta_true, 'k:')\n"
+    "ax.set(xlabel='Sample', ylabel='Estimate', ylim=(-2, 3))\nax.legend()\n"
+)
+_RECURSIVE = in_rows(
+    ("ri-1-mean", "gain of 0.1", "moves by 0.1 of y - theta for n = 5 and for n = 17 alike",
+     _MEAN.format("0.1 * y + 0.9 * theta")),
+    ("ri-1-mean", "gain by the root of n", "not return the mean", _MEAN.format("theta + (y - theta) / n**0.5")),
+    ("ri-1-mean", "whole numbers", "`//` cuts off all digits", _MEAN.format("((n - 1) * theta + y) // n")),
+    ("ri-1-mean", "half of it in whole numbers", "Try it by hand.*9 with n = 3. Tried",
+     _MEAN.format("((n - 1) * theta + y) // n + 0.5")),
+    ("ri-4-regressors", "last row left out", r"ends with the row of y\[10\] where y has 12 samples: the last is",
+     _ROWS.format("2, len(y) - 1")),
+    ("ri-4-regressors", "from the fourth sample", r"begins with the row of y\[3\]: the row of y\[2\]",
+     _ROWS.format("3, len(y)")),
+    ("ri-4-regressors", "last row left out of Phi, first of Y",
+     "10 are asked for.* What is wrong is Y: it is 1 sample late",
+     _ROWS.format("2, len(y) - 1").replace(", y[t]", ", y[t + 1]")),
+    ("ri-4-regressors", "from the third sample", "", _ROWS.format("2, len(y)")),
+    ("ri-6-figures", "one figure under two names", "are one figure with all curves in it. Two are asked for",
+     _EVOLUTION.format("fig_9", "theta_1", "ax.plot(theta_099, '--')\n") + "fig_10 = fig_9\n"),
+    ("ri-6-figures", "one figure of one history", "shows `theta_1`: Fig. 9 is",
+     _EVOLUTION.format("fig_9", "theta_1", "") + "fig_10 = fig_9\n"),
+    ("ri-6-figures", "two figures", "",
+     _EVOLUTION.format("fig_9", "theta_1", "") + _EVOLUTION.format("fig_10", "theta_099", "")),
+)  # fmt: skip
 TRIES: dict[str, tuple[Try, ...]] = {
+    "recursive-identification": _RECURSIVE,
     "postlab-model-order": _POSTLAB,
     "lab-identification": _LAB,
     "armax-and-instruments": _ARMAX,
