@@ -244,8 +244,8 @@ _POSTLAB = in_rows(
 )  # fmt: skip
 _MEAN = "def update_mean(theta, n, y):\n    return {}\n"
 _ROWS = (
-    "def regressors(u, y):\n    t = np.arange({})\n    return np.column_stack([-y[t - 1], -y[t - 2], u[t - 1]]), y[t]\n\n"
-    "\nPhi_61, Y_61 = regressors(u_61, y_61)\n"
+    "def regressors(u, y):\n    t = np.arange({})\n"
+    "    return np.column_stack([-y[t - 1], -y[t - 2], u[t - 1]]), y[t]\n\n\nPhi_61, Y_61 = regressors(u_61, y_61)\n"
 )
 _EVOLUTION = (
     "{0}, ax = plt.subplots()\nax.plot({1}, label=['$a_1$', '$a_2$', '$b_1$'])\n{2}ax.plot(theta_true, 'k:')\n"
@@ -273,7 +273,119 @@ _RECURSIVE = in_rows(
     ("ri-6-figures", "two figures", "",
      _EVOLUTION.format("fig_9", "theta_1", "") + _EVOLUTION.format("fig_10", "theta_099", "")),
 )  # fmt: skip
+_KIND = (
+    "def kind(M):\n    lam = np.linalg.eigvalsh((M + M.T) / 2)\n    zero = {}\n    if lam[0] > zero:\n"
+    "        return 'positive definite'\n    if lam[-1] < -zero:\n        return 'negative definite'\n"
+    "    if lam[0] > -zero:\n        return 'positive semidefinite'\n    if lam[-1] < zero:\n"
+    "        return 'negative semidefinite'\n    return 'indefinite'\n"
+)
+_DERIVATIVES = "def gradient_form(A, x):\n    return {}\n\n\ndef jacobian_cubic(x):\n    return {}\n"
+_ONE_SIDE = "np.array([((x + d) @ A @ (x + d) - x @ A @ x) / 0.1 for d in 0.1 * np.eye(len(x))])"
+_BOTH_SIDES = (
+    "np.column_stack([((x + d) @ (x + d) * (x + d) - (x - d) @ (x - d) * (x - d)) / 0.04 "
+    "for d in 0.02 * np.eye(len(x))])"
+)
+_ALL_SOLUTIONS = (
+    "def all_solutions(Phi, Y):\n    theta = {}\n    lam, V = np.linalg.eigh(Phi.T @ Phi)\n"
+    "    return theta, V[:, lam < 1e-10 * lam[-1]]\n"
+)
+_CONSTRAINED = (
+    "def constrained_fit(Phi, Y, A, b):\n    p = Phi.shape[1]\n    A, b = A[{0}], b[{0}]\n    r = len(b)\n"
+    "    M = np.block([[Phi.T @ Phi, A.T], [A, np.zeros((r, r))]])\n"
+    "    return np.linalg.solve(M, np.append(Phi.T @ Y, {1}b))[:p]\n"
+)
+_CONFIDENCE = (
+    "def confidence(Phi, Y, level):\n    theta, (N, p) = np.linalg.lstsq(Phi, Y)[0], Phi.shape\n"
+    "    e = Y - Phi @ theta\n"
+    "    se = np.sqrt(e @ e / (N - p)) / np.sqrt({}) * np.ones(p)\n"
+    "    width = scipy.stats.t.ppf((1 + level) / 2, N - p) * se\n    return theta, theta - width, theta + width\n"
+)
+_LEAST_SQUARES = in_rows(
+    ("ls-1-kind", "tolerance of 0.001", "calls a matrix positive semidefinite whose eigenvalues are",
+     _KIND.format("1e-3")),
+    ("ls-1-kind", "share of 0.001", "calls a matrix positive semidefinite whose eigenvalues are",
+     _KIND.format("1e-3 * np.max(np.abs(lam))")),
+    ("ls-1-kind", "share of 1e-8", "", _KIND.format("1e-8 * np.max(np.abs(lam))")),
+    ("ls-1-kind", "tolerance of 1e-12", "", _KIND.format("1e-12")),
+    ("ls-3-derivatives", "diagonal of the Jacobian", "Its diagonal is right, and all beside it is zero",
+     _DERIVATIVES.format("A @ x + A.T @ x", "np.diag(x @ x + 2 * x**2)")),
+    ("ls-3-derivatives", "large step on one side", "step of 0.1 on one side",
+     _DERIVATIVES.format(_ONE_SIDE, "(x @ x) * np.eye(len(x)) + 2 * np.outer(x, x)")),
+    ("ls-3-derivatives", "step on both sides", "step of 0.02 on both sides",
+     _DERIVATIVES.format("A @ x + A.T @ x", _BOTH_SIDES)),
+    ("ls-3-derivatives", "entries of the diagonal added", "`gradient_form` is not the derivative of",
+     _DERIVATIVES.format("A @ x + A.T @ x + 0.3 * x", "(x @ x) * np.eye(len(x)) + 2 * np.outer(x, x)")),
+    ("ls-6-all-solutions", "multiple of the identity", r"Phi'Phi \+ 0.01 I in the place of Phi'Phi",
+     _ALL_SOLUTIONS.format("np.linalg.solve(Phi.T @ Phi + 0.01 * np.eye(Phi.shape[1]), Phi.T @ Y)")),
+    ("ls-6-all-solutions", "multiple of the diagonal", "does not solve the normal equations.*`inv` of a singular",
+     _ALL_SOLUTIONS.format("np.linalg.solve(Phi.T @ Phi + 0.1 * np.diag(1 + np.arange(Phi.shape[1])), Phi.T @ Y)")),
+    ("ls-6-all-solutions", "larger by a tenth", r"does not solve the normal equations\. All of it",
+     _ALL_SOLUTIONS.format("1.1 * np.linalg.pinv(Phi) @ Y")),
+    ("ls-9-constrained", "first constraint alone", "meets row 0 of A theta = b alone", _CONSTRAINED.format(":1", "")),
+    ("ls-9-constrained", "all constraints, of twice the value", "does not satisfy it: A theta differs",
+     _CONSTRAINED.format(":", "2 * ")),
+    ("ls-9-constrained", "all constraints", "", _CONSTRAINED.format(":", "")),
+    ("ls-10-confidence", "standard error of a mean",
+     "inverse of Phi'Phi is missing.* and the standard errors are divided by the root of n", _CONFIDENCE.format("N")),
+    ("ls-10-confidence", "standard error by the root of N - 2", "Print sigma.2, the diagonal of the inverse",
+     _CONFIDENCE.format("N - 2")),
+)  # fmt: skip
+_CRITERIA = (
+    "def losses(u, y, orders):\n    s, V = max(orders), []\n    for n in orders:\n"
+    "        Phi, Y = equations(u, y, n, n, 1)\n        Phi, Y = Phi[s - n:], Y[s - n:]\n"
+    "        V.append(np.mean((Y - Phi @ np.linalg.lstsq(Phi, Y)[0]) ** 2))\n    return np.array(V)\n\n\n"
+    "def criteria(V, N, p):\n    V, p = np.asarray(V), np.asarray(p)\n    aic = N * np.log(V) + 2 * p + {}\n"
+    "    return aic, N * np.log(V) + np.log(N) * p, V * (N + p) / (N - p)\n"
+)
+_APPLY = "def apply(P, x):\n    y = {}\n    for i, p in enumerate(P):\n        y[i:] = y[i:] + p * x[:len(x) - i]\n"
+    "    return y\n"
+_EXAMPLE = (
+    "def example_3_1(u, y):\n    Phi, Y = np.column_stack([-y[:-1], u[:-1]]), y[1:]\n    return {}\n\n\n"
+    "theta_1, theta_2 = example_3_1(u_1, y_1), example_3_1(u_2, y_2)\n"
+)
+_MODEL_STRUCTURES = in_rows(
+    ("ms-2-shift", "array of whole numbers", "An array of whole numbers cuts off",
+     _APPLY.format("np.zeros_like(x, dtype=int)")),
+    ("ms-2-shift", "result of whole numbers", "not p0 x",
+     _APPLY.format("np.zeros_like(x)").replace("return y\n", "return y.astype(int)\n")),
+    ("ms-5-example-3-1", "each alone", "fits each column of Phi alone",
+     _EXAMPLE.format("(Phi.T @ Y) / np.sum(Phi**2, axis=0)")),
+    ("ms-5-example-3-1", "each alone, of one size", r"\[-y\(t-1\), u\(t-1\)\]",
+     _EXAMPLE.format("(Phi.T @ Y) / np.sum(Phi**2)")),
+    ("ms-8-order", "correction for small samples", "the correction for small samples",
+     _CRITERIA.format("2 * p * (p + 1) / (N - p - 1)")),
+    ("ms-8-order", "another correction", "AIC of `criteria` is not right",
+     _CRITERIA.format("2 * p * (p + 1) / (N + p)")),
+)  # fmt: skip
+_GAUSS_NEWTON = (
+    "def gauss_newton(g, jacobian, y, theta0, steps):\n    theta = np.array(theta0, float)\n    path = [theta]\n"
+    "    for _ in range(steps):\n        J, e = jacobian(theta), y - g(theta)\n        theta = theta + {}\n"
+    "        path.append(theta)\n    return np.array(path)\n"
+)
+_LEVENBERG = (
+    "def damped_step(J, e, mu):\n    M = J.T @ J\n"
+    "    return np.linalg.solve(M + mu * np.diag(np.diag(M)), J.T @ e)\n\n\n"
+    "def levenberg_marquardt(g, jacobian, y, theta0):\n    theta, mu = np.array(theta0, float), 1e-3\n"
+    "    sse = np.sum((y - g(theta)) ** 2)\n    for _ in range(500):\n"
+    "        s = damped_step(jacobian(theta), y - g(theta), mu)\n        theta = theta + s\n"
+    "        new = np.sum((y - g(theta)) ** 2)\n        mu, sse = mu / 10 if new < sse else mu * 10, new\n"
+    "    return theta\n"
+)
+_NONLINEAR = in_rows(
+    ("nl-1-logarithm", "weights", "The argument `w` is not asked for",
+     "def fit_logarithm(x, y):\n    a, c = np.polyfit(x, np.log(y), 1, w=y)\n    return a, np.exp(c)\n"),
+    ("nl-1-logarithm", "weights twice", "does not return the a and b of the line",
+     "def fit_logarithm(x, y):\n    a, c = np.polyfit(x, np.log(y), 1, w=y)\n    return a, np.exp(c) + a\n"),
+    ("nl-3-gauss-newton", "along the gradient", "takes 0.2 J'e for each step, along the gradient",
+     _GAUSS_NEWTON.format("0.2 * J.T @ e")),
+    ("nl-3-gauss-newton", "along the gradient of each alone", "leaves the right one",
+     _GAUSS_NEWTON.format("J.T @ e / np.sum(J**2, axis=0)")),
+    ("nl-4-damping", "every step taken", "`J.T @ J` is a sum of squares, so every entry of `J` is zero", _LEVENBERG),
+)  # fmt: skip
 TRIES: dict[str, tuple[Try, ...]] = {
+    "least-squares": _LEAST_SQUARES,
+    "model-structures": _MODEL_STRUCTURES,
+    "nonlinear-least-squares": _NONLINEAR,
     "recursive-identification": _RECURSIVE,
     "postlab-model-order": _POSTLAB,
     "lab-identification": _LAB,

@@ -110,7 +110,8 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
         return verdict
     text = (
         f"`update_mean` moves by {gains[0]:.3g} of y - theta for n = {n} and for n = {later} alike. With a fixed "
-        "gain old samples fade, as in exponential smoothing; in the mean all n samples weigh alike, and the gain falls with n."
+        "gain old samples fade, as in exponential smoothing; in the mean all n samples weigh alike, and the gain falls "
+        "with n."
     )
     return Verdict(False, text, "fixed gain")
 
