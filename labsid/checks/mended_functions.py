@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from inspect import getblock
 from textwrap import dedent
-from types import FunctionType
+from types import CodeType, FunctionType
 from typing import Any, cast
 
 from labsid.checks.cell_names import parse_python
@@ -129,8 +129,8 @@ def mended_value(mend: Mend, variables: Mapping[str, Any]) -> Any:
     return eval(compile(code, "<mended>", "eval"), dict(variables))
 
 
-def made_by_function(name: str, source: str, functions: Mapping[str, Callable[..., Any]]) -> ast.expr | None:
-    """The expression from which the last line of an answer that assigns a variable makes it with one of its functions.
+def made_by_function(name: str, source: str, functions: Mapping[str, Callable[..., Any]]) -> CodeType | None:
+    """The code of what the last line of an answer that assigns a variable makes it of, with a function of its own.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def made_by_function(name: str, source: str, functions: Mapping[str, Callable[..
 
     Returns
     -------
-    ast.expr or None
+    code or None
         None where the last assignment at the top level calls none of them.
     """
     try:
@@ -161,7 +161,9 @@ def made_by_function(name: str, source: str, functions: Mapping[str, Callable[..
         node.func.id for node in ast.walk(made[-1]) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     }
     changes = any(isinstance(node, ast.NamedExpr) for node in ast.walk(made[-1]))
-    return made[-1] if called & functions.keys() and not changes else None
+    if not called & functions.keys() or changes:
+        return None
+    return compile(ast.fix_missing_locations(ast.Expression(made[-1])), "<mended>", "eval")
 
 
 def _assignment(mend: Mend) -> tuple[str, ast.expr] | None:

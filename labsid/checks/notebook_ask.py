@@ -1,6 +1,5 @@
 """Access of a check to the variables of a notebook, in the notebook's own process."""
 
-import ast
 import difflib
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -162,10 +161,9 @@ class NotebookAsk:
         made = made_by_function(name, self._source, functions)
         if made is None:
             return self.value(name)
-        code = compile(ast.fix_missing_locations(ast.Expression(made)), "<mended>", "eval")
         try:
             with limit_time(_CHANGED_SECONDS):
-                return plain(eval(code, {**self._variables, **functions}))
+                return plain(eval(made, {**self._variables, **functions}))
         except (Exception, OutOfTime) as error:
             raise NoAnswer(f"`{name}` is not made.") from error
 

@@ -13,7 +13,7 @@ from typing import Any
 from labsid.checks.cell_names import parse_python
 from labsid.checks.function_reads import function_text
 from labsid.checks.mended_functions import MOST_LEVELS, rebound
-from labsid.checks.other_expressions import other_expressions, other_statement
+from labsid.checks.other_expressions import expressions_for, statements_for
 from labsid.checks.syntax_trees import is_deep
 
 MOST_CHANGES, CPU_SECONDS = 200, 0.2
@@ -176,10 +176,10 @@ def _changes(function: ast.FunctionDef) -> Iterator[_Change]:
                 slot = _Slot(parent, field, index)
                 if isinstance(node, ast.AugAssign):
                     yield from (
-                        _Change(one.rank, parent, field, index, one.new, slot, one.why) for one in other_statement(node)
+                        _Change(one.rank, parent, field, index, one.new, slot, one.why) for one in statements_for(node)
                     )
                 if isinstance(node, ast.expr) and isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
-                    for other in other_expressions(node, parent, names):
+                    for other in expressions_for(node, parent, names):
                         shown = node if other.is_whole else _enclosing(node, (*above, parent))
                         shown = slot if shown is node else shown
                         yield _Change(other.rank, parent, field, index, other.new, shown, other.why)

@@ -37,7 +37,7 @@ class Other(NamedTuple):
     why: str = ""
 
 
-def other_statement(node: ast.AugAssign) -> Iterator[Other]:
+def statements_for(node: ast.AugAssign) -> Iterator[Other]:
     """An assignment of a new array in the place of one that changes the array."""
     if isinstance(node.target, ast.Name) and type(node.op) in _OPERATORS:
         name, sign = node.target.id, _OPERATORS[type(node.op)]
@@ -46,7 +46,7 @@ def other_statement(node: ast.AugAssign) -> Iterator[Other]:
         yield Other(1, new, True, _IN_PLACE.format(f"{name} {sign}", f"{name} = {name} {sign[0]} ..."))
 
 
-def other_expressions(node: ast.expr, parent: ast.AST, names: list[str]) -> Iterator[Other]:
+def expressions_for(node: ast.expr, parent: ast.AST, names: list[str]) -> Iterator[Other]:
     """Expressions that may be meant in the place of one.
 
     Parameters

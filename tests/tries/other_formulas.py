@@ -337,8 +337,10 @@ _CRITERIA = (
     "def criteria(V, N, p):\n    V, p = np.asarray(V), np.asarray(p)\n    aic = N * np.log(V) + 2 * p + {}\n"
     "    return aic, N * np.log(V) + np.log(N) * p, V * (N + p) / (N - p)\n"
 )
-_APPLY = "def apply(P, x):\n    y = {}\n    for i, p in enumerate(P):\n        y[i:] = y[i:] + p * x[:len(x) - i]\n"
-    "    return y\n"
+_APPLY = (
+    "def apply(P, x):\n    y = {}\n    for i, p in enumerate(P):\n"
+    "        y[i:] = y[i:] + p * x[:len(x) - i]\n    return y\n"
+)
 _EXAMPLE = (
     "def example_3_1(u, y):\n    Phi, Y = np.column_stack([-y[:-1], u[:-1]]), y[1:]\n    return {}\n\n\n"
     "theta_1, theta_2 = example_3_1(u_1, y_1), example_3_1(u_2, y_2)\n"
