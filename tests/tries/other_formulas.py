@@ -145,7 +145,7 @@ _ARMAX = in_rows(
      _FIT_ARX.format("") + _TABLES.format("u, y, e").replace("fit_arx(u, y))", "fit_arx(2 * u, y))")),
     ("ai-1-tables", "appended without an axis", "`np.append`.*`np.vstack.*as rows",
      _FIT_ARX.format("") + _APPENDED),
-    ("ai-1-tables", "a column of ones", "`fit_arx` was fitted with a column of ones",
+    ("ai-1-tables", "a column of ones", "`fit_arx` comes of a fit with a column of ones",
      _FIT_ARX.format(", np.ones(len(y) - 1)") + _TABLES.format("u, y, e")),
     ("ai-1-tables", "a column of times", "`fit_arx` does not return the least-squares",
      _FIT_ARX.format(", np.arange(len(y) - 1)") + _TABLES.format("u, y, e")),
