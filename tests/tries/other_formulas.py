@@ -38,6 +38,9 @@ _STEP_RESPONSE = in_rows(
     ("step-1-read", "sum of both time constants", "numbers of the process", "K, tau, td = 3, 6, 0"),
     ("step-1-read", "no delay, read by eye", r"td is zero, but this response has a delay: it is t_63 - tau\.$",
      "K, tau, td = 3, 5.4, 0"),
+    ("step-1-read", "both times as they are", "td is the time to 28.3 %.* Here tau is the whole time to 63.2 %",
+     "K = y_step[-1] / amplitude\ntau = t_step[np.argmax(y_step >= 0.632 * y_step[-1])]\n"
+     "td = t_step[np.argmax(y_step >= 0.283 * y_step[-1])]\n"),
     ("step-2-response", "shifted by samples of 0.05 s", "samples late for td.* are 0.05 s apart",
      _SHIFTED.format("int(round(td / 0.05))")),
     ("step-2-response", "shifted by samples of 1 s", "uses td as a number of samples",

@@ -110,12 +110,13 @@ def test_what_is_no_plain_function_is_left_alone(source: str) -> None:
     ("source", "part", "why"),
     [
         (
-            "def f(n):\n    k = np.arange(n)\n    return np.array([4 * (i + 1) // 3 * 1.5 for i in k])\n",
+            "def f(n):\n    return np.array([4 * (i + 1) // 3 * 1.5 for i in range(n)])\n",
             "//",
             "`//` cuts off",
         ),
         (
-            "def f(n):\n    y = np.zeros(1)\n    out = []\n    for k in range(n):\n        y += 2.0\n        out.append(y)\n"
+            "def f(n):\n    y = np.zeros(1)\n    out = []\n"
+            "    for k in range(n):\n        y += 2.0\n        out.append(y)\n"
             "    return np.ravel(out)\n",
             "y += 2.0",
             "`y +=` changes the array itself",

@@ -103,6 +103,7 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
     later = 2 * n + _MORE_SAMPLES
     try:
         other = as_number("update_mean(theta, n, y)", ask.call("update_mean", theta / 2, later, 2 * y))
+        ask.call("update_mean", theta, n, y)  # the call that is told with the message
     except NoAnswer:
         return verdict
     gains = (got - theta) / error, (other - theta / 2) / (2 * y - theta / 2)

@@ -119,7 +119,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
         nearest = min((match for match in matches if match[1].parameter == first), key=lambda match: match[0])[1]
-        both = nearest.slip == "no delay" and any(
+        both = nearest.slip in ("no delay", "28.3 % taken for the delay") and any(
             suspect.slip == "tau measured from the step" for _, suspect in matches
         )
         in_tau = " Here tau is the whole time to 63.2 %, so the delay is in it: tau begins at t_d." if both else ""
