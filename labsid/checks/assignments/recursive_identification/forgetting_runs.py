@@ -58,8 +58,9 @@ def check_regressors(ask: Ask) -> Iterator[Verdict]:
 
 def _rows_held(Phi: FloatArray, u: FloatArray, y: FloatArray) -> range | None:
     """The samples t of the rows of Phi, where all of them are right."""
+    rows = build_equations(_STRUCTURE, u, y, start=0).Phi
     for start in range(y.size - len(Phi) + 1):
-        if SAME(Phi, build_equations(_STRUCTURE, u, y, start=start).Phi[: len(Phi)]):
+        if SAME(Phi, rows[start : start + len(Phi)]):
             return range(start, start + len(Phi))
     return None
 
