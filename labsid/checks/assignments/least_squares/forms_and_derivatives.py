@@ -68,7 +68,7 @@ def check_kind(ask: Ask) -> Verdict:
 
 
 _SMALL_EIGENVALUE = 5e-4  # beside 1: small, and far from the 1e-10 of the largest that the text takes for zero
-_SMALL_UNIT = 1e-6  # of the entries of M, as another unit of x gives
+_SMALL_UNIT = 1e-4  # of the entries of M, as another unit of x gives
 
 
 def _of_other_sizes(ask: Ask) -> Verdict | None:
