@@ -21,6 +21,18 @@ _RETURN_NONE = ("append", "extend", "insert", "sort", "reverse", "print", "shuff
 """Functions and methods that change or show something, and return None."""
 _NOT_IN_PLACE = ("reshape", "ravel", "flatten", "transpose", "squeeze", "round", "astype", "cumsum", "clip")
 """Functions and methods that return an array and leave the one that they are given as it is."""
+_RANDOM = (
+    "standard_normal",
+    "normal",
+    "randn",
+    "uniform",
+    "rand",
+    "random",
+    "choice",
+    "integers",
+    "multivariate_normal",
+)
+"""Functions that draw random numbers."""
 _LONGEST = 60  # characters of a line in a message
 
 
@@ -50,6 +62,11 @@ class AnswerCode:
         """The names of the functions and methods that are called, without what stands before the last point."""
         called = (node.func for node in in_order(self._tree) if isinstance(node, ast.Call))
         return frozenset(name for one in called if (name := last_name(one)))
+
+    @property
+    def random_call(self) -> str:
+        """The first function that draws random numbers; empty without one."""
+        return next((one for one in _RANDOM if one in self.calls), "")
 
     def calls_without(self, name: str, keyword: str) -> bool:
         """Whether a function of that name is called with one argument, and without this keyword."""

@@ -80,8 +80,9 @@ def as_matrix(
     ):
         raise NoAnswer(
             f"`{name}` should have shape ({wanted}); it is flat, with {array.size} = {shape[1]} times "
-            f"{array.size // shape[1]} numbers. `np.hstack` and `np.concatenate` join flat arrays end to end; "
-            "`np.column_stack([...])` puts them side by side.",
+            f"{array.size // shape[1]} numbers. `np.append`, `np.hstack` and `np.concatenate` join flat "
+            "arrays end to end; `np.column_stack([...])` puts them side by side, and `np.vstack([...])` one below the "
+            "other, as rows.",
             "columns joined end to end",
         )
     if array.ndim != 2 or not _fits(array.shape, shape):

@@ -75,7 +75,7 @@ def require_curve(
     drawn = None if x is None else find_curve(axes, y)
     if drawn is not None:
         times = np.asarray(x, float).reshape(-1)[: drawn.x.size]
-        for factor, unit in _UNITS_OF_TIME:
+        for factor, unit in UNITS_OF_TIME:
             if _agree(drawn.x * factor, times):
                 raise NoAnswer(
                     f"In {where}, {what} is drawn against the time in {unit}: give the time vector itself, in seconds.",
@@ -93,7 +93,7 @@ def require_curve(
     raise no_curve(axes, where, what, np.asarray(y, float).reshape(-1), "Plot it against time.")
 
 
-_UNITS_OF_TIME = ((60.0, "minutes"), (3600.0, "hours"), (1e-3, "milliseconds"))
+UNITS_OF_TIME = ((60.0, "minutes"), (3600.0, "hours"), (1e-3, "milliseconds"))
 """Seconds in each, and its name."""
 
 

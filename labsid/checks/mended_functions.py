@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from inspect import getblock
 from textwrap import dedent
-from types import FunctionType
+from types import CodeType, FunctionType
 from typing import Any, cast
 
 from labsid.checks.cell_names import parse_python
@@ -127,6 +127,43 @@ def mended_value(mend: Mend, variables: Mapping[str, Any]) -> Any:
     if not replacing.count:
         raise ValueError(f"`{mend.part}` is not in the value of `{name}`.")
     return eval(compile(code, "<mended>", "eval"), dict(variables))
+
+
+def made_by_function(name: str, source: str, functions: Mapping[str, Callable[..., Any]]) -> CodeType | None:
+    """The code of what the last line of an answer that assigns a variable makes it of, with a function of its own.
+
+    Parameters
+    ----------
+    name : str
+        Of the variable.
+    source : str
+        The code of the answer cell.
+    functions : mapping
+        Those of the notebook, by name.
+
+    Returns
+    -------
+    code or None
+        None where the last assignment at the top level calls none of them.
+    """
+    try:
+        body = parse_python(source).body
+    except (SyntaxError, ValueError, RecursionError):
+        return None
+    made = [
+        node.value
+        for node in body
+        if isinstance(node, ast.Assign) and [one.id for one in node.targets if isinstance(one, ast.Name)] == [name]
+    ]
+    if not made or is_deep(made[-1], MOST_LEVELS):
+        return None
+    called = {
+        node.func.id for node in ast.walk(made[-1]) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    }
+    changes = any(isinstance(node, ast.NamedExpr) for node in ast.walk(made[-1]))
+    if not called & functions.keys() or changes:
+        return None
+    return compile(ast.fix_missing_locations(ast.Expression(made[-1])), "<mended>", "eval")
 
 
 def _assignment(mend: Mend) -> tuple[str, ast.expr] | None:

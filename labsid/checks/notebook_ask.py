@@ -14,7 +14,7 @@ import numpy as np
 from labsid.checks.answer_code import ended_early
 from labsid.checks.compare import kind_of
 from labsid.checks.function_reads import function_text, length_beside, numbers_beside, reads_beside
-from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, mended, mended_value
+from labsid.checks.mended_functions import MEND_SECONDS, Mend, assigned_by, made_by_function, mended, mended_value
 from labsid.checks.one_place import Functions, Place, find_place
 from labsid.checks.python_errors import explain, told
 from labsid.checks.stops import stop_of
@@ -155,6 +155,17 @@ class NotebookAsk:
                 return plain(function(*[np.array(a) if isinstance(a, np.ndarray) else a for a in arguments]))
         except (Exception, OutOfTime) as error:
             raise NoAnswer("the function stops.") from error
+
+    def value_with(self, functions: Functions, name: str) -> Value:
+        """The variable as the answer makes it with changed functions, or as it is; raises `NoAnswer` if it has none."""
+        made = made_by_function(name, self._source, functions)
+        if made is None:
+            return self.value(name)
+        try:
+            with limit_time(_CHANGED_SECONDS):
+                return plain(eval(made, {**self._variables, **functions}))
+        except (Exception, OutOfTime) as error:
+            raise NoAnswer(f"`{name}` is not made.") from error
 
     def numbers_handed(self, function: str, name: str) -> tuple[float | None, ...]:
         """The numbers that the notebook hands over to its function of that name, in the call that makes a variable."""

@@ -5,7 +5,6 @@ Each change is tried by the question's own check. A place is named only where th
 
 import ast
 from collections.abc import Callable, Iterator, Mapping
-from copy import deepcopy
 from dataclasses import dataclass
 from time import process_time
 from types import CodeType, FunctionType
@@ -14,16 +13,12 @@ from typing import Any
 from labsid.checks.cell_names import parse_python
 from labsid.checks.function_reads import function_text
 from labsid.checks.mended_functions import MOST_LEVELS, rebound
+from labsid.checks.other_expressions import expressions_for, statements_for
 from labsid.checks.syntax_trees import is_deep
 
 MOST_CHANGES, CPU_SECONDS = 200, 0.2
 """Changes that are tried at one answer, and the processor time that they may take together."""
 _LONGEST = 100  # characters of a line or an expression in a message
-_SMALL = 3  # integers up to it are indices, lags and bounds, which are often off by one
-_REDUCE = ("sum", "mean", "norm")
-"""Functions that make one number of many where each is asked for."""
-_KEPT_CALLS = ("range", "len", "enumerate", "zip", "list", "int", "float", "array", "asarray", "copy", "zeros", "ones")
-"""Functions without which an expression is another kind of thing, or the same."""
 
 Functions = Mapping[str, Callable[..., Any]]
 
@@ -38,17 +33,21 @@ class Place:
         The student's line.
     part, repair : str
         The expression in it, and one with which the answer is right.
+    why : str
+        What the expression does that the other does not, in a sentence; empty if that is not known.
     """
 
     line: str
     part: str
     repair: str
+    why: str = ""
 
     @property
     def said(self) -> str:
         """Where the mistake is, in a sentence."""
         where = "" if self.part == self.line else f", in `{self.line}`"
-        return f"The mistake is in one place, `{self.part}`{where}: with another expression there the answer is right."
+        said = f"The mistake is in one place, `{self.part}`{where}: with another expression there the answer is right."
+        return f"{said} {self.why}".rstrip()
 
     @property
     def mend(self) -> str:
@@ -60,17 +59,19 @@ class Place:
 class _Change:
     """One expression in the place of another: ``setattr(parent, field, new)``, or an item of the list there.
 
-    `rank` is lower for mistakes that are more frequent; `shown` is the expression that a message writes out.
+    `rank` is lower for mistakes that are more frequent; `shown` is the expression that a message writes out. `why` is
+    that of a `Place`.
     """
 
     rank: int
     parent: ast.AST
     field: str
     index: int | None
-    new: ast.expr
+    new: ast.AST
     shown: ast.AST
+    why: str = ""
 
-    def swap(self, expression: ast.expr) -> ast.expr:
+    def swap(self, expression: ast.AST) -> ast.AST:
         """Put an expression there, and return the one that stood there."""
         if self.index is None:
             old = getattr(self.parent, self.field)
@@ -114,7 +115,7 @@ def find_place(names: list[str], variables: Mapping[str, Any], is_right: Callabl
                 functions = rebound(name, ast.fix_missing_locations(module), variables)
                 if functions is not None and is_right(functions):
                     number = getattr(old, "lineno", tree.lineno)
-                    return Place(_cut(lines[number - 1].strip()), before, after)
+                    return Place(_cut(lines[number - 1].strip()), before, after, change.why)
             finally:
                 change.swap(old)
     return None
@@ -172,11 +173,16 @@ def _changes(function: ast.FunctionDef) -> Iterator[_Change]:
                 if not isinstance(node, ast.AST):
                     continue
                 waiting.append((node, (*above, parent)))
+                slot = _Slot(parent, field, index)
+                if isinstance(node, ast.AugAssign):
+                    yield from (
+                        _Change(one.rank, parent, field, index, one.new, slot, one.why) for one in statements_for(node)
+                    )
                 if isinstance(node, ast.expr) and isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
-                    for rank, new, is_whole in _others(node, parent, names):
-                        shown = node if is_whole else _enclosing(node, (*above, parent))
-                        shown = _Slot(parent, field, index) if shown is node else shown
-                        yield _Change(rank, parent, field, index, new, shown)
+                    for other in expressions_for(node, parent, names):
+                        shown = node if other.is_whole else _enclosing(node, (*above, parent))
+                        shown = slot if shown is node else shown
+                        yield _Change(other.rank, parent, field, index, other.new, shown, other.why)
 
 
 class _Slot(ast.AST):
@@ -207,91 +213,3 @@ def _enclosing(node: ast.AST, above: tuple[ast.AST, ...]) -> ast.AST:
     if around and isinstance(around[-1], ast.BinOp) and len(around) > 1 and isinstance(around[-2], ast.Subscript):
         return around[-2]  # y[k - 1]
     return around[-1] if around else node
-
-
-def _others(node: ast.expr, parent: ast.AST, names: list[str]) -> Iterator[tuple[int, ast.expr, bool]]:
-    """Expressions that may be meant in the place of one: how frequent the mistake is, and whether to show it whole."""
-    match node:
-        case ast.Constant(value=int(number)) if not isinstance(number, bool) and abs(number) <= _SMALL:
-            for other in (number + 1, number - 1):
-                if other >= 0:
-                    yield 0, ast.Constant(other), False
-        case ast.Attribute(attr="shape") if isinstance(parent, ast.Assign):
-            yield 0, _parsed(f"({ast.unparse(node)})[::-1]"), True
-        case ast.Attribute(attr="T"):
-            yield 1, node.value, True
-        case ast.Name():
-            rank = 3 if isinstance(parent, ast.Subscript) else 4
-            if node.id in names:
-                yield from ((rank, ast.Name(other, ast.Load()), False) for other in names if other != node.id)
-            if isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.MatMult):
-                yield 3, ast.Attribute(deepcopy(node), "T", ast.Load()), False
-        case ast.UnaryOp(op=ast.USub()):
-            yield 1, node.operand, True
-        case ast.BinOp():
-            yield from _other_operations(node)
-        case ast.Call():
-            yield from _other_calls(node)
-    in_list = isinstance(parent, ast.List | ast.Tuple) and not isinstance(node, ast.Constant | ast.UnaryOp)
-    if in_list and isinstance(node, ast.Subscript | ast.Name):
-        yield 3, ast.UnaryOp(ast.USub(), deepcopy(node)), True
-    if isinstance(parent, ast.Subscript) and node is parent.slice and isinstance(node, ast.Name):
-        for operation in (ast.Sub(), ast.Add()):
-            yield 2, ast.BinOp(deepcopy(node), operation, ast.Constant(1)), False
-
-
-def _other_operations(node: ast.BinOp) -> Iterator[tuple[int, ast.expr, bool]]:
-    others: dict[type[ast.operator], ast.operator] = {
-        ast.Add: ast.Sub(), ast.Sub: ast.Add(), ast.Mult: ast.Div(), ast.Div: ast.Mult(),
-    }  # fmt: skip
-    operation = type(node.op)
-    if operation in others:
-        yield 1, ast.BinOp(node.left, others[operation], node.right), True
-    if operation is ast.Pow:
-        yield 1, node.left, True
-    if operation is ast.Sub:
-        yield 2, ast.BinOp(node.right, ast.Sub(), node.left), True
-    if operation in (ast.Mult, ast.Div, ast.Add, ast.Sub):
-        yield 2, node.left, True  # a factor or a term too many
-        if operation in (ast.Mult, ast.Add):
-            yield 2, node.right, True
-    if operation is ast.MatMult:
-        yield 2, ast.BinOp(node.right, ast.MatMult(), node.left), True
-        middle = node.left
-        if isinstance(middle, ast.BinOp) and isinstance(middle.op, ast.MatMult):  # x A y for y A x
-            inner = ast.BinOp(node.right, ast.MatMult(), middle.right)
-            yield 2, ast.BinOp(inner, ast.MatMult(), middle.left), True
-
-
-def _other_calls(node: ast.Call) -> Iterator[tuple[int, ast.expr, bool]]:
-    name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-    arguments = node.args
-    if name == "range":
-        last = 0 if len(arguments) == 1 else 1
-        if len(arguments) <= 2 and not isinstance(arguments[last], ast.Constant):
-            for operation in (ast.Add(), ast.Sub()):
-                bounds = [*arguments[:last], ast.BinOp(arguments[last], operation, ast.Constant(1))]
-                yield 0, ast.Call(node.func, bounds, []), True
-        if len(arguments) == 1:
-            yield 0, ast.Call(node.func, [ast.Constant(1), arguments[0]], []), True
-        counted = [one for argument in arguments for one in ast.walk(argument) if _is_length(one)]
-        if counted:
-            yield 1, deepcopy(counted[0].args[0]), True  # type: ignore[attr-defined]
-        return
-    if len(arguments) == 1 and not node.keywords and name not in _KEPT_CALLS:
-        yield -1 if name in _REDUCE else 1, arguments[0], True
-        inner = arguments[0]
-        if isinstance(inner, ast.Call) and len(inner.args) == 1 and not inner.keywords:
-            yield 2, inner.args[0], True
-    if len(arguments) >= 2 and not any(isinstance(one, ast.Starred) for one in arguments):
-        yield 1, ast.Call(node.func, [arguments[1], arguments[0], *arguments[2:]], node.keywords), True
-
-
-def _is_length(node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and getattr(node.func, "id", "") == "len" and len(node.args) == 1
-
-
-def _parsed(text: str) -> ast.expr:
-    only = parse_python(text).body[0]
-    assert isinstance(only, ast.Expr)
-    return only.value

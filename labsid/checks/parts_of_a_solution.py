@@ -37,7 +37,7 @@ def require_whole_solution(
     if not isinstance(value, np.ndarray) or value.size == 1 or value.dtype.kind not in "iuf":
         return
     if value.size == v.size:
-        _require_no_ridge(name, np.ravel(value).astype(float), M, v, terms)
+        require_no_ridge(name, np.ravel(value).astype(float), M, v, terms)
     if value.shape != M.shape and (before_y is None or value.shape != before_y.shape):
         return
     try:
@@ -66,19 +66,20 @@ def require_whole_solution(
         )
 
 
-def _require_no_ridge(name: str, x: FloatArray, M: FloatArray, v: FloatArray, terms: tuple[str, str]) -> None:
-    """Refuse a solution of (M + mu I) x = v, unless it is right to six digits."""
+def require_no_ridge(
+    name: str, x: FloatArray, M: FloatArray, v: FloatArray, terms: tuple[str, str] = ("Phi'Phi", "Phi'Y")
+) -> None:
+    """Refuse a solution of (M + mu I) x = v, unless it is right to six digits; M may be singular.
+
+    The parameters are those of `require_whole_solution`.
+    """
     rest, size = v - M @ x, float(x @ x)
     if not np.isfinite(rest).all() or size == 0:
         return
     mu = float(rest @ x) / size
     if np.linalg.norm(rest - mu * x) > _PARALLEL * np.linalg.norm(rest):
         return
-    try:
-        is_right = _same(x, np.linalg.solve(M, v))
-    except np.linalg.LinAlgError:
-        return
-    if not is_right:
+    if not _same(x, np.linalg.lstsq(M, v, rcond=None)[0]):
         M_name, v_name = terms
         raise NoAnswer(
             f"`{name}` is the solution with {M_name} {'+' if mu > 0 else '-'} {abs(mu):.3g} I in the place of "

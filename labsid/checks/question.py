@@ -14,7 +14,7 @@ from labsid.checks.mended_functions import Mend, assigned_by
 from labsid.checks.one_place import Place
 from labsid.checks.stops import OTHERWISE, RIGHT, SHAPED
 from labsid.checks.values import Value, in_double_precision
-from labsid.checks.verdict import SINGLE_PRECISION, NoAnswer, Verdict, unnamed
+from labsid.checks.verdict import RUNS_AWAY, SINGLE_PRECISION, NoAnswer, Verdict, unnamed
 from labsid.records.record import Record
 
 
@@ -120,6 +120,9 @@ class _WithFunctions:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._ask, name)
 
+    def value(self, name: str) -> Value:
+        return self._ask.value_with(self._functions, name)  # type: ignore[attr-defined]
+
     def call(self, name: str, *arguments: Value) -> Value:
         if name not in self._functions:
             raise NoAnswer(f"there is no function `{name}`.")
@@ -219,7 +222,7 @@ class Question:
 
     def _with_place(self, verdict: Verdict, ask: Ask) -> Verdict:
         """A verdict that names no mistake, with the one place of the student's functions that makes it so, if any."""
-        if verdict.passed or verdict.slip is not None or not hasattr(ask, "one_place"):
+        if verdict.passed or verdict.slip not in (None, RUNS_AWAY) or not hasattr(ask, "one_place"):
             return verdict
 
         def passes(functions: Mapping[str, Callable[..., Any]]) -> bool:

@@ -79,9 +79,50 @@ def slips_of_fit(
             text = f"{name} comes from rows whose {columns} are one step {said} than y(k) requires: begin with {begin}."
             for first in {longest, max(lag for _, lag in moved)}:
                 yield Slip("lag off by one", text, partial(_fit_from, moved, target, first))
+    yield from slips_of_formula(name, rows[longest:], target[longest:])
     if u is not None:
         said = f"{name} has the input on the left-hand side, Y: it is the output y(k) that the rows explain."
         yield Slip(LEFT_SIDE, said, partial(_fit, rows[longest:], u[longest:]))
+
+
+def slips_of_formula(name: str, Phi: FloatArray, Y: FloatArray, why: str = "") -> Iterator[Slip[FloatArray]]:
+    """What other formulas than least squares make of right equations.
+
+    Parameters
+    ----------
+    name : str
+        What the messages begin with.
+    Phi, Y : ndarray, shapes (n, p) and (n,)
+    why : str
+        Why the model has no constant, as the end of a sentence.
+    """
+    mean, spread = Phi.mean(axis=0), Phi.std(axis=0)
+    yield Slip(
+        "each column fitted alone",
+        f"{name} divides each entry of Phi'Y by the one on the diagonal of Phi'Phi, which fits each column of Phi "
+        "alone. The columns are correlated: all are fitted together, with the inverse of the whole matrix, "
+        "`np.linalg.inv`, or use `np.linalg.solve`.",
+        lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
+    )
+    yield Slip(
+        "a constant fitted along",
+        f"{name} comes of a fit with a column of ones beside Phi, or with means taken off. The model has no "
+        f"constant{why}.",
+        lambda: _fit(np.column_stack([Phi, np.ones(len(Y))]), Y)[:-1],
+    )
+    for what, columns, target in (
+        ("by the standard deviations", (Phi - mean) / spread, Y - Y.mean()),
+        ("by the standard deviations, and so was Y", (Phi - mean) / spread, (Y - Y.mean()) / Y.std()),
+        ("by the standard deviations", Phi / spread, Y),
+        ("by the norms", Phi / np.linalg.norm(Phi, axis=0), Y),
+        ("by the largest values", Phi / np.abs(Phi).max(axis=0), Y),
+    ):
+        yield Slip(
+            "columns scaled",
+            f"{name} comes of a fit to columns of Phi that were divided {what}, and belongs to those: entry j must be "
+            "divided by what column j was divided by. Least squares needs no such scaling.",
+            partial(_fit, columns, target),
+        )
 
 
 def _of_one_signal(regressors: Sequence[Regressor], u: FloatArray | None) -> Iterator[tuple[str, set[int]]]:

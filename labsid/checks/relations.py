@@ -106,6 +106,9 @@ def _reordered(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:
             yield f"The entries are right but for the sign of {wrong}."
     if a.ndim == 2 and a.shape[0] == a.shape[1] and same(a.T, b):
         yield "It is the transpose of what is right."
+    if a.ndim == 2 and a.shape[0] == a.shape[1] > 1 and same(np.diag(np.diag(a)), np.diag(np.diag(b))):
+        beside = "what stands beside it is not" if np.any(a - np.diag(np.diag(a))) else "and all beside it is zero"
+        yield f"Its diagonal is right, {beside}."
 
 
 def _columns(a: FloatArray, b: FloatArray, same: Same) -> Iterator[str]:

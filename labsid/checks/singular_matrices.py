@@ -73,7 +73,8 @@ def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
         if isinstance(node, ast.Call) and node.args and called(node) in _INVERTED:
             shapes = {stop.shape(part) for part in ast.walk(node.args[0]) if isinstance(part, ast.expr)} - {None}
             if (1, 1) in shapes and shapes <= {(1, 1), (1,)}:
-                return f"`{ast.unparse(node.args[0])}` is a single number, and it is zero: print what it is made of."
+                said = f"`{ast.unparse(node.args[0])}` is a single number, and it is zero"
+                return f"{said}: {_zero_squares(stop, node.args[0]) or 'print what it is made of.'}"
     said = never_inverted(stop)
     if said:
         return said
@@ -87,6 +88,21 @@ def product_without_inverse(stop: Stop, _: re.Match[str]) -> str | None:
         "The matrix has no inverse: its columns are dependent, as they are when a column of Phi is zero or a multiple "
         "of others, or when Phi has fewer rows than columns. Print `np.linalg.matrix_rank(...)` of each factor."
     )
+
+
+def _zero_squares(stop: Stop, matrix: ast.expr) -> str:
+    """That a product of a matrix with its transpose, of which a zero is made, has no slopes in it; or nothing."""
+    names = [node.id for node in ast.walk(matrix) if isinstance(node, ast.Name)]
+    trees = [matrix, *(tree for name in names if (tree := parsed_line(stop.made.get(name, ""))) is not None)]
+    for first, second in (pair for tree in trees for pair in products_in(tree)):
+        factor = ast.unparse(second)
+        if ast.unparse(first) == f"{factor}.T":
+            return (
+                f"`{factor}.T @ {factor}` is a sum of squares, so every entry of `{factor}` is zero, or too small to "
+                f"be squared. If `{factor}` holds slopes: has an earlier step led so far that the output no longer "
+                "changes, though it made the error larger?"
+            )
+    return ""
 
 
 def not_square(stop: Stop, _: re.Match[str]) -> str | None:

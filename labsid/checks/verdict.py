@@ -19,6 +19,9 @@ P = ParamSpec("P")
 PYTHON_ERROR = "Python error"
 """The slip of an answer that Python stopped."""
 
+RUNS_AWAY = "estimate runs away"
+"""The slip of an answer that grows without limit: what is seen of a mistake that is not named."""
+
 SINGLE_PRECISION = "single precision"
 """The slip of an answer whose numbers have too few digits to be compared."""
 

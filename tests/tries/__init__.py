@@ -39,6 +39,7 @@ _KINDS = (
     "causes_and_numbers",
     "neighbours_of_errors",
     "one_symptom",
+    "other_formulas",
     "other_repairs",
     "places_and_parts",
     "tried_repairs",

@@ -106,7 +106,7 @@ TRIES = (
         "no legend",
         "fig_a2, ax = plt.subplots()\nax.plot(t_step, y_step)\nax.plot(t_step, y_approx)\n"
         "ax.set(xlabel='Time (s)', ylabel='Output (V)')",
-        "legend",
+        "legend should name",
     ),
     Try(
         FIG,

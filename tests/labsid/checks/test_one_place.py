@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from labsid.checks import one_place as module
+from labsid.checks.notebook_ask import NotebookAsk
 from labsid.checks.one_place import Functions, Place, find_place
 
 DOUBLED = np.array([2.0, 4.0, 6.0])
@@ -103,3 +104,42 @@ def test_no_more_changes_are_tried_than_there_is_time_for(monkeypatch: pytest.Mo
 @pytest.mark.parametrize("source", ["f = len\n", "f = lambda n: n\n", "@staticmethod\ndef f(n):\n    return n\n"])
 def test_what_is_no_plain_function_is_left_alone(source: str) -> None:
     assert find_place(["f"], defined(source), doubles) is None
+
+
+@pytest.mark.parametrize(
+    ("source", "part", "why"),
+    [
+        (
+            "def f(n):\n    return np.array([4 * (i + 1) // 3 * 1.5 for i in range(n)])\n",
+            "//",
+            "`//` cuts off",
+        ),
+        (
+            "def f(n):\n    y = np.zeros(1)\n    out = []\n"
+            "    for k in range(n):\n        y += 2.0\n        out.append(y)\n"
+            "    return np.ravel(out)\n",
+            "y += 2.0",
+            "`y +=` changes the array itself",
+        ),
+        (
+            "def f(n):\n    y = np.zeros(n, dtype=bool)\n    y[:] = 2.0 * np.arange(1, n + 1)\n    return y\n",
+            "dtype=bool",
+            "The argument `dtype` is not asked for",
+        ),
+    ],
+)
+def test_what_the_expression_does_is_said_where_it_is_known(source: str, part: str, why: str) -> None:
+    place = find_place(["f"], defined(source), doubles)
+    assert place is not None
+    assert part in place.part
+    assert place.why.startswith(why)
+    assert place.said.endswith(place.why)
+
+
+def test_a_variable_that_the_cell_makes_with_its_function_is_made_anew() -> None:
+    source = "def f(n):\n    return n + 1\n\n\nmade = f(3)\nby_hand = 4\n"
+    ask = NotebookAsk(defined(source), None, {}, "any", source)
+    changed = {"f": lambda n: 10 * n}
+    assert ask.value_with(changed, "made") == 30
+    assert ask.value_with(changed, "by_hand") == 4
+    assert ask.value_with({}, "made") == 4

@@ -11,7 +11,7 @@ from labsid.checks.figures import find_curve, legend_text, no_curve, plain_text,
 from labsid.checks.question import Ask, returned
 from labsid.checks.trials import ARMAX, ARX, trial_record
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import RUNS_AWAY, NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.estimation.recursion import RecursiveState
 from labsid.estimation.recursive import recursive_armax, recursive_least_squares
 from labsid.model_structures.lecture_systems import example_7_1
@@ -121,7 +121,7 @@ def _require_finite(call: str, got: FloatArray, u: FloatArray, y: FloatArray, fo
     raise NoAnswer(
         f"the estimate of `{call}` grows without limit, and is no number from sample {last} on: compare your lines "
         "with those of step 6.",
-        "estimate runs away",
+        RUNS_AWAY,
     )
 
 

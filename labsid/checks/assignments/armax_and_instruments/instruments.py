@@ -13,7 +13,7 @@ from labsid.checks.double_mistakes import TWO, Edit, pairs_of
 from labsid.checks.question import Ask, returned
 from labsid.checks.regressions import WRAPS, slips_of_fit, wrapped
 from labsid.checks.trials import ARX, STARTS, first_order, trial_record
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import RUNS_AWAY, Slip, Verdict, first_failure, judge
 from labsid.estimation.instrumental import instrumental_variables
 from labsid.estimation.recursive import recursive_instrumental
 from labsid.least_squares.solve import solve_least_squares
@@ -275,7 +275,7 @@ def _runaway(got: FloatArray, u: FloatArray, y: FloatArray, warm_up: int) -> Ver
         False,
         f"the estimate of `recursive_iv` grows without limit, and is nan from sample {last} on: hold your four lines "
         "against those of step 8.",
-        "estimate runs away",
+        RUNS_AWAY,
     )
 
 

@@ -19,6 +19,7 @@ from labsid.model_structures.structures import build_equations, fit_structure
 
 TRUTH = np.array([-0.8, 1.0])
 FEWEST = 100
+_FEW_RECORDS = 40  # for means that are told apart from others, and not judged
 WRONG_SIGN_OF_C = np.array([-0.868, 1.0])
 """Where least squares goes on System 2 with c = +0.8."""
 
@@ -123,8 +124,33 @@ def _judge_estimates(name: str, got: FloatArray, reference: MonteCarlo, other_me
     for slip, wrong, hint in hints:
         if np.all(np.abs(mean - wrong) < slack):
             return Verdict(False, hint, slip)
+    for what, wrong in _of_other_signals(system_1 if system == "1" else system_2):
+        if np.all(np.abs(mean - wrong) < slack):
+            return Verdict(
+                False,
+                f"`{name}` is about {(np.round(mean, 2) + 0.0).tolist()} on average, as where {what}: `make_record` "
+                "returns u, y, e, in this order.",
+                "order of u, y and e",
+            )
     return Verdict(
-        False, f"`{name}` does not gather where least squares goes on System {system}: fill it with `fit_arx`."
+        False,
+        f"`{name}` does not gather where least squares goes on System {system}: its rows are [{mean[0]:.3g}, "
+        f"{mean[1]:.3g}] on average. Each is `fit_arx(u, y)` of a new record of that system.",
+    )
+
+
+@cache
+def _of_other_signals(system: Callable[[np.random.Generator], LectureRecord]) -> tuple[tuple[str, FloatArray], ...]:
+    """What else may have been handed to `fit_arx` as u and y, with the mean estimate that it gives."""
+    records = [system(np.random.default_rng(seed)) for seed in range(_FEW_RECORDS)]
+
+    def mean_of(input_name: str, output_name: str) -> FloatArray:
+        signals = [(getattr(one, input_name), getattr(one, output_name)) for one in records]
+        return np.mean([fit_structure(ARX, u, y).model.theta for u, y in signals], axis=0)
+
+    return (
+        ("the noise e stands in the place of the input u", mean_of("e", "y")),
+        ("the noise e, or the input u, stands in the place of the output y", mean_of("u", "e")),
     )
 
 

@@ -88,6 +88,12 @@ def _judge_errors(ask: Ask, theta: FloatArray, u: FloatArray, y: FloatArray) -> 
             ),
             Slip(
                 "simulation for prediction",
+                "`prediction_errors` takes a simulated output off, and divides by C: the prediction uses the measured "
+                "y(t-1), so that a multiplies y(t-1) and not the simulated output.",
+                lambda: _filtered(c, y - free_run(first_order(a, b), u)),
+            ),
+            Slip(
+                "simulation for prediction",
                 "`prediction_errors` feeds back the model's own output: the prediction has the *measured* y(t-1).",
                 lambda: y - lfilter([0.0, b], [1.0, a + c], u) - lfilter([0.0, c], [1.0, a + c], y),
             ),

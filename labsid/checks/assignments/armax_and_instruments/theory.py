@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.compare import SAME, as_array, as_matrix, as_number, as_theta, close
 from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
@@ -72,6 +73,15 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
 
     cross = "`limit_of_least_squares` has a wrong variance of y: y(t-1) and e(t-1) are correlated, which leaves -2ac."
     got = as_theta("limit_of_least_squares(...)", returned(ask, "limit_of_least_squares", a, b, c, var_u, var_e), 2)
+    code = code_of(ask, "limit_of_least_squares")
+    if code is not None and code.random_call and not SAME(got, pulled(c * var_e / var_y)):
+        return Verdict(
+            False,
+            f"`limit_of_least_squares` draws random numbers, with `{code.random_call}`: it returns the estimate from "
+            "one record, which scatters about the limit. The limit follows from the variances alone, as in the "
+            "step.",
+            "estimate for the limit",
+        )
     return judge(
         got,
         pulled(c * var_e / var_y),
@@ -249,6 +259,16 @@ def _judge_covariance(ask: Ask, Phi: FloatArray, c: float, var_e: float) -> Verd
         "the middle stays when the noise is coloured.",
         "`covariance` is not that of the estimate: write E(vv') down for three samples, and try the mean of step 4.",
         [
+            *(
+                Slip(
+                    "correlated at all lags",
+                    "`covariance` takes v to be correlated at all lags, by powers of c. v(t) = e(t) + c e(t-1) shares "
+                    "an e with v(t-1) and v(t+1) alone: E v(t)v(t-2) is zero.",
+                    partial(sandwich, size * base ** np.abs(np.subtract.outer(np.arange(n), np.arange(n)))),
+                )
+                for base in (c, -c)
+                for size in (1.0, 1 + c**2, 1 / (1 - c**2))
+            ),
             *(
                 Slip(
                     "divided by a number of rows",

@@ -105,7 +105,7 @@ def _extracted(name: str, value: Value, right: Mapping[str, FloatArray]) -> Floa
             )
         raise NoAnswer(
             f"`{name}` has {got.size} entries: that is one row of the table, a single sample. A column has all rows, "
-            "`[:, 0]`.",
+            "`[:, 0]` or `[:, 1]`.",
             "a row taken",
         )
     return got

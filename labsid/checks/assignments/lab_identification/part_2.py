@@ -1,5 +1,7 @@
 """Checks of part 2 of the lab: Phi, theta, and the model as transfer function and state space."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from labsid._arrays import FloatArray
@@ -103,8 +105,25 @@ def check_parameters(ask: Ask) -> Verdict:
         ),
         *rounded(values, "The parameters are rounded: keep all the digits of theta_hat."),
     ]
-    otherwise = "a1, a2, b1, b2 do not agree with theta_hat: theta = [-a1, -a2, b1, b2]."
+    otherwise = (
+        "a1, a2, b1, b2 do not agree with theta_hat: theta = [-a1, -a2, b1, b2]."
+        f"{_taken(got, known_vector(ask, 'theta_hat'))}"
+    )
     return judge(got, values, close(1e-9), "The parameters have the right signs.", otherwise, slips)
+
+
+def _taken(got: FloatArray, theta: FloatArray) -> str:
+    """Which entries of theta the parameters are, where each is one up to its sign; and if they are counted from 1."""
+    same = np.isclose(np.abs(got[:, np.newaxis]), np.abs(theta), rtol=1e-9, atol=0.0)
+    if not np.all(np.sum(same, axis=1) == 1):
+        return ""
+    index = np.argmax(same, axis=1)
+    said = [
+        f"{name} = {'-' if got[i] * theta[k] < 0 else ''}theta_hat[{k}]"
+        for i, (name, k) in enumerate(zip(("a1", "a2", "b1", "b2"), index, strict=True))
+    ]
+    from_1 = " Python counts from 0: -a1 is theta_hat[0]." if np.array_equal(index[:3], [1, 2, 3]) else ""
+    return f" Yours are {', '.join(said)}.{from_1}"
 
 
 def right_parameters(ask: Ask) -> dict[str, Value]:
@@ -117,8 +136,13 @@ def check_transfer_function(ask: Ask) -> Verdict:
     return judge_transfer_function("G", ask.value("G"), known_model(ask), "eq. (1)")
 
 
-def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: str) -> Verdict:
-    """Judge a transfer function by its frequency response; `equation` is where the notebook has its formula."""
+def judge_transfer_function(
+    name: str, value: Value, model: ArxModel, equation: str, more: Iterable[Slip[SystemValue]] = ()
+) -> Verdict:
+    """Judge a transfer function by its frequency response.
+
+    `equation` is where the notebook has its formula, and `more` are further known mistakes.
+    """
     got = as_system(name, value)
     if isinstance(got, StateSpaceValue):
         raise NoAnswer(
@@ -150,6 +174,7 @@ def judge_transfer_function(name: str, value: Value, model: ArxModel, equation: 
             a[::-1],
         ),
         slip("sign of b", "The numerator has the wrong sign.", -b, a),
+        *more,
         slip(
             "numerator one step early",
             "The numerator has the same order as the denominator, so that the output is one sample early: remove "

@@ -10,7 +10,7 @@ from labsid.checks.assignments.lab_identification.lab_data import LabData
 from labsid.checks.compare import as_array, as_matrix, as_vector, close
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask
-from labsid.checks.regressions import LEFT_SIDE, beside_right_rows, told_columns, zero_rows
+from labsid.checks.regressions import LEFT_SIDE, beside_right_rows, slips_of_formula, told_columns, zero_rows
 from labsid.checks.relations import relation
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
@@ -187,19 +187,7 @@ def judge_theta(ask: Ask, name: str, Phi: FloatArray, Y: FloatArray, data: LabDa
             "`np.linalg.solve`.",
             lambda: (Phi.T @ Phi) ** -1.0 @ Phi.T @ Y,
         ),
-        Slip(
-            "each column fitted alone",
-            f"`{name}` divides each entry of Phi'Y by the one on the diagonal of Phi'Phi, which fits each column of "
-            "Phi alone. The columns are correlated: eq. (8) has the inverse of the whole matrix, `np.linalg.inv`, or "
-            "use `np.linalg.solve`.",
-            lambda: (Phi.T @ Y) / np.diag(Phi.T @ Phi),
-        ),
-        Slip(
-            "a constant fitted along",
-            f"`{name}` was fitted with a column of ones beside Phi. The model has no constant, because the signals are "
-            "offset-free.",
-            lambda: solve_least_squares(np.column_stack([Phi, np.ones(len(Y))]), Y).theta[:-1],
-        ),
+        *slips_of_formula(f"`{name}`", Phi, Y, ", because the signals are offset-free"),
         *rounded(right, f"`{name}` is rounded: keep all its digits."),
         *_wrong_fits(name, data, order),
     ]
@@ -227,6 +215,14 @@ def _wrong_fits(name: str, data: LabData, order: int) -> Iterator[Slip[FloatArra
     def slip(short: str, hint: str, u: FloatArray, y: FloatArray, start: int, stop: int) -> Slip[FloatArray]:
         return Slip(short, hint, lambda: fit_arx(u, y, data.Ts, order, start, stop).model.theta)
 
+    for larger in (order + 1, order + 2):
+        theta = fit_arx(data.u, data.y, data.Ts, larger, larger, data.half).model.theta
+        text = (
+            f"`{name}` holds entries of the theta of order {larger}. They were fitted together with those that are "
+            f"left out: the model of order {order} is fitted by itself, with a Phi of {2 * order} columns."
+        )
+        for kept in ([*range(order), *range(larger, larger + order)], [*range(2 * order)]):
+            yield Slip("part of a larger model", text, partial(np.take, theta, kept))
     hint = f"`{name}` was fitted on all the data. Fit on the first half; the second is for verification."
     for start in range(order + 1):
         yield slip("fit on all the data", hint, data.u, data.y, start, data.y.size)

@@ -6,7 +6,7 @@ from itertools import chain, product
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import lfilter
+from scipy.signal import filtfilt, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData
@@ -25,6 +25,8 @@ SAME = close(1e-6, 1e-9)
 _FEW = 5
 
 _RESPONSES = ("TimeResponseData", "TimeResponseList")
+
+_MOST_PARAMETERS = 8  # of a model whose number of parameters is taken off that of the samples
 
 _SAME_MEAN = 1e-9
 """Relative: a mean is that of a part of the samples to rounding, or by no means."""
@@ -101,7 +103,9 @@ def judge_entire_run(
         _step_response(name, got, model, "`u`"),
         more,
     )
-    verdict = judge(got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right), slips)
+    verdict = judge(
+        got, right, SAME, "A free run over the entire input.", _otherwise(name, got, right, model, data.u), slips
+    )
     verdict = _with_terms(verdict, name, got, data.u, data.y, model)
     return with_pairs(verdict, got, SAME, _pairs(name, data, model, 0))
 
@@ -111,10 +115,8 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
     value = ask.value(name)
     got = read_output(name, value)
     rounded = data.y.size - data.half
-    for half in (data.half, rounded):
-        for right in (simulate(model, data.u[half:]), _zero_at_first(model, data.u[half:])):
-            if SAME(got, right):
-                return Verdict(True, "A free run over the second half of the input, from rest.")
+    if any(SAME(got, simulate(model, data.u[half:])) for half in (data.half, rounded)):
+        return Verdict(True, "A free run over the second half of the input, from rest.")
     half = data.half if got.size != data.y.size - data.half - 1 else data.half + 1
     u, y = data.u[half:], data.y[half:]
     entire = simulate(model, data.u)
@@ -128,8 +130,16 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         "started from measured samples",
         f"`{name}` starts from measured samples. Start from rest, as `lsim` and `filter` do.",
     )
+    begun_late = (
+        f"`{name}` is zero up to sample {model.order - 1}, as in a loop that begins with k = {model.order}. From rest, "
+        "y(1) = b1 u(0), and u(0) of this half is not zero: begin the loop with k = 1."
+    )
     off_by_one = f"`{name}` is not simulated with exactly the second half of the input: begin with sample `half`."
     slips = [
+        *(
+            Slip("first input left out", begun_late, partial(_zero_at_first, model, data.u[first:]))
+            for first in {half, rounded}
+        ),
         *(
             Slip("off by one", off_by_one, partial(simulate, model, data.u[first:]))
             for first in (data.half - 2, data.half - 1, rounded + 1, rounded + 2)
@@ -153,7 +163,7 @@ def judge_second_half(ask: Ask, name: str, data: LabData, model: ArxModel) -> Ve
         *_step_response(name, got, model, "`u[half:]`"),
     ]
     right = simulate(model, u)
-    verdict = judge(got, right, SAME, "", _otherwise(name, got, right), slips)
+    verdict = judge(got, right, SAME, "", _otherwise(name, got, right, model, u), slips)
     verdict = _with_terms(verdict, name, got, u, y, model)
     return with_pairs(verdict, got, SAME, _pairs(name, data, model, half))
 
@@ -267,7 +277,6 @@ def judge_mse(
             np.mean(y**2) - 2 * np.mean(y) * np.mean(y_sim) + np.mean(y_sim**2),
         ),
     ]
-    slips += wrong_divisors(name, squared)
     otherwise = f"`{name}` is not the mean of the squared differences between measured and simulated output."
 
     def made(e: FloatArray = e, of: Callable[[FloatArray], float] = _mean_square) -> float:
@@ -279,7 +288,7 @@ def judge_mse(
         close(1e-6),
         "Both mean squared errors are right.",
         otherwise,
-        [*slips, *more, *means_of_a_part(name, got, squared), *pairs_of(f"`{name}`", [*others, *_OF_ERRORS], made)],
+        [*slips, *more, *wrong_means(name, got, squared), *pairs_of(f"`{name}`", [*others, *_OF_ERRORS], made)],
     )
 
 
@@ -323,7 +332,26 @@ _OF_ERRORS = (
 """What may have been made of errors in the place of the mean of their squares."""
 
 
-def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
+def wrong_means(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
+    """Means of squared errors over a part of them, or with another divisor than their number."""
+    N = squared.size
+    of_parameters = [
+        Slip(
+            "parameters taken off the number",
+            f"`{name}` is divided by N - {p}, as an estimate of the variance with {p} parameters is. The mean is over "
+            f"all {N} samples: divide by N.",
+            partial(_divided, squared, N - p),
+        )
+        for p in range(2, _MOST_PARAMETERS + 1)
+    ]
+    return [*_wrong_divisors(name, squared), *_means_of_a_part(name, got, squared), *of_parameters]
+
+
+def _divided(squared: FloatArray, by: int) -> float:
+    return float(np.sum(squared)) / by
+
+
+def _wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
     """Means of squared errors that are made with N - 1, in brackets or not."""
     N = squared.size
     outside = f"`{name}` is the mean less 1: the 1 in `/ N - 1` is taken off after the division. The mean is over N."
@@ -333,7 +361,7 @@ def wrong_divisors(name: str, squared: FloatArray) -> list[Slip[float]]:
     ]
 
 
-def means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
+def _means_of_a_part(name: str, got: float, squared: FloatArray) -> list[Slip[float]]:
     """The mean over the samples from one on, or up to one, if that is what was got."""
     N = squared.size
     sums, counts = np.cumsum(squared)[:-1], np.arange(1, N)
@@ -438,6 +466,11 @@ def _slips(name: str, data: LabData, model: ArxModel, first: int, is_column: boo
         f"`{name}` was simulated with `u_act`. Use the offset-free `u`.",
         lambda: simulate(model, data.u_act[first:]),
     )
+    both_ways = (
+        "is filtered twice, forwards and then backwards, as `filtfilt` does: it depends on inputs that come later. "
+        "`lfilter`, or `forced_response` of the model, goes forwards once."
+    )
+    yield Slip("filtered both ways", f"`{name}` {both_ways}", lambda: filtfilt(numerator, model.a, u))
     yield Slip(
         "output used as input",
         f"`{name}` was simulated with `y` as the input; the input is `u`.",
@@ -481,7 +514,7 @@ def _some_of(n: int) -> Iterator[FloatArray]:
             yield signs
 
 
-def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
+def _otherwise(name: str, got: FloatArray, right: FloatArray, model: ArxModel, u: FloatArray) -> str:
     if got.size != right.size:
         return (
             f"`{name}` has {got.size} samples; this part of the input has {right.size}. A simulation "
@@ -489,5 +522,25 @@ def _otherwise(name: str, got: FloatArray, right: FloatArray) -> str:
         )
     n = int(np.argmax(np.abs(got - right) > 1e-6 * np.max(np.abs(right))))
     begun = f" It is right up to sample {n - 1}." if n > _FEW else " It differs from its first samples on."
-    use = "Use the coefficients of your model, and `u` alone."
-    return f"`{name}` is not the free run of your model from rest.{begun} {use}"
+    return f"`{name}` is not the free run of your model from rest.{begun} {_first_wrong_step(got, model, u)}"
+
+
+def _first_wrong_step(got: FloatArray, model: ArxModel, u: FloatArray) -> str:
+    """The first sample that does not follow from those before it and from the input, in the student's numbers."""
+    n = model.order
+    numerator = np.concatenate([[0.0], model.b])
+    follows = lfilter(numerator, [1.0], u[: got.size]) - lfilter(np.r_[0.0, model.a[1:]], [1.0], got)
+    k = int(np.argmax(np.abs(got - follows) > 1e-6 * np.max(np.abs(got), initial=1e-300)))
+    if k == 0:
+        return f"Its first sample is {got[0]:.4g}; from rest it is zero, as u(k-1) and y(k-1) are before it."
+    lags = range(1, min(n, k) + 1)
+    terms = [f"-{_indexed('a', i, n)} y({k - i})" for i in lags] + [f"{_indexed('b', i, n)} u({k - i})" for i in lags]
+    return (
+        f"At k = {k} it is {got[k]:.4g}, and {' + '.join(terms).replace('+ -', '- ')}, with its own samples before k, "
+        f"is {follows[k]:.4g}."
+    )
+
+
+def _indexed(letter: str, i: int, n: int) -> str:
+    """A coefficient as the notebook writes it: without a number where there is only one."""
+    return letter if n == 1 else f"{letter}{i}"

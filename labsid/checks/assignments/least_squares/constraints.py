@@ -284,6 +284,10 @@ def _with_multipliers(Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArr
     return np.asarray(np.linalg.solve(left, np.concatenate([Phi.T @ Y, b])), float)
 
 
+def _fit_with_rows(Phi: FloatArray, Y: FloatArray, A: FloatArray, b: FloatArray) -> FloatArray:
+    return least_squares_with_equations(Phi, Y, A, b).theta
+
+
 def _constraint_met(value: Value, A: FloatArray, b: FloatArray) -> str:
     theta = np.ravel(value) if isinstance(value, np.ndarray) else np.empty(0)
     if theta.size != A.shape[1]:
@@ -294,8 +298,10 @@ def _constraint_met(value: Value, A: FloatArray, b: FloatArray) -> str:
             "equations "
             "for that are Phi'Phi theta + A' multipliers = Phi'Y: put yours in."
         )
-    off = float(np.max(np.abs(A @ theta - b)))
-    return f"Yours does not satisfy it: A theta differs from b by up to {off:.2g}."
+    off = np.abs(A @ theta - b)
+    met = [i for i, one in enumerate(off) if one <= 1e-6 * float(np.max(np.abs(b)))]
+    rows = f" (row {' and '.join(map(str, met))} of A, counted from 0, is met)" if met else ""
+    return f"Yours does not satisfy it: A theta differs from b by up to {np.max(off):.2g}{rows}."
 
 
 @first_failure
@@ -334,6 +340,15 @@ def _judge_constrained(ask: Ask, Phi: FloatArray, Y: FloatArray, A: FloatArray, 
         f"`constrained_fit` does not return the best theta with A theta = b. {_constraint_met(value, A, b)}",
         [
             Slip("constraint not used", "`constrained_fit` ignores the constraint.", lambda: free),
+            *(
+                Slip(
+                    "one constraint alone",
+                    f"`constrained_fit` meets row {i} of A theta = b alone (counted from 0), and A has {r} rows: all "
+                    f"of them, and all of b, stand in the equations, with {r} multipliers.",
+                    partial(_fit_with_rows, Phi, Y, A[i : i + 1], b[i : i + 1]),
+                )
+                for i in range(r if r > 1 else 0)
+            ),
             Slip(
                 "constraint as additional data",
                 "`constrained_fit` adds the constraint as further rows, which are met only approximately. It must "

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.asked_texts import KINDS
 from labsid.checks.compare import as_array, as_matrix, as_vector, close, kind_of
 from labsid.checks.double_mistakes import with_factors
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, are_named, first_failure, judge
 from labsid.least_squares.gradients import gradient_quadratic, jacobian_cubic
 from labsid.least_squares.quadratic_form import definiteness
 from labsid.model_structures.structures import Structure, build_equations
@@ -25,7 +26,9 @@ def check_kind(ask: Ask) -> Verdict:
     trials = trial_forms(ask.rng)
     answers, truth = [_kind(ask, M) for M, _ in trials], [kind for _, kind in trials]
     if answers == truth:
-        return Verdict(True, "it distinguishes bowl, trough, hill and saddle, for symmetric and unsymmetric matrices.")
+        told = _of_other_sizes(ask)
+        praise = "it distinguishes bowl, trough, hill and saddle, for symmetric and unsymmetric matrices."
+        return told or Verdict(True, praise)
     for slip, hint, rule in _WRONG_RULES:
         if answers == [rule(M) for M, _ in trials]:
             return Verdict(False, f"`kind` {hint}", slip)
@@ -62,6 +65,34 @@ def check_kind(ask: Ask) -> Verdict:
         f"{truth[wrong[0]]}, and is wrong "
         f"for {len(wrong)} of {len(trials)} matrices. Which signs has x'Mx for the matrices of this kind?",
     )
+
+
+_SMALL_EIGENVALUE = 5e-4  # beside 1: small, and far from the 1e-10 of the largest that the text takes for zero
+_SMALL_UNIT = 1e-4  # of the entries of M, as another unit of x gives
+
+
+def _of_other_sizes(ask: Ask) -> Verdict | None:
+    """The verdict on small matrices, and on small eigenvalues beside large ones; None if all are told apart."""
+    for eigenvalues, scale, kind in (
+        ((1.0, 0.3), _SMALL_UNIT, "positive definite"),
+        ((-1.0, -0.3), _SMALL_UNIT, "negative definite"),
+        ((1.0, -0.3), _SMALL_UNIT, "indefinite"),
+        ((1.0, -_SMALL_EIGENVALUE), 1.0, "indefinite"),
+        ((1.0, _SMALL_EIGENVALUE), 1.0, "positive definite"),
+        ((-1.0, -_SMALL_EIGENVALUE), 1.0, "negative definite"),
+    ):
+        angle = ask.rng.uniform(0.3, 1.2)
+        Q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        lam = scale * np.array(eigenvalues)
+        answer = _kind(ask, Q @ np.diag(lam) @ Q.T)
+        if answer != kind:
+            return Verdict(
+                False,
+                f"`kind` calls a matrix {answer} whose eigenvalues are {lam[0]:g} and {lam[1]:g}. How small is zero? "
+                "Compare with the largest magnitude of the eigenvalues: below 1e-10 of that, say, it is rounding.",
+                "tolerance too large",
+            )
+    return None
 
 
 def _never_returned(answers: list[str], missed: list[str]) -> str:
@@ -410,8 +441,54 @@ def _gradient(ask: Ask, A: FloatArray, x: FloatArray) -> Verdict:
             ),
         ],
     )
+    verdict = _with_differences(ask, verdict, "gradient_form", (got, gradient_quadratic(A, x)), _form(A), x)
     terms = {"A x": A @ x, "A'x": A.T @ x}
     return with_factors(verdict, "`gradient_form`", got, terms, {"A x": 1.0, "A'x": 1.0})
+
+
+_NEAR_TO_DIFFERENCES = 0.01  # of what differences are off by: the same differences, up to rounding
+
+
+def _with_differences(
+    ask: Ask,
+    verdict: Verdict,
+    name: str,
+    got_and_right: tuple[FloatArray, FloatArray],
+    f: Callable[[FloatArray], FloatArray],
+    x: FloatArray,
+) -> Verdict:
+    """A verdict that names no mistake, with the step of the differences of f that the result is made of, if it is."""
+    if verdict.passed or verdict.slip is not None or not are_named():
+        return verdict
+    got, right = got_and_right
+    code = code_of(ask, name)
+    steps = {10.0**-k for k in range(1, 9)} | {h for h in (code.numbers if code is not None else ()) if 0 < h < 1}
+    for h in sorted(steps, reverse=True):
+        for sides, central in (("one side", False), ("both sides", True)):
+            made = _differences(f, x, h, central).reshape(got.shape)
+            off = float(np.max(np.abs(made - right)))
+            if np.max(np.abs(made - got)) <= _NEAR_TO_DIFFERENCES * off:
+                text = (
+                    f"`{name}` is made of differences with a step of {h:g} on {sides}, and is off by up to {off:.2g}. "
+                    "Differences are for comparing: asked for is the formula of the derivative."
+                )
+                return Verdict(False, text, "differences for the derivative")
+    return verdict
+
+
+def _form(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    return lambda z: np.atleast_1d(z @ A @ z)
+
+
+def _cubic(z: FloatArray) -> FloatArray:
+    return np.asarray((z @ z) * z, float)
+
+
+def _differences(f: Callable[[FloatArray], FloatArray], x: FloatArray, h: float, central: bool) -> FloatArray:
+    """The quotients of differences of f, one column for each entry of x."""
+    steps = h * np.eye(x.size)
+    columns = [(f(x + d) - f(x - d)) / (2 * h) if central else (f(x + d) - f(x)) / h for d in steps]
+    return np.asarray(np.column_stack(columns), float)
 
 
 def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
@@ -482,5 +559,6 @@ def _jacobian(ask: Ask, x: FloatArray) -> Verdict:
             ),
         ],
     )
+    verdict = _with_differences(ask, verdict, "jacobian_cubic", (got, jacobian_cubic(x)), _cubic, x)
     terms = {"x'x I": square, "x x'": outer, "x'x in every entry": (x @ x) * np.ones((n, n))}
     return with_factors(verdict, "`jacobian_cubic`", got, terms, {"x'x I": 1.0, "x x'": 2.0})

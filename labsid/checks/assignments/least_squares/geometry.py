@@ -5,7 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.compare import SAME, as_array, as_matrix, as_theta
+from labsid.checks.parts_of_a_solution import require_no_ridge
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_equations
 from labsid.checks.values import Value
@@ -130,13 +132,16 @@ def _solutions(ask: Ask, Phi: FloatArray, Y: FloatArray) -> Verdict:
     theta = as_theta("theta of all_solutions(Phi, Y)", parts[0], p)
     scale = 1e-6 * float(np.max(np.abs(Phi.T @ Y)))
     if np.max(np.abs(Phi.T @ (Y - Phi @ theta))) > scale:
+        require_no_ridge("theta of all_solutions", theta, Phi.T @ Phi, Phi.T @ Y)
+        code = code_of(ask, "all_solutions")
+        inverts = code is None or not {"inv", "solve"}.isdisjoint(code.calls)
+        of_inverse = " (`inv` of a singular Phi'Phi fails or, by rounding, gives wrong values.)" if inverts else ""
         return judge(
             theta,
             right.theta,
             SAME,
             "",
-            "theta of `all_solutions` does not solve the normal equations. (`inv` of a singular Phi'Phi fails or, "
-            "by rounding, gives wrong values.)",
+            f"theta of `all_solutions` does not solve the normal equations.{of_inverse}",
             [
                 Slip("inverse left out", "theta of `all_solutions` is Phi'Y.", lambda: Phi.T @ Y),
             ],

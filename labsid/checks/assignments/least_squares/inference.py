@@ -96,6 +96,7 @@ def _width_made_of(width: FloatArray, fit: LeastSquares, Phi: FloatArray, level:
         ("", np.diag(inverse)),
         ("Phi'Phi is not inverted", np.diag(inner)),
         ("the diagonal of Phi'Phi is inverted by itself", 1 / np.diag(inner)),
+        ("the inverse of Phi'Phi is missing, so that all parameters have one width", np.ones(p)),
     )
     powers = (("", 0.5), ("the root of the diagonal is missing", 1.0))
     shares = (

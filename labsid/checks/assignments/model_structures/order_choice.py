@@ -245,6 +245,12 @@ def _judge_criteria(ask: Ask, V: FloatArray, N: int, p: FloatArray) -> Iterator[
                 f"{name} of `criteria` rewards parameters: the price is *added*.",
                 partial(np.subtract, log_loss, price),
             ),
+            Slip(
+                "price for small samples",
+                f"{name} adds 2p(p + 1)/(N - p - 1), the correction for small samples (AICc): the formula of step 8 "
+                "does without it.",
+                partial(np.add, log_loss, price + 2 * p * (p + 1) / (N - p - 1)),
+            ),
             Slip("price of a parameter", f"{name} has no price on parameters.", partial(np.copy, log_loss)),
             *(
                 Slip(

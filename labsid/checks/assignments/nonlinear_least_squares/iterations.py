@@ -12,9 +12,10 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.nonlinear_least_squares.estimates import as_estimate, within
 from labsid.checks.compare import SAME, as_array, as_matrix, as_vector
+from labsid.checks.descents import gradient_factor
 from labsid.checks.question import Ask, returned, with_lists
 from labsid.checks.values import Value
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge, told_if_singular
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, are_named, first_failure, judge, told_if_singular
 from labsid.nonlinear.solve import NonlinearFit, levenberg_marquardt
 from labsid.nonlinear.solve import gauss_newton as right_gauss_newton
 
@@ -97,6 +98,16 @@ def _judge_path(ask: Ask, Phi: FloatArray, y: FloatArray, start: FloatArray, ste
             rows.append(theta)
         return np.array(rows)
 
+    steps_taken = np.diff(got, axis=0)
+    slopes = np.array([-jacobian(theta).T @ (y - g(theta)) for theta in got[:-1]]).reshape(steps_taken.shape)
+    factor = gradient_factor(steps_taken, slopes) if are_named() else None
+    if factor is not None and min(abs(factor - known) for known in (1.0, 2.0)) > 1e-6:  # these have their own words
+        return Verdict(
+            False,
+            f"`gauss_newton` takes {factor:.3g} J'e for each step, along the gradient. The Gauss-Newton step is "
+            "(J'J)^-1 J'e, the solution of a linear least-squares problem, and has no rate.",
+            "step down the gradient",
+        )
     return judge(
         got,
         path,

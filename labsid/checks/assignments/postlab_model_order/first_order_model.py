@@ -6,7 +6,7 @@ from decimal import Decimal
 from functools import partial
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
 from labsid.checks.assignments.lab_identification.lab_data import LabData, known_vector, measured_output, units_of
@@ -17,6 +17,7 @@ from labsid.checks.assignments.lab_identification.signal_panels import Panel, re
 from labsid.checks.assignments.lab_identification.simulated_output import SAME, judge_entire_run, judge_mse, read_output
 from labsid.checks.assignments.postlab_model_order.order_fits import judge_fit_order, judge_second_order
 from labsid.checks.compare import as_number, as_vector
+from labsid.checks.compare_systems import SystemValue
 from labsid.checks.double_mistakes import Edit
 from labsid.checks.question import Ask
 from labsid.checks.values import TransferFunctionValue, Value
@@ -82,7 +83,23 @@ def right_theta(ask: Ask) -> dict[str, Value]:
 
 def check_transfer_function(ask: Ask) -> Verdict:
     """Step 1: G_1."""
-    return judge_transfer_function("G_1", ask.value("G_1"), _model(ask, "theta_1"), "G_1(z) in step 1")
+    model = _model(ask, "theta_1")
+    return judge_transfer_function("G_1", ask.value("G_1"), model, "G_1(z) in step 1", _other_rules("G_1", model))
+
+
+def _other_rules(name: str, model: ArxModel) -> Iterator[Slip[SystemValue]]:
+    """A first-order model that goes through K/(tau s + 1), and back by another rule than with a held input."""
+    if not -1 < model.a[1] < 0:
+        return
+    tau, K = -model.Ts / np.log(-model.a[1]), model.b[0] / (1 + model.a[1])
+    for rule, share in (("Tustin's rule", 0.5), ("forward differences", 0.0), ("backward differences", 1.0)):
+        num, den, _ = cont2discrete(([K], [tau, 1.0]), model.Ts, "gbt", share)
+        yield Slip(
+            "continuous model made discrete by another rule",
+            f"`{name}` is K/(tau s + 1) made discrete by {rule}. theta holds the coefficients of the discrete model "
+            "already, in the difference equation: no continuous model is needed.",
+            partial(TransferFunctionValue, num.ravel(), den, model.Ts),
+        )
 
 
 def right_transfer_function(ask: Ask) -> dict[str, Value]:

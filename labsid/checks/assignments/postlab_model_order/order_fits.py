@@ -112,6 +112,13 @@ def _fitted(ask: Ask, u: FloatArray, y: FloatArray, n: int) -> FloatArray:
         said = f"A model of order {n} has {2 * n} parameters; `fit_order(u, y, {n})` returns {got.size}"
         theta_above = ask.call("fit_order", u, y, n + 1)
         if isinstance(theta_above, np.ndarray) and theta_above.size == got.size:
+            orders = [m for m in range(1, n) if np.size(ask.call("fit_order", u, y, m)) == 2 * m]  # type: ignore[arg-type]
+            if orders:
+                raise NoAnswer(
+                    f"{said}, and so does `fit_order(u, y, {n + 1})`. It is right in number for n = "
+                    f"{' and '.join(map(str, orders))} alone: for any n the columns come from a loop over the lags.",
+                    "some orders only",
+                )
             raise NoAnswer(f"{said}, and so does `fit_order(u, y, {n + 1})`: it does not use n.", "order fixed")
         raise NoAnswer(f"{said}: one for each of {n} past y and {n} past u is asked for.")
     return got

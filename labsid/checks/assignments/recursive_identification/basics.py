@@ -12,7 +12,10 @@ from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned, returned_parts
 from labsid.checks.trials import trial_definite
 from labsid.checks.values import Value
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge, told_if_singular
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, are_named, first_failure, judge, told_if_singular
+
+_MORE_SAMPLES = 7  # of a second call, beside which a gain that depends on n is another one
+_SAME_GAIN = 1e-9
 
 
 @first_failure
@@ -25,8 +28,9 @@ def check_mean(ask: Ask) -> Iterator[Verdict]:
 
 def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
     error = y - theta
-    return judge(
-        as_number("update_mean(theta, n, y)", returned(ask, "update_mean", theta, n, y)),
+    got = as_number("update_mean(theta, n, y)", returned(ask, "update_mean", theta, n, y))
+    verdict = judge(
+        got,
         theta + error / n,
         SAME,
         "the old mean, the new sample and its number are all it takes.",
@@ -94,6 +98,23 @@ def _one_mean(ask: Ask, theta: float, n: int, y: float) -> Verdict:
             ),
         ],
     )
+    if verdict.passed or verdict.slip is not None or not are_named():
+        return verdict
+    later = 2 * n + _MORE_SAMPLES
+    try:
+        other = as_number("update_mean(theta, n, y)", ask.call("update_mean", theta / 2, later, 2 * y))
+        ask.call("update_mean", theta, n, y)  # the call that is told with the message
+    except NoAnswer:
+        return verdict
+    gains = (got - theta) / error, (other - theta / 2) / (2 * y - theta / 2)
+    if abs(gains[0] - gains[1]) > _SAME_GAIN * abs(gains[0]) or not gains[0]:
+        return verdict
+    text = (
+        f"`update_mean` moves by {gains[0]:.3g} of y - theta for n = {n} and for n = {later} alike. With a fixed "
+        "gain old samples fade, as in exponential smoothing; in the mean all n samples weigh alike, and the gain falls "
+        "with n."
+    )
+    return Verdict(False, text, "fixed gain")
 
 
 @first_failure

@@ -1,6 +1,6 @@
 """Checks of the lecture's middle: Example 6-1, its regressors, RLS with a forgetting factor, Fig. 9 and 10."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
 
 import numpy as np
@@ -22,13 +22,13 @@ from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.model_structures.lecture_systems import ChangingRecord, example_6_1
 from labsid.model_structures.structures import Structure, build_equations
-from labsid.plots.figure_values import AxesValue, CurveValue
+from labsid.plots.figure_values import AxesValue, CurveValue, FigureValue
 
 SEED_OF_THE_RECORD = 69
 LN = 1e6
 SETTLED = 20
 """From this row on no trace is left of the start, whatever large number it was made with."""
-_LATEST_START = 5
+_FIRST_ROW, _LATEST_START = 2, 5
 _STRUCTURE = Structure(2, 1)
 _NAMES = ("a1", "a2", "b1")
 _QUOTED = ("Phi of `regressors`", "Y")
@@ -49,11 +49,34 @@ def check_regressors(ask: Ask) -> Iterator[Verdict]:
     Phi, Y = as_matrix("Phi_61", ask.value("Phi_61"), (None, 3)), as_vector("Y_61", ask.value("Y_61"))
     start = record.y.size - Y.size
     same = close(1e-9)
-    if not 0 <= start <= _LATEST_START or not (
+    if not 0 <= start <= _FIRST_ROW or not (
         same(Phi, build_equations(_STRUCTURE, record.u, record.y, start=start).Phi) and same(Y, record.y[start:])
     ):
         yield Verdict(False, "the function is right, `Phi_61` or `Y_61` is not: leave the last line as it was given.")
     yield Verdict(True, "a row for each sample, with the past in the order of theta = [a1, a2, b1].")
+
+
+def _rows_held(Phi: FloatArray, u: FloatArray, y: FloatArray) -> range | None:
+    """The samples t of the rows of Phi, where all of them are right."""
+    rows = build_equations(_STRUCTURE, u, y, start=0).Phi
+    for start in range(y.size - len(Phi) + 1):
+        if SAME(Phi, rows[start : start + len(Phi)]):
+            return range(start, start + len(Phi))
+    return None
+
+
+def _rows_left_out(held: range, n: int) -> str:
+    """Which rows are missing at the start or at the end, of n samples; empty if none is."""
+    said = []
+    if held.start > _FIRST_ROW:
+        said.append(
+            f"begins with the row of y[{held.start}]: the row of y[2], the third sample, is the first whose past is "
+            "in the record"
+        )
+    if held.stop < n:
+        last = "the last is" if held.stop == n - 1 else f"the last {n - held.stop} are"
+        said.append(f"ends with the row of y[{held.stop - 1}] where y has {n} samples: {last} missing, in Phi and in Y")
+    return f"`regressors` {', and '.join(said)}." if said else ""
 
 
 def right_regressors(_: Ask) -> dict[str, Value]:
@@ -80,8 +103,16 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
             "".rstrip(),
             "Phi and Y of unequal length",
         )
-    if not 0 <= start <= _LATEST_START:
-        yield Verdict(False, f"`regressors` makes {Phi.shape[0]} rows of {n} samples: begin at the third sample.")
+    held = _rows_held(Phi, u, y)
+    if held is not None and SAME(Y, y[held.start : held.stop]) and _rows_left_out(held, n):
+        yield Verdict(False, _rows_left_out(held, n), "rows left out")
+    if not 0 <= start <= _FIRST_ROW:
+        beside = "" if held is None else f" {beside_right_rows(_QUOTED, Y, y, u, held)}"
+        yield Verdict(
+            False,
+            f"`regressors` makes {Phi.shape[0]} rows of {n} samples: {n - 2} are asked for, from the third sample to "
+            f"the last.{beside}",
+        )
     right = build_equations(_STRUCTURE, u, y, start=start).Phi
     early = [build_equations(_STRUCTURE, u, y, start=s).Phi[: n - start] for s in range(start)]
     lag = "a lag of `regressors` is off by one: in the row of y(t), "
@@ -330,11 +361,30 @@ def new_histories(ask: Ask) -> dict[str, Value]:
     return {"Y_61": equations.Y, "theta_true": record.theta, **{name: run.theta for name, run in runs.items()}}
 
 
+def _require_two_figures(one: Value, other: Value, histories: Mapping[str, FloatArray]) -> None:
+    """Refuse one figure under both names."""
+    if not isinstance(one, FigureValue) or not isinstance(other, FigureValue) or len(one.axes) != 1:
+        return
+    pairs = zip(one.axes[0].curves, other.axes[0].curves, strict=False) if other.axes else ()
+    same = [
+        np.array_equal(a.x, b.x) and np.array_equal(a.y, b.y) and a.label == b.label and a.color == b.color
+        for a, b in pairs
+    ]
+    shows_both = all(find_curve(one.axes[0], history[:, 0]) is not None for history in histories.values())
+    if shows_both and all(same) and len(same) == len(one.axes[0].curves) == len(other.axes[0].curves):
+        raise NoAnswer(
+            "`fig_9` and `fig_10` are one figure with all curves in it. Two are asked for: make each by its own "
+            "`plt.subplots()`, Fig. 9 with the columns of `theta_1`, Fig. 10 with those of `theta_099`.",
+            "one figure for two",
+        )
+
+
 def check_figures(ask: Ask) -> Verdict:
     """Fig. 9 and 10: the three estimates over time, and the truth."""
     rows = as_vector("Y_61", ask.known("Y_61")).size
     histories = {name: as_history(name, ask.known(name), rows, 3) for name in ("theta_1", "theta_099")}
     truth = lecture_record().theta
+    _require_two_figures(ask.value("fig_9"), ask.value("fig_10"), histories)
     for figure, name, swapped_with in (("9", "theta_1", "theta_099"), ("10", "theta_099", "theta_1")):
         where = f"Fig. {figure}"
         axes = as_figure(f"fig_{figure}", ask.value(f"fig_{figure}"), axes=1).axes[0]

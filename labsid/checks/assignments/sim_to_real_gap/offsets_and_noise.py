@@ -76,6 +76,14 @@ def _offsets(ask: Ask, record: Record) -> Iterator[Verdict]:
             f"`y_offset` is the mean of the first {first} samples, and the input first changes at sample {n}.",
             "mean over more than the rest",
         )
+    part = next((m for m in range(2, n - 1) if abs(means[m - 1] - y_offset) < 1e-12 * max(abs(y_offset), 1.0)), None)
+    if part is not None and abs(y_offset - means[n - 1]) > 1e-9:
+        yield Verdict(
+            False,
+            f"`y_offset` is the mean of the first {part} samples, and the rest goes on: the input first changes at "
+            f"sample {n}. Find that sample from `u_act`, and take the mean over all {n} before it.",
+            "mean over a part of the rest",
+        )
     yield judge(
         y_offset,
         float(np.mean(record.y[:n])),

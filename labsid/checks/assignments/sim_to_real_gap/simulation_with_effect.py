@@ -15,7 +15,7 @@ from labsid.checks.assignments.lab_identification.lab_data import known_vector
 from labsid.checks.compare import as_number, as_vector, close
 from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
+from labsid.checks.verdict import BEYOND_RESULTS, NoAnswer, Slip, Verdict, judge
 from labsid.lab.arx import arx_from_theta
 from labsid.lab.simulation import simulate
 
@@ -394,8 +394,16 @@ def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) ->
             "(Of `np.max` the second argument is an axis.)",
             "max forgotten",
         )
+    got = as_number("share_closed(mse_after, mse_before, sigma)", value)
+    if got == 0.0 and right < 0 and _is_zero_for(ask, 4 * after + sigma, error_before, sigma):
+        return Verdict(
+            False,
+            "`share_closed` returns 0 where the error after is the larger one. The share is negative there, as the "
+            "simulation got worse: `max(..., 0)` belongs to the difference below the root alone.",
+            "share kept at zero",
+        )
     return judge(
-        as_number("share_closed(mse_after, mse_before, sigma)", value),
+        got,
         right,
         close(1e-6, 1e-9),
         "",
@@ -444,6 +452,14 @@ def _judge_formula(ask: Ask, after: float, error_before: float, sigma: float) ->
             *pairs_of("`share_closed`", _edits_of_share(sigma), made),
         ],
     )
+
+
+def _is_zero_for(ask: Ask, after: float, error_before: float, sigma: float) -> bool:
+    """Whether the student's share is zero for other errors, too; also where it cannot be asked again."""
+    try:
+        return ask.call("share_closed", after, error_before, sigma) == 0.0
+    except NoAnswer as stopped:
+        return stopped.slip == BEYOND_RESULTS
 
 
 def _run(ask: Ask) -> _Run:

@@ -9,14 +9,13 @@ from scipy.signal import lsim
 
 from labsid._arrays import FloatArray
 from labsid.checks.answer_code import code_of
-from labsid.checks.assignments.lab_identification.simulated_output import means_of_a_part, wrong_divisors
-from labsid.checks.assignments.step_response.least_squares_appendix import (
-    returned,
-)
+from labsid.checks.assignments.lab_identification.simulated_output import wrong_means
+from labsid.checks.assignments.step_response.formula import response_slips
 from labsid.checks.assignments.step_response.readings import Step, judge_reading, own_answer
 from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.curve_names import NamedCurve, require_own_names
 from labsid.checks.figures import one_figure, require_curve, require_labels, require_legend
-from labsid.checks.question import Ask
+from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
 from labsid.checks.verdict import Slip, Verdict, first_failure, judge
 from labsid.lab.step_comparison import second_order_example, second_order_response
@@ -31,6 +30,17 @@ AMPLITUDE = 2.0
 PARAMETERS = ("K", "tau", "td")
 
 _same = close(1e-6)
+
+PROCESS_NUMBERS = "numbers of the process"
+_GAIN, _TIME_CONSTANTS = 3.0, (5.0, 1.0)  # of the process in the text
+_NAMES_OF_THE_SYSTEM = (
+    r"original|second|2nd|process|plant|\btrue\b|exact|\by ?step\b",
+    r"system|measured|record|\bdata\b|\brig\b",
+)
+_NAMES_OF_THE_MODEL = (
+    r"approx|first[ -]?order|1st|delay|fopdt|simplif|reduced|\bfit",
+    r"model|estimate|identified|simulat",
+)
 
 
 def _recorded() -> tuple[FloatArray, FloatArray]:
@@ -47,9 +57,19 @@ def check_read(ask: Ask) -> Verdict:
     """Step 1: K, tau and td of the recorded response."""
     got = np.array([as_number(name, ask.value(name)) for name in PARAMETERS])
     t, y = _recorded()
-    return judge_reading(
+    verdict = judge_reading(
         got, Step(t, y, AMPLITUDE, 0.02), "", "gain, time constant and delay fit the response.", code_of(ask)
     )
+    if not verdict.passed and got[0] == _GAIN and got[1] in (*_TIME_CONSTANTS, sum(_TIME_CONSTANTS)):
+        K, tau, td = (f"{number:g}" for number in got)
+        return Verdict(
+            False,
+            f"K = {K} and tau = {tau} are numbers of the process, 3/((5s + 1)(s + 1)), which has two time constants. "
+            f"A first-order model with tau = {tau} and td = {td} does not reach 28.3 % and 63.2 % when `y_step` does: "
+            "read both times from the response.",
+            PROCESS_NUMBERS,
+        )
+    return verdict
 
 
 def check_approximation(ask: Ask) -> Verdict:
@@ -85,7 +105,7 @@ def check_approximation(ask: Ask) -> Verdict:
                         for order in list(permutations((K, tau, td, AMPLITUDE)))[1:]
                     ),
                     Slip(
-                        "numbers of the process",
+                        PROCESS_NUMBERS,
                         "`y_approx` is made with the numbers of the process, 3, 5 and 1. Your model has K, tau and td.",
                         partial(_response, t, 3.0, 5.0, 1.0, AMPLITUDE),
                     ),
@@ -94,6 +114,7 @@ def check_approximation(ask: Ask) -> Verdict:
                         "`y_approx` is `y_step` itself: compute the response of your model, with its K, tau and td.",
                         lambda: y,
                     ),
+                    *response_slips("`y_approx`", t, FirstOrderDelay(K, tau, td), AMPLITUDE),
                 ],
             )
         right = carried
@@ -131,8 +152,7 @@ def check_approximation(ask: Ask) -> Verdict:
                 "`mse_approx` is the sum of the squares over the root of N: divide by N.",
                 lambda: float(np.sum(error**2) / np.sqrt(error.size)),
             ),
-            *wrong_divisors("mse_approx", error**2),
-            *means_of_a_part("mse_approx", as_number("mse_approx", ask.value("mse_approx")), error**2),
+            *wrong_means("mse_approx", as_number("mse_approx", ask.value("mse_approx")), error**2),
             # the same where the model is above or below the data throughout
             Slip("not squared", not_squared, lambda: float(np.mean(error))),
             Slip("not squared", not_squared, lambda: float(np.mean(abs(error)))),
@@ -169,10 +189,17 @@ def check_comparison(ask: Ask) -> Verdict:
     """Step 3: the figure with both responses."""
     t, y = _recorded()
     axes = one_figure("fig_a2", ask.value("fig_a2"))
-    require_curve(axes, "`fig_a2`", "the response `y_step` of the original system", y, t)
-    require_curve(axes, "`fig_a2`", "the response `y_approx` of your model", np.asarray(ask.known("y_approx")), t)
+    y_approx = np.asarray(ask.known("y_approx"))
+    original = require_curve(axes, "`fig_a2`", "the response `y_step` of the original system", y, t)
+    model = require_curve(axes, "`fig_a2`", "the response `y_approx` of your model", y_approx, t)
     require_labels(axes, "`fig_a2`", ("s", "V"))
     require_legend(axes, "`fig_a2`", 2)
+    require_own_names(
+        axes,
+        "`fig_a2`",
+        NamedCurve(original, "the original system (`y_step`)", *_NAMES_OF_THE_SYSTEM),
+        NamedCurve(model, "your first-order model (`y_approx`)", *_NAMES_OF_THE_MODEL),
+    )
     return Verdict(True, "both responses in one figure.")
 
 

@@ -9,7 +9,8 @@ from labsid._arrays import FloatArray
 from labsid.checks.compare import as_vector, close
 from labsid.checks.double_mistakes import Edit, pairs_of
 from labsid.checks.question import Ask, returned
-from labsid.checks.verdict import Slip, Verdict, first_failure, judge
+from labsid.checks.values import Value
+from labsid.checks.verdict import NoAnswer, Slip, Verdict, first_failure, judge
 from labsid.lab.step_response import FirstOrderDelay, first_order_response
 
 
@@ -23,15 +24,35 @@ def check_response(ask: Ask) -> Iterator[Verdict]:
         K, tau = float(ask.rng.uniform(0.4, 5)), float(Ts * ask.rng.uniform(15, 40))
         amplitude = sign * float(ask.rng.uniform(1.5, 4))
         value = returned(ask, "first_order_response", t, K, tau, td, amplitude)
-        got = as_vector("first_order_response(...)", value, t.size)
         model = FirstOrderDelay(K, tau, td)
+        _require_no_fixed_step(value, t, model, amplitude)
+        got = as_vector("first_order_response(...)", value, t.size)
         yield judge(
             got,
             first_order_response(model, t, amplitude),
             close(1e-6),
             "zero up to the delay, then rising to K times the amplitude.",
             f"`first_order_response` does not follow the formula of step 1. {_seen(t, got, model, amplitude)}",
-            [*_response_slips(t, model, amplitude), *_two_slips(t, model, amplitude)],
+            [*response_slips("`first_order_response`", t, model, amplitude), *_two_slips(t, model, amplitude)],
+        )
+
+
+def _require_no_fixed_step(value: Value, t: FloatArray, model: FirstOrderDelay, amplitude: float) -> None:
+    """Refuse a response shifted by a number of samples that is right for another sampling time only."""
+    if not isinstance(value, np.ndarray) or value.ndim != 1 or value.dtype.kind != "f" or not np.any(value):
+        return
+    samples, Ts = int(np.argmax(value != 0)) - 1, float(t[1] - t[0])
+    if model.td == 0 or samples < 1 or samples == round(model.td / Ts) or samples in (int(model.td), round(model.td)):
+        return
+    at_once = first_order_response(FirstOrderDelay(model.K, model.tau, 0.0), t, amplitude)
+    shifted = value[samples:]
+    if 1 < shifted.size <= t.size and close(1e-6)(shifted, at_once[: shifted.size]):
+        long = "" if value.size == t.size else f" (It returns {value.size} values for {t.size} times.)"
+        raise NoAnswer(
+            f"`first_order_response` begins {samples} samples late for td = {model.td:g} s. That is right where "
+            f"samples are {model.td / samples:.3g} s apart, and those of `t` are {Ts:g} s apart here: take the delay "
+            f"off the times, t - td.{long}",
+            "sampling time fixed",
         )
 
 
@@ -82,15 +103,16 @@ def _two_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> Itera
     yield from pairs_of("`first_order_response`", edits, partial(made, from_td=True))
 
 
-def _response_slips(t: FloatArray, model: FirstOrderDelay, amplitude: float) -> list[Slip[FloatArray]]:
+def response_slips(what: str, t: FloatArray, model: FirstOrderDelay, amplitude: float) -> list[Slip[FloatArray]]:
+    """Mistakes in the formula of the response; `what` is what the sentences begin with."""
     K, tau, td = model.K, model.tau, model.td
     Ts, size = t[1] - t[0], K * amplitude
 
     def slip(name: str, hint: str, wrong: FloatArray) -> Slip[FloatArray]:
-        return Slip(name, f"`first_order_response` {hint}", lambda: wrong)
+        return Slip(name, f"{what} {hint}", lambda: wrong)
 
     since = np.maximum(t - td, 0)
-    no_delay = "starts at once: use t - td instead of t, and return zero before td."
+    no_delay = "starts at once, without the delay td: use t - td instead of t, and return zero before td."
     return [
         slip(
             "not zero before the delay",

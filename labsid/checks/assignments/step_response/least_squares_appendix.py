@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 
 from labsid._arrays import FloatArray
+from labsid.checks.answer_code import code_of
 from labsid.checks.assignments.step_response.slips import (
     DIVIDED,
     error_slips,
@@ -17,11 +18,12 @@ from labsid.checks.assignments.step_response.slips import (
     two_slips,
 )
 from labsid.checks.compare import as_array, as_number, as_theta, as_vector, close, kind_of
+from labsid.checks.descents import descent_of
 from labsid.checks.double_mistakes import FACTORS, with_factors
 from labsid.checks.parts_of_a_solution import require_whole_solution
 from labsid.checks.question import Ask, returned
 from labsid.checks.values import Value
-from labsid.checks.verdict import BEYOND_RESULTS, Answer, NoAnswer, Slip, Verdict, first_failure, judge
+from labsid.checks.verdict import BEYOND_RESULTS, Answer, NoAnswer, Slip, Verdict, are_named, first_failure, judge
 from labsid.least_squares.solve import loss, loss_gradient, solve_least_squares, two_equations
 
 _same = close(1e-8)
@@ -29,6 +31,9 @@ _same = close(1e-8)
 # The square one comes first: with it, a transposed Phi still multiplies and can be recognised.
 _SHAPES = ((3, 3), (5, 2), (8, 3), (4, 1))
 
+
+_SCALES = (0.1, 1e-2, 1e-3, 1e-6, 1e6)
+"""Factors of U, as other units of the inputs give: whether there is one solution does not depend on them."""
 
 ZEROS = "zeros"
 
@@ -74,7 +79,28 @@ def check_solve_two(ask: Ask) -> Verdict:
             "it.",
             "determinant not checked",
         )
-    return verdict
+    return _on_every_scale(ask, U, Y) or verdict
+
+
+def _on_every_scale(ask: Ask, U: FloatArray, Y: FloatArray) -> Verdict | None:
+    """The verdict on equations with other units, of which the determinant is small or large; None if all are solved."""
+    for scale in _SCALES:
+        scaled = scale * U
+        value = ask.call("solve_two", scaled, Y)
+        determinant = float(np.linalg.det(scaled))
+        if value is None:
+            return Verdict(
+                False,
+                f"`solve_two` returns None for equations whose determinant is {determinant:.2g}, and they have one "
+                "solution. How small a determinant may be depends on the units of U: None is for zero alone.",
+                "small determinant taken for zero",
+            )
+        if not _same(as_vector("solve_two(U, Y)", value, 2), two_equations(scaled, Y)):
+            return Verdict(
+                False,
+                f"`solve_two` does not give the solution of (A2) where the determinant is {determinant:.2g}.",
+            )
+    return None
 
 
 def _require_a_solution(ask: Ask, value: Value, is_reversed: bool) -> None:
@@ -244,12 +270,22 @@ def check_minimum(ask: Ask) -> Verdict:
                 ),
                 "product entry by entry",
             )
+        theta = as_theta("best_theta(Phi, Y)", value, Phi.shape[1])
+        found = descent_of(code_of(ask, "best_theta"), theta, Phi.T @ Phi, Phi.T @ Y) if are_named() else None
+        if found is not None and not close(1e-6)(theta, solve_least_squares(Phi, Y).theta):
+            steps, factor = found
+            text = (
+                f"`best_theta` ends before the minimum: after its {steps} steps against the gradient, of {factor:g} "
+                f"times it, the gradient is still up to {_slope(Phi, Y, theta):.2g}. Eq. (8) gives the minimum at once."
+            )
+            return Verdict(False, text, "descent not at its end")
         return judge(
-            as_theta("best_theta(Phi, Y)", value, Phi.shape[1]),
+            theta,
             solve_least_squares(Phi, Y).theta,
             close(1e-6),
             "no other theta has a smaller loss.",
-            "`best_theta` does not give the theta with the smallest loss: see eq. (8).",
+            "`best_theta` does not give the theta with the smallest loss: see eq. (8). At the one that it returns the "
+            f"gradient is up to {_slope(Phi, Y, theta):.2g}, and at the minimum it is zero.",
             [
                 *minimum_slips(Phi, Y),
                 *_entry_by_entry(Phi, Y),
@@ -262,6 +298,10 @@ def check_minimum(ask: Ask) -> Verdict:
         tall = _on_all(ask, one, ((8, 3),))
         verdict = verdict if tall.slip in (None, BEYOND_RESULTS) else tall
     return verdict
+
+
+def _slope(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> float:
+    return float(np.max(np.abs(loss_gradient(Phi, Y, theta))))
 
 
 def _products(Phi: FloatArray, Y: FloatArray) -> Iterator[FloatArray]:

@@ -9,6 +9,7 @@ import numpy as np
 from labsid._arrays import FloatArray
 from labsid.checks.answer_code import AnswerCode
 from labsid.checks.compare import as_vector
+from labsid.checks.figures import UNITS_OF_TIME
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Verdict
@@ -25,6 +26,8 @@ SAME_READING = 0.01
 """Relative distance of tau and td that are read as a known mistake reads them, in the same samples."""
 _SAME_NUMBER = 0.02
 """Relative distance of a number in the code: 0.63 is written for 0.632."""
+ANOTHER_UNIT = "another unit of time"
+_AT_THE_END, _NOISE = 20, 1e-4  # samples in which a settled output changes by less than this share of its range
 SAME_VALUE = 0.04
 """Relative distance from the value of a known mistake, up to which it is recognised (times: plus 1.5 samples)."""
 
@@ -73,6 +76,13 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
     K, tau, td = map(float, got)
     if _is_right(got, step, fit):
         return Verdict(True, praise)
+    for seconds, unit in UNITS_OF_TIME:
+        if _is_right(got * [1.0, seconds, seconds], step, fit):
+            return Verdict(
+                False,
+                f"{where}K is right, and tau and td are in {unit}: they are asked for in seconds, as the times are.",
+                ANOTHER_UNIT,
+            )
     right_gain = _is_right_gain(K, fit)
     if right_gain and tau == td == 0 and fit.y_final > 10 * abs(fit.y_initial):
         return Verdict(False, f"{where}tau is zero: {_one_instant(code)}", "one instant for both")
@@ -109,7 +119,7 @@ def judge_reading(got: FloatArray, step: Step, where: str, praise: str, code: An
         # of two mistakes in one parameter, the nearer one; of two parameters, the one that is looked at first
         first = matches[0][1].parameter
         nearest = min((match for match in matches if match[1].parameter == first), key=lambda match: match[0])[1]
-        both = nearest.slip == "no delay" and any(
+        both = nearest.slip in ("no delay", "28.3 % taken for the delay") and any(
             suspect.slip == "tau measured from the step" for _, suspect in matches
         )
         in_tau = " Here tau is the whole time to 63.2 %, so the delay is in it: tau begins at t_d." if both else ""
@@ -261,8 +271,8 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
             "in a step down, or wherever the output falls, `y >= level` is true from the start, and `np.interp` needs "
             "values that rise: compare the share of the change, which rises from 0 to 1 both ways."
         )
-        for value in (0.0, -right.td):
-            yield _Suspect("only steps up", "tau", value, grid, f"tau: {downwards}")
+        for value, within in ((0.0, 0.01 * Ts), (-right.td, grid)):  # at one instant both levels are passed
+            yield _Suspect("only steps up", "tau", value, within, f"tau: {downwards}")
     if abs(fit.y_initial) > 0.1 * abs(change):
         crossed = _first_time(step, 0.632 * fit.y_final)
         left_in = "the level before the step is included: use the change y - y_start."
@@ -329,10 +339,8 @@ def _suspects(step: Step, fit: StepResponseFit) -> Iterator[_Suspect]:
         loosely = 0.4 * right.td / Ts
         yield _Suspect("time in samples", "td", right.td / Ts, loosely, "td counts samples; it should be in seconds.")
     if right.td > 0.1 * right.tau:
-        at_once = (
-            "td is zero, but this response has a delay. (The first change of y is not its start: noise changes y at "
-            "once.)"
-        )
+        noise = " (The first change of y is not its start: noise changes y at once.)" if _is_noisy(step) else ""
+        at_once = f"td is zero, but this response has a delay: it is t_63 - tau.{noise}"
         yield _Suspect("no delay", "td", 0.0, grid, at_once)
         negative = "td is negative: the response starts after the step."
         yield _Suspect("delay with the wrong sign", "td", -right.td, grid, negative)
@@ -361,6 +369,12 @@ def _deviation(values: dict[str, float], fit: StepResponseFit, right_gain: bool)
         f"K is right, but with this tau and td the model reaches 28.3 % at {t_28:.3g} s, {sides[0]}, and 63.2 % at "
         f"{t_63:.3g} s, {sides[1]}. When does the response reach them?"
     )
+
+
+def _is_noisy(step: Step) -> bool:
+    """Whether the output still changes at the end of the record, from one sample to the next."""
+    end = step.y[-_AT_THE_END:]
+    return bool(np.std(np.diff(end)) > _NOISE * np.ptp(step.y))
 
 
 def _first_time(step: Step, level: float) -> float:

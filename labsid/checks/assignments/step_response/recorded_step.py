@@ -7,8 +7,14 @@ from functools import partial
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.checks.assignments.step_response.readings import Step, judge_reading, own_answer
+from labsid.checks.assignments.step_response.readings import (
+    ANOTHER_UNIT,
+    Step,
+    judge_reading,
+    own_answer,
+)
 from labsid.checks.compare import as_number, as_vector, close
+from labsid.checks.figures import UNITS_OF_TIME
 from labsid.checks.question import Ask
 from labsid.checks.values import Value
 from labsid.checks.verdict import NoAnswer, Slip, Verdict, judge
@@ -172,6 +178,10 @@ def check_tank_model(ask: Ask) -> Verdict:
     depends = carried is not None and doubled is not None and not np.array_equal(carried, doubled)
     if depends and carried is not None and close(1e-6)(got, carried):
         return Verdict(True, "this is the result of your `read_step`, which is judged in step 5.")
+    for seconds, unit in UNITS_OF_TIME:
+        if depends and carried is not None and close(1e-6)(got * [1.0, seconds, seconds], carried):
+            text = f"tau_tank and td_tank are in {unit}: they are asked for in seconds, as `t_held` is."
+            return Verdict(False, text, ANOTHER_UNIT)
     for slip, hint, other_value in (
         (
             "the whole record",

@@ -196,6 +196,12 @@ def gradient_slips(Phi: FloatArray, Y: FloatArray, theta: FloatArray) -> Slips:
         Slip("the 2 of (A6) forgotten", uneven, lambda: of_theta - of_y / 2),
         Slip("the 2 of (A6) forgotten", uneven, lambda: of_theta / 2 - of_y),
         Slip("the 2 of (A6) forgotten", uneven, lambda: of_theta - 2 * of_y),
+        Slip(
+            "Phi' before Y forgotten",
+            "`gradient` subtracts entries of Y where (A6) has Phi'Y: Y has one entry for each equation, Phi'Y one for "
+            "each unknown.",
+            lambda: of_theta - Y[: theta.size],
+        ),
         Slip("a term forgotten", "`gradient` lacks the term with Phi'Phi.", lambda: -of_y),
         Slip("a term forgotten", "`gradient` lacks the term with Y.", lambda: of_theta),
         Slip(
