@@ -32,13 +32,11 @@ VARIANTS: list[Right | Wrong] = [
             "mse_half, mse_all = np.mean((y[half:] - y_sim_half) ** 2), np.mean((y - y_sim) ** 2)"
         },
     ),
-    wrong(
+    right(
         HALF,
         "own loop, the first two at zero",
         "uh = u[half:]\ny_sim_half = np.zeros(len(uh))\nfor k in range(2, len(uh)):\n"
         "    y_sim_half[k] = -a1 * y_sim_half[k - 1] - a2 * y_sim_half[k - 2] + b1 * uh[k - 1] + b2 * uh[k - 2]",
-        "first input left out",
-        "begin the loop with k = 1",
     ),
     wrong(
         HALF,

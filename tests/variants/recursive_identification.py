@@ -299,13 +299,7 @@ VARIANTS: list[Right | Wrong] = [
     # 4. regressors
     right(REGRESSORS, "loop", define("regressors(u, y)", ROWS_BY_LOOP) + USE_ROWS),
     right(REGRESSORS, "zeros before the record, Y a column", define("regressors(u, y)", ROWS_FROM_REST) + USE_ROWS),
-    wrong(
-        REGRESSORS,
-        "from the fourth sample",
-        regressors("-y[2:-1], -y[1:-2], u[2:-1]", "y[3:]"),
-        "rows left out",
-        r"begins with the row of y\[3\]",
-    ),
+    right(REGRESSORS, "from the fourth sample", regressors("-y[2:-1], -y[1:-2], u[2:-1]", "y[3:]")),
     wrong(REGRESSORS, "the lab's sign", regressors("y[1:-1], y[:-2], u[1:-1]"), "sign of a", "lab"),
     wrong(REGRESSORS, "u first", regressors("u[1:-1], -y[1:-1], -y[:-2]"), "order of the columns", "order"),
     wrong(REGRESSORS, "older y first", regressors("-y[:-2], -y[1:-1], u[1:-1]"), "order of the columns", "a1 belongs"),

@@ -28,7 +28,7 @@ SEED_OF_THE_RECORD = 69
 LN = 1e6
 SETTLED = 20
 """From this row on no trace is left of the start, whatever large number it was made with."""
-_FIRST_ROW, _LATEST_START = 2, 5
+_LATEST_START = 5
 _STRUCTURE = Structure(2, 1)
 _NAMES = ("a1", "a2", "b1")
 _QUOTED = ("Phi of `regressors`", "Y")
@@ -49,7 +49,7 @@ def check_regressors(ask: Ask) -> Iterator[Verdict]:
     Phi, Y = as_matrix("Phi_61", ask.value("Phi_61"), (None, 3)), as_vector("Y_61", ask.value("Y_61"))
     start = record.y.size - Y.size
     same = close(1e-9)
-    if not 0 <= start <= _FIRST_ROW or not (
+    if not 0 <= start <= _LATEST_START or not (
         same(Phi, build_equations(_STRUCTURE, record.u, record.y, start=start).Phi) and same(Y, record.y[start:])
     ):
         yield Verdict(False, "the function is right, `Phi_61` or `Y_61` is not: leave the last line as it was given.")
@@ -68,7 +68,7 @@ def _rows_held(Phi: FloatArray, u: FloatArray, y: FloatArray) -> range | None:
 def _rows_left_out(held: range, n: int) -> str:
     """Which rows are missing at the start or at the end, of n samples; empty if none is."""
     said = []
-    if held.start > _FIRST_ROW:
+    if held.start > _LATEST_START:
         said.append(
             f"begins with the row of y[{held.start}]: the row of y[2], the third sample, is the first whose past is "
             "in the record"
@@ -106,7 +106,7 @@ def _rows(u: FloatArray, y: FloatArray, ask: Ask) -> Iterator[Verdict]:
     held = _rows_held(Phi, u, y)
     if held is not None and SAME(Y, y[held.start : held.stop]) and _rows_left_out(held, n):
         yield Verdict(False, _rows_left_out(held, n), "rows left out")
-    if not 0 <= start <= _FIRST_ROW:
+    if not 0 <= start <= _LATEST_START:
         beside = "" if held is None else f" {beside_right_rows(_QUOTED, Y, y, u, held)}"
         yield Verdict(
             False,

@@ -32,7 +32,7 @@ _same = close(1e-8)
 _SHAPES = ((3, 3), (5, 2), (8, 3), (4, 1))
 
 
-_SCALES = (0.1, 1e-2, 1e-3, 1e-6, 1e6)
+_SCALES = (0.1, 1e-2, 1e3)
 """Factors of U, as other units of the inputs give: whether there is one solution does not depend on them."""
 
 ZEROS = "zeros"
