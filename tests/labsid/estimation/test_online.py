@@ -42,7 +42,7 @@ def assert_the_same(estimator, signals, run):
 
 
 @given(st.integers(1, 3).flatmap(lambda p: record(p + 1)), FORGETTING, st.sampled_from([None, 5.0, np.inf]))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=150, deadline=None)
 def test_least_squares_of_any_data_is_that_of_the_batch_call(data, forgetting, trace_bound):
     Phi, Y = np.ascontiguousarray(data[:, :-1]), data[:, -1]
     start = diffuse_start(Phi.shape[1], 10.0, trace_bound)
@@ -51,7 +51,7 @@ def test_least_squares_of_any_data_is_that_of_the_batch_call(data, forgetting, t
 
 
 @given(record(2), STRUCTURES, FORGETTING)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_armax_of_any_data_is_that_of_the_batch_call(data, structure, forgetting):
     u, y = data.T
     run = recursive_armax(structure, u, y, forgetting)

@@ -24,10 +24,10 @@ FEW = (
 GAPS = (slice(300, 360), slice(700, 780))
 
 
-def with_gaps(seed: int, dead: float = 0.0) -> Record:
+def with_gaps(seed: int, dead: float = 0.0, hold: int = 20) -> Record:
     """A rig of second order; in the gaps the log has no rows, and the input is held in them."""
     rng = np.random.default_rng(seed)
-    u = np.repeat(rng.uniform(-1.0, 1.0, 75), 20)
+    u = np.repeat(rng.uniform(-1.0, 1.0, -(-1500 // hold)), hold)[:1500]
     w = np.sign(u) * np.maximum(np.abs(u) - dead, 0.0)
     y = lfilter([0.0, 0.02, 0.018], np.poly([0.93, 0.8]), w)
     y = y + 0.01 * np.std(y) * rng.standard_normal(u.size)
@@ -55,6 +55,5 @@ def test_an_effect_is_found_beside_gaps() -> None:
 
 @searched("input-off")
 def test_nothing_is_left_out_where_the_input_rests_over_a_gap() -> None:
-    run = with_gaps(5)
-    rested = Record(run.t, np.repeat(run.u[::150], 150), run.y, run.Ts)  # the next change is 90 samples after the gap
+    rested = with_gaps(5, hold=400)  # the next change is 20 samples or more after a gap
     assert not [one for one in diagnose(rested).report["screen"] if one.startswith("After")]
