@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from labsid.gap.batches import batch
-from labsid.gap.effects.families import CANDIDATES, FAMILIES, LATE
+from labsid.gap.effects.families import CANDIDATES, LATE
+from labsid.gap.limits import planting, smallest_sizes
 
 _TESTS = Path(__file__).resolve().parent
 FEW_IN_ONE_PROCESS = f"""
@@ -39,11 +40,11 @@ def searched(*names: str) -> Iterator[None]:
 
 @contextmanager
 def limits_of(*names: str) -> Iterator[None]:
-    """State the limits of the record in this process for the effects of these names alone."""
-    few = tuple(family for family in FAMILIES if family.name in names)
+    """State the limits of the record in this process for these effects alone; nested, for those that each one names."""
+    few = tuple(family for family in planting.FAMILIES if family.name in names)
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("planting", "smallest_sizes"):
-            patch.setattr(f"labsid.gap.limits.{module}.FAMILIES", few)
+        for module in (planting, smallest_sizes):
+            patch.setattr(module, "FAMILIES", few)
         yield
 
 

@@ -1,7 +1,7 @@
 """Hand-made reports of a diagnosis of several signals."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -122,6 +122,17 @@ def with_details(base: dict[str, Any], samples: int = 3000) -> dict[str, Any]:
     rows = [row | {"output": name} for name in outputs for row in with_limits({})["limits"]]
     packed_inputs = {name: packed(u, "<f8") for name, u in inputs.items()}
     return base | {"outputs": outputs, "limits": rows, "input_samples": packed_inputs}
+
+
+def undrawn_signal_figures(report: dict[str, Any]) -> dict[str, dict[str, str]]:
+    """In place of the encoded figures of a page without details, which take most of its time."""
+    names = ("first", "signals", "zoom", "couplings", "where", "holdout", "experiment")
+    return {name: {"wide": "", "narrow": ""} for name in names}
+
+
+def undrawn_in_both_widths(figures: Iterable[str], report: dict[str, Any]) -> dict[str, dict[str, bytes]]:
+    """In place of `page_figures.in_both_widths`: the names of the figures, and no pictures."""
+    return {name: {"wide": b"", "narrow": b""} for name in figures}
 
 
 def with_planned_inputs(base: dict[str, Any]) -> dict[str, Any]:

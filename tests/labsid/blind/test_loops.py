@@ -1,5 +1,7 @@
 """The row `loop`: what is drawn, and the error of the best linear model of a rig in a loop."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -13,13 +15,11 @@ from labsid.rig.switchable.inputs import draw_input
 from labsid.rig.switchable.simulation import Noise
 
 
-@pytest.fixture(scope="module")
-def some(dev_cases) -> list[OrdinaryCase]:
-    return dev_cases("loop", 5)
-
-
-def test_rigs_and_effects_take_turns_and_a_record_has_its_reference(some: list[OrdinaryCase]) -> None:
-    for i, case in enumerate(some):
+@pytest.mark.parametrize("count", [3, pytest.param(5, marks=pytest.mark.exhaustive)])
+def test_rigs_and_effects_take_turns_and_a_record_has_its_reference(
+    count: int, dev_cases: Callable[[str, int], list[OrdinaryCase]]
+) -> None:
+    for i, case in enumerate(dev_cases("loop", count)):
         truth = case.made.truth
         effect = LOOP_EFFECTS[i]
         assert case.made.answers == (() if effect == "none" else (effect,),)

@@ -105,7 +105,7 @@ def test_the_metrics_of_the_four_rows() -> None:
 
 def test_the_scorer_reads_kept_reports(dev_cases, tmp_path: Path) -> None:
     """Reports as a diagnosis of several signals writes them, one right, one at the wrong signal, and one of a loop."""
-    cases = [case for case in dev_cases("signals", 6) if case.options][:2] + dev_cases("loop", 1)
+    cases = [case for case in dev_cases("signals", 4) if case.options][:2] + dev_cases("loop", 1)
     labels = [label_dict(case) for case in cases]
     for number, (case, label) in enumerate(zip(cases, labels, strict=True)):
         (true,) = label["truth"]["effects"]

@@ -14,7 +14,7 @@ from labsid.checks.verdict import SINGLE_PRECISION, Verdict
 
 pytestmark = pytest.mark.slow
 
-CASES, SECONDS = 100, 0.7
+CASES, SECONDS = 40, 0.7
 """For each question; ``python tests/mutated_values.py`` runs more."""
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gap_reports import undrawn_figures
-from gap_search import limits_of
+from gap_search import limits_of, searched
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
+from signals_reports import undrawn_signal_figures
 
 from labsid._arrays import FloatArray
 from labsid.gap.record.data import scaled
@@ -17,6 +18,24 @@ from labsid.gap.search.explanation import Explanation, explain
 from labsid.records.record import Record
 
 Flow = Callable[[FloatArray, float], list[float]]
+FEW = (
+    "input-delay",
+    "input-saturation",
+    "input-dead-zone",
+    "input-backlash",
+    "input-rate-limit",
+    "input-nonlinearity",
+    "extra-lag",
+    "resonance",
+    "coulomb-friction",
+    "slow-mode",
+    "output-drift",
+    "output-saturation",
+    "output-nonlinearity",
+    "load-step",
+    "periodic-disturbance",
+)
+"""What the search on a small record looks for: a dead zone, its rivals, and effects unlike it."""
 
 
 @pytest.fixture(scope="session")
@@ -103,7 +122,8 @@ def banded(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanat
     u = levels[:480]
     y = two_poles(np.maximum(u - 0.3, 0.0) + np.minimum(u + 0.4, 0.0))
     y = y + 0.02 * y.std() * np.random.default_rng(1).standard_normal(u.size)
-    return explain(scaled(u, y, np.ones(u.size, bool), 1.0))
+    with searched(*FEW):
+        return explain(scaled(u, y, np.ones(u.size, bool), 1.0))
 
 
 @pytest.fixture(scope="session")
@@ -112,7 +132,8 @@ def plain(levels: FloatArray, two_poles: Callable[..., FloatArray]) -> Explanati
     u = levels[:480]
     y = two_poles(u)
     y = y + 0.05 * y.std() * np.random.default_rng(2).standard_normal(u.size)
-    return explain(scaled(u, y, np.ones(u.size, bool), 1.0))
+    with searched(*FEW):
+        return explain(scaled(u, y, np.ones(u.size, bool), 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +141,12 @@ def without_limits() -> Iterator[None]:
     """Reports without the limits of the record, for modules in which nothing depends on them."""
     with limits_of():
         yield
+
+
+@pytest.fixture
+def undrawn_signals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages of several signals without the figures, for what does not depend on them."""
+    monkeypatch.setattr("labsid.gap.reports.signals_page.encoded_figures", undrawn_signal_figures)
 
 
 @pytest.fixture

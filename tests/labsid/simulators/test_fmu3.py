@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmu_rigs import build_oscillator, compiler
+from gap_search import searched
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
@@ -75,6 +76,7 @@ def test_an_array_among_its_parameters_is_no_number(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@searched("extra-lag", "parameter-mismatch")
 def test_it_is_diagnosed_with_free_numbers_exported_and_played(
     rig: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -64,7 +64,8 @@ def named(report: dict) -> list[str]:
 @pytest.fixture(scope="module")
 def right(u: FloatArray) -> Diagnosis:
     """The diagnosis of a simulation that is right."""
-    return diagnose(measured(u), simulate)
+    with searched(*FEW):
+        return diagnose(measured(u), simulate)
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +88,7 @@ def test_a_rig_that_is_not_at_rest_at_the_start_is_no_gap(u: FloatArray) -> None
     assert diagnose(Record(whole.t[late], whole.u[late], whole.y[late], TS), simulate).report["verdict"] == "none"
 
 
+@searched(*FEW)
 def test_a_limit_of_the_actuator_is_found_around_the_simulation(limited: Record) -> None:
     report = diagnose(limited, simulate).report
     assert named(report) == ["input-saturation"]
@@ -94,6 +96,7 @@ def test_a_limit_of_the_actuator_is_found_around_the_simulation(limited: Record)
     assert report["gap"]["closed"] > 0.97
 
 
+@searched(*FEW)
 def test_a_lag_is_found_at_the_input_of_the_simulation(u: FloatArray) -> None:
     fine = np.repeat(u, FINE)
     keep = np.exp(-TS / FINE / 0.5)
@@ -103,6 +106,7 @@ def test_a_lag_is_found_at_the_input_of_the_simulation(u: FloatArray) -> None:
     assert report["effects"][0]["parameters"]["tau"]["value"] == pytest.approx(0.5, rel=0.03)
 
 
+@searched("resonance", "slow-mode", "periodic-disturbance", *FEW)
 def test_a_mode_is_found_beside_the_simulation(u: FloatArray) -> None:
     fine = np.repeat(u, FINE)
     step = TS / FINE
@@ -116,6 +120,7 @@ def test_a_mode_is_found_beside_the_simulation(u: FloatArray) -> None:
     assert found["damping"]["value"] == pytest.approx(0.05, abs=0.01)
 
 
+@searched(*FEW)
 def test_free_numbers_that_are_wrong_are_a_parameter_mismatch(u: FloatArray) -> None:
     report = diagnose(measured(u, tau=1.3, gain=2.4), simulate, free=["tau", "gain"]).report
     assert named(report) == ["parameter-mismatch"]
@@ -165,6 +170,7 @@ def test_a_free_number_that_is_nominally_zero_can_be_fitted(u: FloatArray) -> No
     assert report["effects"][0]["parameters"]["zeta"]["value"] == pytest.approx(0.9, abs=0.01)
 
 
+@searched(*FEW)
 def test_an_effect_is_found_beside_free_numbers(u: FloatArray) -> None:
     record = measured(np.clip(u, -0.5, 0.6), tau=1.3)
     report = diagnose(Record(record.t, u, record.y, TS), simulate, free=["tau", "gain"]).report
@@ -201,6 +207,7 @@ class Runs:
 
 
 @pytest.mark.parametrize("evaluations", [1, 12, 150])
+@searched(*FEW)
 def test_a_budget_ends_the_search_with_what_it_has_found(limited: Record, evaluations: int) -> None:
     runs, said = Runs(), []
     report = diagnose(limited, runs, evaluations=evaluations, progress=lambda what, share: said.append(what)).report
@@ -251,7 +258,7 @@ def test_a_simulation_that_begins_to_fail_is_said(limited: Record) -> None:
         diagnose(limited, Runs(sound=1))  # in the first run all is well
 
 
-@searched(*FEW)
+@searched("input-saturation", "extra-lag")
 def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     u: FloatArray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -287,7 +294,7 @@ def test_a_file_is_diagnosed_exported_played_and_then_has_no_gap(
     assert "rig.py has no function 'missing'; it has simulate." in capsys.readouterr().err
 
 
-@searched(*FEW)
+@searched("input-saturation", "extra-lag")
 def test_an_exported_module_runs_by_itself_and_as_a_simulation(
     limited: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import cont2discrete, lfilter
 
 from labsid._arrays import FloatArray
@@ -13,6 +14,8 @@ from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record
 
 pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = ("input-dead-zone", "input-backlash", "extra-lag", "coulomb-friction", "cubic-stiffness", "output-nonlinearity")
 
 TS, FINE, SAMPLES = 0.02, 100, 600
 MASS, DAMPING, STIFFNESS = 0.025, 0.15, 2.0
@@ -136,6 +139,7 @@ def record(u: FloatArray, y: FloatArray, seed: int) -> Record:
         ("cubic-stiffness", {"cubic": CUBIC}, "cubic", CUBIC / STIFFNESS),
     ],
 )
+@searched(*FEW)
 def test_the_effect_is_named_and_closes_the_gap_on_a_second_record(
     name: str, effects: dict[str, float], parameter: str, true: float
 ) -> None:
@@ -152,6 +156,7 @@ def test_the_effect_is_named_and_closes_the_gap_on_a_second_record(
 
 
 @pytest.mark.slow
+@searched(*FEW)
 def test_friction_is_named_on_several_records_each_of_them_at_rest_at_first() -> None:
     runs = [steps(seed)[:300] for seed in (1, 2, 3)]
     found = diagnose([record(u, finely(u, friction=FRICTION)[0], seed) for seed, u in enumerate(runs)], arm)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
@@ -15,6 +16,20 @@ from labsid.gap.fits.linear_fits import fit_baseline
 from labsid.gap.fits.parameter_estimates import estimate_parameters
 from labsid.gap.record.data import Data, scaled
 from labsid.records.record import Record
+
+pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = (
+    "input-off",
+    "input-nonlinearity",
+    "extra-lag",
+    "slow-mode",
+    "parameter-drift",
+    "output-drift",
+    "output-nonlinearity",
+    "load-step",
+)
+"""What changes at an instant, and what a rig that changed may be taken for."""
 
 TS = 2.0
 SAMPLES = 900
@@ -83,6 +98,7 @@ RIGS: dict[str, tuple[str, Callable[[FloatArray], FloatArray], dict[str, float]]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rig", RIGS)
+@searched(*FEW)
 def test_what_changes_at_an_instant_is_named_with_its_numbers(rig: str) -> None:
     name, simulated, truth = RIGS[rig]
     found = diagnose(recorded(simulated, 3))
@@ -136,6 +152,7 @@ def test_a_load_that_ends_at_the_end_of_the_record_is_one_that_begins() -> None:
 
 
 @pytest.mark.slow
+@searched(*FEW)
 def test_a_fault_that_began_while_the_command_rested_may_have_begun_at_any_time_since() -> None:
     u = moves(8)
     last = int(np.flatnonzero(np.diff(u[:600]))[-1]) + 1  # the command rests from here on
@@ -159,6 +176,7 @@ def kicked(at: int, samples: int, by: float) -> Callable[[FloatArray], FloatArra
 @pytest.mark.parametrize(
     ("at", "samples", "seed"), [(310, 2, 11), pytest.param(505, 6, 12, marks=pytest.mark.exhaustive), (640, 1, 13)]
 )
+@searched(*FEW)
 def test_a_kick_is_neither_a_command_that_is_not_applied_nor_a_change_of_the_rig(
     at: int, samples: int, seed: int
 ) -> None:
@@ -171,6 +189,7 @@ def test_a_kick_is_neither_a_command_that_is_not_applied_nor_a_change_of_the_rig
 
 @pytest.mark.slow
 @pytest.mark.parametrize("level", [0.0, 3.1], ids=["zero while the command rests", "any while it moves"])
+@searched(*FEW)
 def test_a_command_that_is_not_applied_is_told_from_a_kick(level: float) -> None:
     u = moves(21)
     moves_at = np.flatnonzero(np.diff(u))
@@ -187,6 +206,7 @@ def test_a_command_that_is_not_applied_is_told_from_a_kick(level: float) -> None
 
 
 @pytest.mark.slow
+@searched(*FEW)
 def test_a_rig_that_changed_is_not_scored_on_another_run_of_before_or_after() -> None:
     """No simulation holds in both: before, the cause was "not known", and sentences spoke of the other run."""
     changed = recorded(lambda u: first_order(u * (1.0 + 0.4 * after(480))), 3)

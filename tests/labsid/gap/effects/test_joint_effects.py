@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.integrate import solve_ivp
 
 from labsid._arrays import FloatArray
@@ -27,6 +28,19 @@ from labsid.records.record import Record
 from labsid.rig.switchable.joints import SLIP, Joint, run_joint
 
 pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = (
+    "input-saturation",
+    "input-backlash",
+    "resonance",
+    "coulomb-friction",
+    "cubic-stiffness",
+    "gravity",
+    "force-limit",
+    "output-nonlinearity",
+    "output-backlash",
+)
+"""Those of a joint, and those with which they may be confused."""
 
 TS = 0.02
 Load = Callable[[float, float, float], float]
@@ -138,6 +152,7 @@ def record_of(goal: FloatArray, y: FloatArray, noise: float = 0.003) -> Record:
 @pytest.mark.parametrize(
     "unit", [pytest.param(1.0, id="radians", marks=pytest.mark.exhaustive), pytest.param(DEGREES, id="degrees")]
 )
+@searched(*FEW)
 def test_gravity_is_named_with_its_torque_and_angle_and_its_export_plays(goal: FloatArray, unit: float) -> None:
     """Also stronger than the spring of the loop; the angle of rest is 0.5 rad."""
     y = unit * servo(goal, gravity=70.0, rest=0.5)
@@ -157,6 +172,7 @@ def test_gravity_is_named_with_its_torque_and_angle_and_its_export_plays(goal: F
 @pytest.mark.parametrize(
     "damped", [pytest.param(0.0, marks=pytest.mark.exhaustive), pytest.param(1.0, marks=pytest.mark.exhaustive), 0.85]
 )
+@searched(*FEW)
 def test_a_limit_in_the_loop_is_named(goal: FloatArray, damped: float) -> None:
     """Of the position error alone, of the whole force of a PD controller, or with damping outside of it besides."""
     y = servo(goal, limit=25.0, damped=damped)
@@ -167,6 +183,7 @@ def test_a_limit_in_the_loop_is_named(goal: FloatArray, damped: float) -> None:
 
 
 @pytest.mark.parametrize("load", [pytest.param(0.0, marks=pytest.mark.exhaustive), 0.02])
+@searched(*FEW)
 def test_the_limit_of_a_loop_of_first_order_is_named(load: float) -> None:
     """A speed of 0.1 w' = clip(0.3 (u - w), 6) - load w, mostly at its limit: a linear model finds no pole of it."""
     u = np.repeat(np.random.default_rng(5).uniform(20.0, 180.0, 16), 75)
@@ -257,6 +274,7 @@ def test_without_a_spring_neither_the_gain_nor_the_zero_of_the_angle_is_counted(
     assert implied_count(Hypothesis((Gravity("unsprung"),))) == 2
 
 
+@searched(*FEW)
 def test_the_numbers_of_a_pendulum_are_within_their_errors() -> None:
     """0.02 q'' = u - 0.03 q' - 0.981 sin q, which turns slowly: a unit of the angle far from the search's start."""
     u = np.repeat(np.random.default_rng(5).uniform(-0.6, 0.6, 30), 80)
@@ -366,6 +384,7 @@ def test_a_motor_with_friction_that_gives(goal: FloatArray) -> None:
     assert error(0.0) > 50.0 * bent
 
 
+@searched(*FEW)
 def test_friction_that_gives_is_friction_with_its_way_and_no_mode(goal: FloatArray) -> None:
     """The bristles of a rigid law would be left as a lightly damped mode, or as play."""
     joint = Joint("position", gain=64.0, damping=9.6, law="dahl", friction=6.0)

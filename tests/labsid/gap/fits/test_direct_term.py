@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import cont2discrete, lfilter
@@ -111,6 +112,7 @@ def test_a_record_shorter_than_the_regressors_says_nothing() -> None:
         pytest.param("acceleration", "chirp", marks=pytest.mark.exhaustive),
     ],
 )
+@searched("input-delay", "extra-lag", "resonance", "slow-mode", "input-nonlinearity", "output-drift")
 def test_a_direct_term_is_no_effect(rig: str, kind: str) -> None:
     u, y = record_of(rig, kind, 7)
     report = diagnose(Record(np.arange(u.size) * TS, u, y, TS)).report

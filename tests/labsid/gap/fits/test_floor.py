@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 from hypothesis import given
 from hypothesis import strategies as st
 from representatives import mostly_exhaustive
@@ -14,6 +15,18 @@ from labsid.gap.record.data import scaled
 from labsid.records.record import Record
 
 pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = (
+    "input-delay",
+    "input-dead-zone",
+    "input-nonlinearity",
+    "input-quantization",
+    "extra-lag",
+    "resonance",
+    "output-nonlinearity",
+    "output-drift",
+)
+"""What digits may be taken for."""
 
 
 def exact(seed: int = 0, delay: int = 0) -> tuple[FloatArray, FloatArray]:
@@ -81,6 +94,7 @@ def test_noise_of_the_record_itself_makes_digits_irrelevant() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("form", mostly_exhaustive(["%.17g", "%.6g", "%.4g", "float32"], ["%.4g"]))
 @pytest.mark.parametrize("rig", mostly_exhaustive(["two poles", "gain"], ["two poles"]))
+@searched(*FEW)
 def test_an_exact_record_has_no_gap(rig: str, form: str) -> None:
     u, y = exact(4)
     y = y if rig == "two poles" else -0.8 * u + 0.3
@@ -90,6 +104,7 @@ def test_an_exact_record_has_no_gap(rig: str, form: str) -> None:
 
 
 @pytest.mark.slow
+@searched(*FEW)
 def test_a_delay_of_an_exact_record_is_found() -> None:
     u, y = exact(4, delay=5)
     report = diagnose(Record(np.arange(u.size) * 0.1, u, y, 0.1)).report
@@ -100,6 +115,7 @@ def test_a_delay_of_an_exact_record_is_found() -> None:
 
 
 @pytest.mark.parametrize("gain", [-5.0, 16.0])
+@searched(*FEW)
 def test_the_digits_of_a_rig_that_responds_at_once_are_no_gap(gain: float) -> None:
     """A jump of the input that acts within the sample is no noise beside which digits do not matter."""
     rng = np.random.default_rng(4)

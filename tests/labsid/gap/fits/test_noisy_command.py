@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
@@ -9,6 +10,8 @@ from scipy.signal import lfilter
 from labsid import Record
 from labsid.gap.diagnosis import diagnose
 from labsid.gap.fits.noisy_command import levels_behind_noise, with_levels
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 TS = 0.1
 
@@ -76,6 +79,9 @@ def test_units_do_not_matter(seed: int, scale: float, offset: float):
         np.testing.assert_allclose(other / scale - offset, levels, atol=1e-6)
 
 
+@searched(
+    "input-saturation", "input-dead-zone", "input-nonlinearity", "extra-lag", "output-saturation", "parameter-drift"
+)
 def test_no_limit_is_named_and_the_report_says_whose_noise_it_is():
     record, _ = _record(np.random.default_rng(3), 0.5, acts=False)
     report = diagnose(record).report

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 from scipy.stats import kurtosis
 
@@ -27,6 +28,8 @@ from labsid.gap.fits.residual_tests import (
 )
 from labsid.gap.record.data import Data, complete_rows, scaled
 from labsid.records.record import Record
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 Fitted = Callable[[FloatArray], tuple[Data, Fit]]
 
@@ -236,6 +239,7 @@ def test_gaussian_noise_does_not_come_and_go(pole: float) -> None:
     assert sum(called) <= 2
 
 
+@searched("output-drift", "output-nonlinearity", "load-step", "parameter-drift", "periodic-disturbance")
 def test_bumps_at_the_sensor_come_and_go_and_are_no_coloured_noise(fitted: Fitted) -> None:
     bump = 0.4 * np.sin(np.linspace(0.0, np.pi, 25))
     something = 0.02 * np.random.default_rng(1).standard_normal(800)

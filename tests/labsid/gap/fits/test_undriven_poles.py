@@ -196,7 +196,7 @@ def test_replacing_an_undriven_pole_returns_the_steps_without_and_with_the_drift
     assert replace_undriven_pole(data, along, -np.inf) is None
 
 
-@pytest.mark.usefixtures("without_limits")
+@searched(*FEW)
 def test_a_slow_pole_whose_response_its_free_response_cancels_is_no_slow_rig():
     rng = np.random.default_rng(130)
     u = np.repeat(rng.integers(0, 2, 125) * 10.0, 12)

@@ -144,7 +144,8 @@ def diagnosed(kind: str) -> Diagnosis:
         "coulomb-friction": lambda: upright(friction=0.6),
         "input-dead-zone": lambda: upright(dead_zone),
     }
-    return diagnose(rigs[kind]())
+    with searched("input-delay", "input-dead-zone", "input-saturation", "coulomb-friction", "load-step"):
+        return diagnose(rigs[kind]())
 
 
 @pytest.mark.slow

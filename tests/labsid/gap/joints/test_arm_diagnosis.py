@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
@@ -25,6 +26,10 @@ from labsid.records.record import Record
 from labsid.simulators.mjcf.simulation import open_mjcf
 from labsid.simulators.mjcf.sources import MjcfSource
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = ("input-delay", "input-backlash", "input-dead-zone", "coulomb-friction", "parameter-mismatch", "load-step")
+
 SAMPLES = 240
 FRICTION = {"inside elbow:friction": 0.08}
 
@@ -36,7 +41,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(model: Path) -> JointsDiagnosis:
-    diagnosed = diagnose(measured_chain(model, 1, SAMPLES, **FRICTION), open_mjcf(MjcfSource(model)))
+    with searched(*FEW):
+        diagnosed = diagnose(measured_chain(model, 1, SAMPLES, **FRICTION), open_mjcf(MjcfSource(model)))
     assert isinstance(diagnosed, JointsDiagnosis)
     return diagnosed
 
@@ -83,6 +89,7 @@ def test_within_a_dead_zone_the_command_is_zero(model: Path) -> None:
     assert np.sqrt(fit.free_run) * data.y_scale.unit < 1.2
 
 
+@searched(*FEW)
 def test_without_a_gap_no_effect_is_found(model: Path) -> None:
     record = measured_chain(model, 3, SAMPLES)
     simulate = open_mjcf(MjcfSource(model))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 pytest.importorskip("mujoco", reason="pip install 'labsid[mujoco]'")
 
@@ -21,9 +22,12 @@ from labsid.records.record import Record
 from labsid.simulators.mjcf.simulation import open_mjcf
 from labsid.simulators.mjcf.sources import MjcfSource
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 SAMPLES, WIDTH = 300, 0.1
 
 
+@searched("input-backlash", "input-dead-zone", "coulomb-friction", "parameter-mismatch")
 def test_the_joint_is_named_and_the_model_mended(tmp_path: Path) -> None:
     model = written(tmp_path / "arm.xml", chain(2))
     rig = written(tmp_path / "rig.xml", geared(chain(2), "elbow", WIDTH))

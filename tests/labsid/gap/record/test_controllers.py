@@ -107,6 +107,7 @@ def test_a_random_switching_input_is_no_thermostat(pole: float, held: int) -> No
     assert not switches_with_hysteresis(u, y)
 
 
+@searched("parameter-drift", "output-drift", "load-step", "periodic-disturbance")
 def test_the_wave_outside_is_named_where_a_thermostat_compensates_it() -> None:
     """It is larger than the whole output, which the thermostat holds; a drift of the rig is not taken for it."""
     u, y = thermostat()
@@ -116,6 +117,7 @@ def test_the_wave_outside_is_named_where_a_thermostat_compensates_it() -> None:
     assert not any("unstable" in text for text in report["screen"])
 
 
+@searched("input-dead-zone", "parameter-drift", "output-drift", "load-step")
 def test_a_regulated_record_is_unknown_and_says_why() -> None:
     """Its controller explains it to the last digit; that is not called a rig without a gap."""
     u, y = Loop().run(np.ones(500))
@@ -133,6 +135,7 @@ def test_a_load_on_a_regulated_rig_is_named() -> None:
     assert [effect["name"] for effect in report["effects"]] == ["load-step"]
 
 
+@searched("input-dead-zone", "parameter-drift", "output-drift", "load-step")
 def test_a_loop_whose_reference_moves_has_no_gap() -> None:
     u, y = Loop().run(np.repeat([1.0, 2.0, 0.5, 1.5, 0.8], 100))
     report = diagnose(Record(0.1 * np.arange(500), u, y, 0.1)).report

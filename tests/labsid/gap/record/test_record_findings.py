@@ -197,6 +197,7 @@ def test_a_rig_that_follows_a_switched_input_is_no_relay(direct: float, held: in
     assert not switches_on_output(u, y + noise * np.std(y) * rng.standard_normal(900))
 
 
+@searched("input-nonlinearity", "output-drift")
 def test_one_straight_line_is_a_static_rig_or_a_controller() -> None:
     rng = np.random.default_rng(8)
     u = np.cumsum(rng.standard_normal(600))

@@ -10,7 +10,7 @@ from labsid.gap.reports.html_report import page_content, render_html
 from labsid.gap.verdict.scores import closed_share
 
 
-def test_the_bar_of_the_share_is_the_number_beside_it_and_not_the_difference_of_the_errors():
+def test_the_bar_of_the_share_is_the_number_beside_it_and_not_the_difference_of_the_errors(undrawn):
     """0.0670 to 0.0452 above a noise of 0.0373 is three quarters of the way, and 54 % of the gap."""
     shown = report("periodic-disturbance", verdict="partial")
     before, after, floor = 0.0670, 0.0452, 0.0373

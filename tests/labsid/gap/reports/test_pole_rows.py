@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 from gap_reports import report
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid import diagnose
 from labsid.gap.reports.pole_rows import drawn_dynamics, poles_sentence
 from labsid.records.record import Record
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 POLES, TS = (0.93, 0.7), 0.5
 A = np.poly(POLES)
@@ -21,6 +24,7 @@ def record():
     return Record(TS * np.arange(u.size), u, lfilter([0.0, 0.05, 0.02], A, u) + 0.002 * rng.standard_normal(u.size), TS)
 
 
+@searched("extra-lag")
 def test_the_poles_of_the_rig_are_found_within_their_errors(record):
     found = diagnose(record).report
     poles = found["dynamics"]["after"]["poles"]
@@ -34,6 +38,7 @@ def test_the_poles_of_the_rig_are_found_within_their_errors(record):
     assert "longest time constant of the linear dynamics is 6." in poles_sentence(found)
 
 
+@searched("extra-lag", "parameter-mismatch")
 def test_the_poles_before_are_those_of_the_given_simulation(record):
     found = diagnose(record, MODEL).report
     before, after = (found["dynamics"][name] for name in ("before", "after"))
@@ -45,6 +50,7 @@ def test_the_poles_before_are_those_of_the_given_simulation(record):
     assert {name: len(own[0]) for name, own in drawn.items()} == {"before": 2, "after": 2}
 
 
+@searched("extra-lag")
 def test_a_simulation_that_is_run_has_no_poles_before(record):
     def simulate(t, u):
         return lfilter([0.0, 0.05, 0.02], A, u)

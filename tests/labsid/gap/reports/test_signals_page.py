@@ -10,7 +10,7 @@ from itertools import pairwise
 import pytest
 from gap_reports import with_rest
 from page_reader import Page
-from signals_reports import signals_report, with_planned_inputs
+from signals_reports import signals_report, undrawn_in_both_widths, with_planned_inputs
 
 from labsid.gap.reports.html_report import write_html_report
 from labsid.gap.reports.page_parts import command
@@ -30,19 +30,6 @@ KINDS = {
     "unknown": with_rest(signals_report(verdict="unknown"), "disturbance"),
     "holdout": signals_report(*FOUND, holdout=True),
 }
-
-
-def _undrawn(report):
-    return {
-        name: {"wide": "", "narrow": ""}
-        for name in ("first", "signals", "zoom", "couplings", "where", "holdout", "experiment")
-    }
-
-
-@pytest.fixture
-def undrawn_signals(monkeypatch):
-    """Pages without their figures, which take most of the time."""
-    monkeypatch.setattr("labsid.gap.reports.signals_page.encoded_figures", _undrawn)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -209,8 +196,10 @@ def test_the_command_names_the_signals():
     assert page_content(given)["command"] == given["command"]
 
 
-def test_the_figures_are_those_of_the_verdict():
-    assert set(encoded_figures(KINDS["none"])) == {"first", "signals", "couplings"}
+def test_the_figures_are_those_of_the_verdict(monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr("labsid.plots.page_figures.in_both_widths", undrawn_in_both_widths)
+        assert set(encoded_figures(KINDS["none"])) == {"first", "signals", "couplings"}
     found = encoded_figures(KINDS["holdout"])
     assert set(found) == {"first", "signals", "couplings", "zoom", "where", "holdout", "effect 1", "effect 2"}
     assert all(base64.b64decode(png).startswith(b"\x89PNG") for one in found.values() for png in one.values())

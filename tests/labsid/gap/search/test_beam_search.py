@@ -126,6 +126,7 @@ def bent_gain(samples: int) -> FloatArray:
     return 1.0 + 0.5 * (1.0 - np.linspace(-1.0, 1.0, samples) ** 2)
 
 
+@searched("input-nonlinearity", "slow-mode", "parameter-drift", "output-drift", "output-nonlinearity", "load-step")
 def test_a_gain_that_rises_and_falls_is_a_parameter_drift(levels: FloatArray, two_poles: Response) -> None:
     found = explain(data_of(levels, two_poles(levels * bent_gain(levels.size))))
     assert found.names == ("parameter-drift",)
@@ -139,6 +140,7 @@ def test_a_gain_that_rises_and_falls_is_a_parameter_drift(levels: FloatArray, tw
         pytest.param([1.0, 1.0], id="double integrator"),
     ],
 )
+@searched("input-nonlinearity", "parameter-drift", "output-drift", "load-step", "periodic-disturbance")
 def test_an_integrating_rig_with_an_offset_has_no_effect(levels: FloatArray, poles: list[float]) -> None:
     """An input offset gives a ramp after one integrator and a parabola after two; neither is a load."""
     swing = np.repeat(np.random.default_rng(5).choice([-1.0, 1.0], 150), 4) + 0.05
@@ -218,6 +220,9 @@ def test_quantization_residuals_are_distinguished_from_model_errors(plain: Expla
 
 
 @pytest.mark.parametrize(("shape", "steps"), [pytest.param("square", 8, marks=pytest.mark.exhaustive), ("levels", 32)])
+@searched(
+    "input-delay", "input-nonlinearity", "extra-lag", "resonance", "slow-mode", "output-nonlinearity", "output-backlash"
+)
 def test_rounding_is_explained_by_quantization_alone(
     levels: FloatArray, two_poles: Response, steps: int, shape: str
 ) -> None:
@@ -263,16 +268,7 @@ def leaking_tank(u: FloatArray, a: float, b: float, leak: float, onset: int) -> 
     return np.array(out)
 
 
-@searched(
-    "input-nonlinearity",
-    "sqrt-outflow",
-    "overflow",
-    "slow-mode",
-    "parameter-drift",
-    "output-drift",
-    "output-nonlinearity",
-    "load-step",
-)
+@searched("input-nonlinearity", "sqrt-outflow", "parameter-drift", "output-drift", "output-nonlinearity", "load-step")
 def test_a_leak_in_a_torricelli_tank_is_a_load_proportional_to_the_level(levels: FloatArray) -> None:
     u, a, b, leak = levels[:360], 0.8, 1.0, 0.01
     y = leaking_tank(u, a, b, leak, 220)
@@ -361,16 +357,6 @@ def loaded_motor(u: FloatArray, load: float, onset: int) -> FloatArray:
     return np.array(out)
 
 
-@searched(
-    "input-dead-zone",
-    "coulomb-friction",
-    "cubic-stiffness",
-    "parameter-drift",
-    "output-drift",
-    "output-nonlinearity",
-    "load-step",
-    "periodic-disturbance",
-)
 @pytest.mark.parametrize(
     ("rig", "name"),
     [
@@ -385,7 +371,8 @@ def test_a_large_load_on_a_nonlinear_state_is_found(levels: FloatArray, rig: Res
     """
     u, load = levels[:320], 1.2
     y = rig(u, load, 190)
-    found = explain(data_of(u, y), most=2)
+    with searched(name, "parameter-drift", "output-drift", "output-nonlinearity", "load-step"):
+        found = explain(data_of(u, y), most=2)
     assert set(found.names) == {name, "load-step"}
     assert "load-step/inside" in found.best.hypothesis.keys
     assert rms(found.data, found.best) < 0.0115
@@ -436,6 +423,7 @@ def axis(gain: float, friction: float, pull: float, samples: int) -> tuple[Float
     return force, position
 
 
+@searched("input-dead-zone", "coulomb-friction", "quadratic-drag", "output-drift", "load-step")
 def test_friction_of_an_axis_without_spring_is_found_beside_a_constant_force() -> None:
     u, y = axis(gain=1.0, friction=1.0, pull=0.6, samples=600)
     found = explain(data_of(u, y), most=1)

@@ -311,6 +311,7 @@ def tank(u: FloatArray, rate: float, held: Response) -> FloatArray:
     return held(u, np.array([u[0] ** 2]), lambda h, flow: [rate * (flow - np.sqrt(max(h[0], 0.0)))])[:, 0]
 
 
+@searched("input-nonlinearity", "sqrt-outflow", "overflow", "cubic-stiffness", "slow-mode", "output-nonlinearity")
 def test_a_single_torricelli_tank_is_identified(levels: FloatArray, held: Response) -> None:
     """Two tanks, one of them fast; not a spring and a mass."""
     u = 1.7 + levels[:320]

@@ -92,7 +92,8 @@ def matrix(lacking: bool = False) -> "control.TransferFunction":
 
 @cache
 def with_dead_zone() -> SignalsDiagnosis:
-    found = diagnose(rig(0, DEAD), simulate)
+    with searched(*FEW):
+        found = diagnose(rig(0, DEAD), simulate)
     assert isinstance(found, SignalsDiagnosis)
     return found
 
@@ -204,7 +205,7 @@ def test_an_exported_simulation_leaves_the_noise_on_another_record() -> None:
         system.to_json_dict()
 
 
-@searched(*FEW)
+@searched("input-dead-zone")
 def test_a_fitted_system_is_the_same_from_json() -> None:
     found = diagnose(rig(0, DEAD))
     assert isinstance(found, SignalsDiagnosis)
@@ -230,7 +231,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@searched(*FEW)
+@searched("input-dead-zone")
 def test_the_command_writes_and_runs_a_corrected_simulation(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -19,7 +19,8 @@ FEW = ("input-saturation", "input-dead-zone", "output-saturation", "output-nonli
 
 @pytest.fixture(scope="module")
 def dead_zone() -> SignalsDiagnosis:
-    found = diagnose(two_by_two(at_inputs=dead_zone_at_second))
+    with searched(*FEW):
+        found = diagnose(two_by_two(at_inputs=dead_zone_at_second))
     assert isinstance(found, SignalsDiagnosis)
     return found
 
@@ -56,6 +57,7 @@ def test_the_report_is_json_and_its_text_names_the_signal(dead_zone: SignalsDiag
     assert repr(dead_zone).startswith("<SignalsDiagnosis: effect: input-dead-zone at u2")
 
 
+@searched(*FEW)
 def test_a_plain_rig_has_no_gap() -> None:
     found = diagnose(two_by_two(1))
     assert found.verdict == "none"

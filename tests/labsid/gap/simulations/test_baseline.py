@@ -3,6 +3,7 @@
 import control
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid.gap.diagnosis import diagnose
@@ -12,6 +13,8 @@ from labsid.gap.simulations.model_json import read_transfer_function
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
 from labsid.simulators.simulator import function_simulator
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 DEN = np.poly([0.95, 0.8]).tolist()
 TRUE = {"num": [0.01, 0.0], "den": DEN, "dt": 0.5}
@@ -196,6 +199,7 @@ FIRST_ORDER = {"num": [0.0, 0.04], "den": [1.0, -0.95], "dt": 0.1}  # .8 / (1.95
 @pytest.mark.parametrize(
     ("poles", "cause"), [((0.95, 0.8), "extra-lag"), ((0.93,), "parameter-mismatch"), ((0.95,), None)]
 )
+@searched("input-delay", "extra-lag", "slow-mode", "parameter-mismatch", "output-drift")
 def test_a_pole_that_a_simulation_of_first_order_lacks_is_no_mismatch(poles, cause):
     """The faster one is further: the other is that of the simulation."""
     rng = np.random.default_rng(3)
@@ -209,6 +213,7 @@ def test_a_pole_that_a_simulation_of_first_order_lacks_is_no_mismatch(poles, cau
         assert report["effects"][0]["parameters"]["tau"]["value"] == pytest.approx(-0.1 / np.log(0.8), rel=0.1)
 
 
+@searched("output-drift", "load-step")
 def test_a_simulated_output_at_another_level_is_shifted_and_that_is_said():
     rng = np.random.default_rng(6)
     u = np.repeat(rng.uniform(0.0, 10.0, 45), 20)

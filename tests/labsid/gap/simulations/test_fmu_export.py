@@ -134,7 +134,7 @@ def test_other_files_hold_no_exported_simulation(tmp_path: Path) -> None:
     assert read_fmu_content(tmp_path / "other.fmu") is None
 
 
-@searched("input-saturation", "extra-lag", "load-step")
+@searched("input-saturation", "extra-lag")
 def test_an_fmu_is_diagnosed_exported_as_an_fmu_and_then_has_no_gap(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 
 from labsid.gap import prepared
 from labsid.gap.diagnosis import diagnose
@@ -9,6 +10,8 @@ from labsid.gap.simulations.long_record import downsample, shorten_holdout, shor
 from labsid.gap.simulations.simulated_output import SimulatedOutput
 from labsid.records.record import Record
 from labsid.simulators.simulator import function_simulator
+
+pytestmark = pytest.mark.usefixtures("without_limits")
 
 
 def record_of(u, y=None, Ts=0.5):
@@ -80,6 +83,7 @@ def test_thinned_by_one_is_the_same():
     assert downsample(record, 1) is record
 
 
+@searched("input-delay", "load-step")
 def test_the_report_states_the_samples_left_out(rig_record, monkeypatch):
     record = rig_record("none", 900)
     monkeypatch.setattr(

@@ -27,6 +27,8 @@ from labsid.simulators.mjcf.opening import open_model
 from labsid.simulators.mjcf.sources import MjcfSource
 from labsid.simulators.process import open_in_process
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 FEW = ("coulomb-friction", "parameter-mismatch", "input-dead-zone")
 
 

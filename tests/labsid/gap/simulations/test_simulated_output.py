@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import cont2discrete, lfilter
 
 from labsid.gap.diagnosis import diagnose
@@ -10,6 +11,8 @@ from labsid.gap.simulations.simulation_files import load_simulation
 from labsid.records.record import Record, load_record
 
 pytestmark = pytest.mark.usefixtures("without_limits")
+
+FEW = ("input-delay", "input-saturation", "input-nonlinearity", "extra-lag", "output-saturation", "output-nonlinearity")
 
 Ts = 0.1
 STEPS = np.repeat(np.random.default_rng(5).uniform(-1.0, 1.5, 60), 20)
@@ -126,6 +129,7 @@ def test_an_output_on_a_finer_grid_is_opened_and_said_to_be_resampled(tmp_path):
 # The records of `shared/data/found` -----------------------------------------------------------------------
 
 
+@searched(*FEW)
 def test_the_limit_of_the_actuator_is_found_from_a_simulated_output(shared_data):
     path = shared_data / "found" / "simulated-output-limit.csv"
     record = load_record(path)
@@ -138,6 +142,7 @@ def test_the_limit_of_the_actuator_is_found_from_a_simulated_output(shared_data)
     assert found.model.to_json_dict()["effects"] == ["input-saturation/both"]
 
 
+@searched(*FEW)
 def test_the_right_simulated_output_leaves_no_gap(shared_data):
     path = shared_data / "found" / "simulated-output-none.csv"
     record = load_record(path)

@@ -20,6 +20,8 @@ from labsid.gap.simulations.baseline import make_baseline
 from labsid.records.record import Record
 from labsid.simulators.stepper import stepper_simulator
 
+pytestmark = pytest.mark.usefixtures("without_limits")
+
 TS, NOISE = 0.005, 0.01
 SOURCE = Path(__file__).parents[3] / "stepped_rigs.py"
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import lfilter
 
 from labsid._arrays import FloatArray
@@ -197,6 +198,7 @@ def test_beside_another_record_the_model_that_predicts_it_best_is_chosen() -> No
     assert model.method == OUTPUT_ERROR
 
 
+@searched("output-drift", "load-step", "extra-lag", "slow-mode")
 def test_a_rig_with_an_integrator_and_a_pole_is_reported_with_its_own_noise() -> None:
     """As of a battery: a model of first order leaves several times the noise, though its pole shows."""
     u = levels(1200, 25, 7)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.signal import butter, lfilter
 
 from labsid._arrays import FloatArray
@@ -33,6 +34,7 @@ def filtered(u: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("rig", [pytest.param(rod, marks=pytest.mark.exhaustive), moving_mean, filtered])
+@searched("input-delay", "input-rate-limit", "extra-lag", "resonance", "slow-mode", "output-drift", "output-backlash")
 def test_lags_are_named_or_nothing_is(rig) -> None:
     """The command switches between two values."""
     rng = np.random.default_rng(3)
@@ -44,6 +46,7 @@ def test_lags_are_named_or_nothing_is(rig) -> None:
     assert likely <= {"extra-lag", "input-delay", "slow-mode"}
 
 
+@searched("parameter-drift", "output-drift", "load-step", "output-nonlinearity")
 def test_a_drift_of_the_gain_alone_has_no_drift_of_the_sensor_beside_it() -> None:
     """Its neutral input is no command, far from the mean."""
     rng = np.random.default_rng(0)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from gap_search import searched
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
@@ -13,6 +14,9 @@ from labsid.gap.reports.text_report import format_report
 from labsid.records.record import Record
 
 pytestmark = pytest.mark.usefixtures("without_limits")
+
+CURVES = ("input-nonlinearity", "input-saturation", "output-nonlinearity", "output-saturation", "extra-lag")
+"""What a product of input and output may be taken for."""
 
 
 def record_of(flow: Callable[[float, FloatArray, float], list[float]], start: list[float]) -> Record:
@@ -34,6 +38,7 @@ def diagnosed(flow: Callable[[float, FloatArray, float], list[float]], start: li
     return found
 
 
+@searched(*CURVES)
 def test_a_flow_that_multiplies_a_temperature_is_no_pair_of_curves() -> None:
     """A heat exchanger: T' = (0.5 u (T_in - T) - 0.2 T) / 10."""
     report = diagnosed(lambda t, x, u: [((3.0 - x[0]) * u * 0.5 - 0.2 * x[0]) / 10.0], [1.5]).report
@@ -46,6 +51,7 @@ def test_a_flow_that_multiplies_a_temperature_is_no_pair_of_curves() -> None:
 
 
 @pytest.mark.parametrize("multiplied", [True, False])
+@searched("periodic-disturbance", "load-step", "parameter-drift", *CURVES)
 def test_a_gain_that_oscillates_is_no_periodic_disturbance(multiplied: bool) -> None:
     """The input has two levels, on which the oscillation of the gain has two sizes."""
     rng = np.random.default_rng(3)
@@ -75,7 +81,8 @@ def test_a_gain_that_oscillates_is_no_periodic_disturbance(multiplied: bool) -> 
     ],
 )
 def test_a_true_law_is_no_product(name: str, flow: Callable[[float, FloatArray, float], list[float]]) -> None:
-    report = diagnosed(flow, [1.0] if name == "sqrt-outflow" else [0.0, 0.0]).report
+    with searched(name, *CURVES):
+        report = diagnosed(flow, [1.0] if name == "sqrt-outflow" else [0.0, 0.0]).report
     (effect,) = report["effects"]
     assert (report["verdict"], report["product"], effect["name"]) == ("effect", "", name)
     assert effect["probability"] > 0.8
