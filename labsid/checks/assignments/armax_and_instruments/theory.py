@@ -88,7 +88,8 @@ def _judge_limit(ask: Ask, a: float, b: float, c: float, var_u: float, var_e: fl
         SAME,
         "coloured noise pulls a, and leaves b.",
         "`limit_of_least_squares` returns another limit of a. Print the variance of y that it computes for System 2 "
-        "(a = -0.8, b = 1, c = -0.8, variances 1), where it is 4.704; then what is subtracted from a, c var_e over it.",
+        "(a = -0.8, b = 1, c = -0.8, var_u = 4/3, var_e = 1), where it is 4.704; then what is subtracted from a, c "
+        "var_e over it.",
         [
             Slip(
                 "sign of the pull",

@@ -118,9 +118,8 @@ def _require_unchanged_time(ask: Ask, t: FloatArray) -> None:
         changed[CUT:] -= t[CUT]
         if _same(now, changed):
             raise NoAnswer(
-                f"`t` itself has changed, by {20 * runs} s: `t[200:]` is a view of `t`, and `t_new -= 20` writes into "
-                "it, once more each time the cell is run. Write `t_new = t_new - 20`, or cut a copy, and run the cell "
-                "of `t` again.",
+                f"`t` itself has changed, by {20 * runs} s: `t[200:]` is a view of `t`, and `t_new -= ...` writes into "
+                "it. Write `t_new = t_new - ...`, or cut a copy, and run the cell of `t` again.",
                 "a view changed",
             )
 

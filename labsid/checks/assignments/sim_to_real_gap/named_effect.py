@@ -224,14 +224,15 @@ def _tolerances(rig: "WithheldRig", record: Record) -> dict[str, float]:
 
 
 def _named_effect(ask: Ask) -> str:
-    got = _text("effect", ask).replace("_", "-").replace(" ", "-")
+    said = _text("effect", ask)
+    got = said.replace("_", "-").replace(" ", "-")
     if got not in EFFECT_PATHS:
         several = [name for name in EFFECT_PATHS if name in got]
         if len(several) > 1:
             text = f"`effect` names {len(several)} effects, {' and '.join(several)}: give one, as a text by itself."
             raise NoAnswer(text, "two effects")
         raise NoAnswer(
-            f"`effect` is {got!r}, which is not in the list: {', '.join(EFFECT_PATHS)}.", "not a name of the list"
+            f"`effect` is {said!r}, which is not in the list: {', '.join(EFFECT_PATHS)}.", "not a name of the list"
         )
     return got
 
