@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         exhaustive = item.get_closest_marker("exhaustive") is not None
         if exhaustive or in_slow_file(item.path) or SLOW_FIXTURES & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.slow)
+
+
+_TRACER = sys.gettrace()  # of `make coverage`; None otherwise
+
+
+def pytest_runtest_setup() -> None:
+    """Trace again where a test has ended that, as an error in a trace function does."""
+    if _TRACER is not None and sys.gettrace() is None:
+        sys.settrace(_TRACER)
 
 
 @pytest.hookimpl(tryfirst=True)
