@@ -162,7 +162,7 @@ def _partial_sentence(report: dict[str, Any]) -> str:
         return f"The cause is not known: {tried} {one if len(others) == 1 else several}, but may only imitate it."
     if len(effects) == 1:
         return f"{_qualified(causes[0])}: {noun(causes[0]['name'])} {one}."
-    clauses = [f"{_qualified(effect)} ({_with_percent(effect)})" for effect in causes]
+    clauses = [_named_clause(effect) for effect in causes]
     said = acting(causes) or joined([clauses[0], *(uncapitalised(text) for text in clauses[1:])], comma=True)
     if not others:
         return f"{said}. Together they {several}."
@@ -221,9 +221,12 @@ def _with_chance(effect: dict[str, Any]) -> str:
     return f"{noun(effect['name'])}, {text}" if p >= HALF else f"{noun(effect['name'])} ({text})"
 
 
-def _with_percent(effect: dict[str, Any]) -> str:
-    """The noun of an effect whose clause is qualified in words, with its probability if that is in per cent."""
-    return _with_chance(effect) if chance_of(effect).endswith("%") else noun(effect["name"])
+def _named_clause(effect: dict[str, Any]) -> str:
+    """The clause of a cause with its noun, unless it holds that, and with its probability if that is in per cent."""
+    text, in_words = _qualified(effect), not chance_of(effect).endswith("%")
+    if in_words and noun_without_article(effect["name"]) in text:
+        return text
+    return f"{text} ({noun(effect['name']) if in_words else _with_chance(effect)})"
 
 
 def remaining_sentence(report: dict[str, Any]) -> str | None:
