@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from labsid._arrays import FloatArray
-from labsid.gap.model_file import from_json_dict, in_folder
-from labsid.gap.system_file import SYSTEM_SCHEMA, system_from_json, system_in_folder
+from labsid.gap.system_file import ExportedSystem, exported_from_json, exported_with_sources
 
 CONTENT = "labsid.json"  # in the resources of an FMU
 AHEAD = 500  # samples simulated beyond the present one, with the input as it is: valid until the input changes
@@ -56,7 +55,7 @@ class SampledRun:
         return present
 
     def output(self, u: float) -> float:
-        """The present output of a simulation of one input and one output, as in `outputs`."""
+        """The present output of one input and one output, as FMUs ask for it that were written before `outputs`."""
         return self.outputs(u)[0]
 
 
@@ -74,10 +73,9 @@ def open_sampled_run(resources: Path, start: float, of_record: bool = False) -> 
         and one output.
     """
     content = json.loads((resources / CONTENT).read_text(encoding="utf-8"))
-    if content.get("schema") == SYSTEM_SCHEMA:
-        system = system_from_json(system_in_folder(content, resources))
-        return SampledRun(system.simulate, system.sampling_time, start)
-    model = from_json_dict(in_folder(content, resources))
+    model = exported_from_json(exported_with_sources(content, lambda source: str(resources / source)))
+    if isinstance(model, ExportedSystem):
+        return SampledRun(model.simulate, model.sampling_time, start)
     return SampledRun(
         lambda u: model.simulate(np.ascontiguousarray(u[:, 0]), of_record=of_record)[:, np.newaxis], model.Ts, start
     )

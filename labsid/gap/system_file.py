@@ -237,6 +237,16 @@ def system_with_sources(content: Mapping[str, Any], change: Callable[[str], str]
     return {**content, "outputs": outputs}
 
 
+def exported_with_sources(content: dict[str, Any], change: Callable[[str], str]) -> dict[str, Any]:
+    """An exported simulation of one or several signals, the source of each given simulation in it changed."""
+    return (system_with_sources if content.get("schema") == SYSTEM_SCHEMA else with_sources)(content, change)
+
+
+def exported_from_json(content: dict[str, Any]) -> ExportedModel | ExportedSystem:
+    """Read an exported simulation of one or several signals; see `from_json_dict` and `system_from_json`."""
+    return (system_from_json if content.get("schema") == SYSTEM_SCHEMA else from_json_dict)(content)
+
+
 def _actuator(content: Mapping[str, Any]) -> Actuator:
     table = EFFECTS_BY_KEY | further_from_json(content["further"])
     effects = tuple(table[str(key)] for key in content["effects"])

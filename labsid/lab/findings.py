@@ -356,17 +356,16 @@ def _about_excitation(u: FloatArray, y: FloatArray, offsets: Offsets) -> Finding
             text = f"the first half has {half} samples, too few rows for the {2 * n} unknowns of order {n}."
             return Finding("refused", "excitation", text)
         result = persistent_excitation(Phi)
-        if not result.positive_definite and excited_in_other_units(Phi):
-            text = (
-                f"y is at most {np.abs(y_free).max():.3g} and u {np.abs(u_free).max():.3g}, offsets removed: too far "
-                "apart for one matrix Phi, which is singular in numbers. Convert one of them to other units."
-            )
-            return Finding("refused", "excitation", text)
         if not result.positive_definite:
             text = (
                 f"the first half does not excite order {n}. Phi has rank {result.rank} of {2 * n}, so theta is not "
                 "unique: the input must change more than once before the middle of the record."
             )
+            if excited_in_other_units(Phi):
+                text = (
+                    f"y is at most {np.abs(y_free).max():.3g} and u {np.abs(u_free).max():.3g}, offsets removed: too "
+                    "far apart for one matrix Phi, which is singular in numbers. Convert one of them to other units."
+                )
             return Finding("refused", "excitation", text)
         conditions.append(f"{result.condition_number:.4g} for order {n}")
     order = excitation_order(u_free, largest=_TESTED_ORDER, rounding=_rounding_of(u))

@@ -161,18 +161,16 @@ def _about_excitation(raw: RawRecord) -> Iterator[Finding]:
                 break
             Phi = build_phi(u, y - y[:half].mean(), n, stop=half).Phi
             excited = persistent_excitation(Phi)
-            if not excited.positive_definite and excited_in_other_units(Phi):
-                text = (
-                    "the signals are of sizes too far apart for one matrix Phi, which is singular in numbers. Convert "
-                    "some of them to other units."
-                )
-                yield Finding("refused" if n == 1 else "warning", "excitation", f"{name}: {text}")
-                break
             if not excited.positive_definite:
                 text = (
                     f"the first half does not excite order {n} with {_inputs(raw)}. Phi has rank "
                     f"{excited.rank} of {unknowns}, so theta is not unique: move each input more, and not all at once."
                 )
+                if excited_in_other_units(Phi):
+                    text = (
+                        "the signals are of sizes too far apart for one matrix Phi, which is singular in numbers. "
+                        "Convert some of them to other units."
+                    )
                 yield Finding("refused" if n == 1 else "warning", "excitation", f"{name}: {text}")
                 break
             conditions.append(f"{excited.condition_number:.4g} for order {n}")

@@ -83,6 +83,12 @@ class Through:
         return residual_is_white(self.explanation.data, self.explanation.best)
 
     @property
+    def mean_square(self) -> float:
+        """Of the free-run error, in the output's own unit."""
+        data = self.explanation.data
+        return mean_square(data, self.explanation.best) * data.y_scale.unit**2
+
+    @property
     def score(self) -> float:
         """BIC of the free-run error."""
         return free_run_bic(self.explanation.data, self.explanation.best)
@@ -244,7 +250,7 @@ def _rank(signals: Signals, option: Sequence[ExplainedOutput]) -> tuple[int, flo
             return left, np.inf
         errors = [np.mean((signals.y - together)[rows, j] ** 2) for j, rows in enumerate(signals.rows.T)]
     else:
-        errors = [mean_square(*one.last) * one.last[0].y_scale.unit ** 2 for one in option]
+        errors = [one.through[-1].mean_square for one in option]
     return left, float(np.sum(np.log(errors)))
 
 
@@ -448,9 +454,7 @@ def _fits_as_well(plain: Through, last: Through) -> bool:
 
     If the dynamics seen through that input fit worse, one effect more at it cannot show.
     """
-    errors = [mean_square(one.explanation.data, one.explanation.best) for one in (plain, last)]
-    units = [one.explanation.data.y_scale.unit for one in (plain, last)]
-    return bool(np.sqrt(errors[0]) * units[0] <= SAME * np.sqrt(errors[1]) * units[1])
+    return plain.mean_square <= SAME**2 * last.mean_square
 
 
 def _score(through: Through) -> float:

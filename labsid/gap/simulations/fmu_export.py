@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from labsid._files import write_file
-from labsid.gap.model_file import from_json_dict, with_sources
 from labsid.gap.sampled_run import CONTENT
-from labsid.gap.system_file import SYSTEM_SCHEMA, system_from_json, system_with_sources
+from labsid.gap.system_file import SYSTEM_SCHEMA, exported_from_json, exported_with_sources
 from labsid.simulators.fmu import input_and_output
 from labsid.simulators.sources import read_source, source_file
 
@@ -127,7 +126,7 @@ def write_fmu(path: Path, content: dict[str, Any]) -> None:
             files[-1].write_bytes(data)
             if source.lower().endswith(".fmu") and not several:
                 driven, seen = ([name] for name in input_and_output(files[-1]))
-            content = (system_with_sources if several else with_sources)(content, lambda _: source)
+            content = exported_with_sources(content, lambda _: source)
         files[0].write_text(json.dumps(content), encoding="utf-8")
         name = _identifier(path.stem, files)
         script = folder / f"{name}.py"
@@ -152,8 +151,7 @@ def read_fmu_content(path: Path) -> dict[str, Any] | None:
             content: dict[str, Any] = json.loads(opened.read(f"resources/{CONTENT}"))
     except (OSError, KeyError, ValueError, zipfile.BadZipFile):
         return None
-    change = system_with_sources if content.get("schema") == SYSTEM_SCHEMA else with_sources
-    return change(content, lambda source: f"{path}:{source}")
+    return exported_with_sources(content, lambda source: f"{path}:{source}")
 
 
 def _identifier(stem: str, files: list[Path]) -> str:
@@ -178,7 +176,7 @@ def _check_alone(path: Path, built: Path) -> None:
     content = read_fmu_content(built)
     assert content is not None
     try:
-        (system_from_json if content.get("schema") == SYSTEM_SCHEMA else from_json_dict)(content)
+        exported_from_json(content)
     except ValueError as error:
         raise ValueError(
             f"{path.name} cannot hold the simulation: {error} An FMU takes along one file: put what it imports from "
